@@ -1,0 +1,27 @@
+# SPDX-License-Identifier: Apache-2.0
+# photonloom_folder(NAME): golden/NAME as the library photonloom_NAME, linked with every folder declared before it.
+# golden/NAME/CMakeLists.txt, where there is one, adds what only this folder needs (libraries, flags of single files).
+set(PHOTONLOOM_FOLDERS "" CACHE INTERNAL "folders declared so far")
+add_library(photonloom_base INTERFACE)
+target_include_directories(photonloom_base INTERFACE ${CMAKE_SOURCE_DIR})
+target_link_libraries(photonloom_base INTERFACE fmt::fmt nlohmann_json::nlohmann_json glm::glm TBB::tbb Threads::Threads)
+
+function(photonloom_folder NAME)
+  file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/golden/${NAME}/*.cpp)
+  set(target photonloom_${NAME})
+  if(sources)
+    add_library(${target} STATIC ${sources})
+    set(kind PUBLIC)
+  else()
+    add_library(${target} INTERFACE)
+    set(kind INTERFACE)
+  endif()
+  target_link_libraries(${target} ${kind} photonloom_base)
+  foreach(below IN LISTS PHOTONLOOM_FOLDERS)
+    target_link_libraries(${target} ${kind} photonloom_${below})
+  endforeach()
+  set(PHOTONLOOM_FOLDERS ${PHOTONLOOM_FOLDERS} ${NAME} CACHE INTERNAL "")
+  if(EXISTS ${CMAKE_SOURCE_DIR}/golden/${NAME}/CMakeLists.txt)
+    add_subdirectory(${CMAKE_SOURCE_DIR}/golden/${NAME})
+  endif()
+endfunction()

@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: Apache-2.0
+// The plan: the complete description of one hardware configuration. Everything that golden and
+// hardware must agree on is a line of it or a function of its lines.
+#pragma once
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <string>
+
+#include "golden/numeric/bits.hpp"
+
+namespace photonloom {
+
+enum class ReorderKey { kNone, kHilbert, kHash };  // kNone: pass-through
+enum class ReorderDrain { kSweep, kFullest };
+enum class TableCombine { kSum, kProduct };
+
+// One photon map as the hardware sees it.
+struct MapPlan {
+  bool present = false;
+  uint64_t photons = 0;    // N; the map has ceil(N / bucket) lines
+  int power_exponent = 0;  // one power unit is 2^power_exponent W
+  double radius = 0;       // the radius asked for, scene units; 0: none. r2_max follows from it
+  uint64_t r2_max = 0;     // squared position units, inclusive
+
+  // The list of lines in plan.toml: (key, value, smallest, largest, meaning).
+  template <class Self, class Visitor>
+  static void visit(Self& m, Visitor&& v) {
+    v("present", m.present, 0, 1, "whether the scene needs this map");
+    v("photons", m.photons, 0, 1u << 30, "stored photons");
+    v("power_exponent", m.power_exponent, -1000, 1000, "one power unit is 2^this W");
+    v("radius", m.radius, 0, 0, "maximum gather radius in scene units, 0 for none");
+    v("r2_max", m.r2_max, 0, 0, "maximum squared distance in squared position units, inclusive");
+  }
+};
+
+struct Plan {
+  // [scene]
+  std::string scene;               // name, for people
+  std::array<double, 3> origin{};  // lower corner of the scene's cube
+  double extent = 1;               // its edge; one position unit is extent / 2^position_bits
+  // [photon]
+  int position_bits = 16;
+  int direction_bits = 8;  // per octahedral coordinate
+  int mantissa_bits = 9;
+  int exponent_bits = 5;
+  int channels = 3;
+  std::array<double, 3> channel_color{1, 1, 1};  // with one channel: RGB = value * this
+  int bucket = 8;                                // photons per line
+  int photon_bytes = 16;                         // stride of a photon in a line
+  MapPlan global, caustic;
+  // [gather]
+  int k = 50;
+  int normal_bits = 8;  // per octahedral coordinate of a query's normal
+  uint64_t r2_floor = 1;
+  uint32_t epsilon_factor = 1;  // E: a subtree is skipped iff distance^2 * E > bound * 2^s
+  int epsilon_shift = 0;        // s
+  uint32_t leaf_limit = 0;      // leaves visited per query at most; 0: no limit
+  int reciprocal_bits = 18;     // W; 0: results carry no reciprocal
+  // [gatherer]: changes when packets come, never which
+  int contexts = 16;
+  int lanes = 4;
+  int cache_bytes = 16384;
+  int cache_ways = 2;
+  int cache_misses = 8;
+  // [reorder]
+  ReorderKey reorder_key = ReorderKey::kHilbert;
+  ReorderDrain reorder_drain = ReorderDrain::kSweep;
+  int reorder_packets = 2048;  // P
+  int reorder_bins = 512;      // a power of two
+  int reorder_cell_bits = 3;   // bits of each coordinate that make the key
+  int reorder_lag = 0;         // D: decisions see the pool as it was D packets ago
+  // [sampler]
+  int cell_bits = 4;          // a: the table has 2^a x 2^a cells
+  int probability_bits = 16;  // width of a narrowed weight
+  int u_bits = 32;
+  int v_bits = 8;  // each of v1, v2
+  TableCombine combine = TableCombine::kSum;
+  // [frame]
+  int width = 256, height = 256;
+  int spp = 16;
+  int gather_rays = 16;
+  int tile = 16;        // edge of a tile in pixels
+  int batch_tiles = 0;  // tiles per batch; 0: the whole frame
+  // [pixel]
+  int weight_bits = 18;    // mantissa of a query's weight
+  int fraction_bits = 32;  // F: a pixel counts 2^-F W/(m^2 sr)
+  int integer_bits = 32;   // I
+
+  // Widths that follow.
+  int r2_bits() const { return 2 * position_bits + 2; }
+  uint64_t r2_limit() const { return ones(r2_bits()); }
+  const MapPlan& map(bool is_caustic) const { return is_caustic ? caustic : global; }
+  uint64_t lines(const MapPlan& m) const {
+    return (m.photons + static_cast<uint64_t>(bucket) - 1) / static_cast<uint64_t>(bucket);
+  }
+  uint64_t max_photons() const { return std::max(global.photons, caustic.photons); }
+  uint64_t max_lines() const { return std::max(lines(global), lines(caustic)); }
+  int line_bits() const { return std::max(1, clog2(max_lines())); }
+  int slot_bits() const { return clog2(static_cast<uint64_t>(bucket)); }
+  int index_bits() const { return line_bits() + slot_bits(); }
+  int count_bits() const { return clog2(static_cast<uint64_t>(k) + 1); }
+  int power_bits() const {
+    return mantissa_bits + static_cast<int>(ones(exponent_bits));
+  }  // one channel, decoded
+  int flux_bits() const { return power_bits() + clog2(static_cast<uint64_t>(k)); }
+  int reciprocal_exponent_bits() const {
+    return reciprocal_bits ? clog2(static_cast<uint64_t>(r2_bits()) + 1) : 0;
+  }
+  int pixel_bits() const {
+    return std::max(1, clog2(static_cast<uint64_t>(width) * static_cast<uint64_t>(height)));
+  }
+  int sample_bits() const { return std::max(1, clog2(static_cast<uint64_t>(spp))); }
+  int tag_bits() const { return std::max(1, clog2(static_cast<uint64_t>(gather_rays) + 1)); }
+  int cell_index_bits() const { return 2 * cell_bits; }
+  int total_bits() const { return probability_bits + cell_index_bits(); }
+  int sample_direction_bits() const { return cell_bits + v_bits; }
+  int photon_bits() const {
+    return 3 * position_bits + 2 * direction_bits + channels * mantissa_bits + exponent_bits;
+  }
+  double position_unit() const {
+    return extent / static_cast<double>(uint64_t{1} << position_bits);
+  }
+
+  // The list of lines in plan.toml, in order: (section, key, value, smallest, largest, meaning).
+  template <class Self, class Visitor>
+  static void visit(Self& p, Visitor&& v) {
+    v("scene", "name", p.scene, 0, 0, "for people; not part of the hash");
+    v("scene", "origin", p.origin, 0, 0, "lower corner of the scene's cube, scene units");
+    v("scene", "extent", p.extent, 0, 0, "edge of the scene's cube, scene units");
+    v("photon", "position_bits", p.position_bits, 4, 24, "bits of each coordinate");
+    v("photon", "direction_bits", p.direction_bits, 2, 14, "bits of each octahedral coordinate");
+    v("photon", "mantissa_bits", p.mantissa_bits, 2, 16, "bits of each channel's mantissa");
+    v("photon", "exponent_bits", p.exponent_bits, 1, 5, "bits of the shared exponent");
+    v("photon", "channels", p.channels, 1, 3, "1 where all light has one colour");
+    v("photon", "channel_color", p.channel_color, 0, 0, "with one channel, RGB = value * this");
+    v("photon", "bucket", p.bucket, 2, 16, "photons per line, a power of two");
+    v("photon", "photon_bytes", p.photon_bytes, 4, 32, "stride of a photon in a line");
+    v("gather", "k", p.k, 1, 256, "photons in an estimate");
+    v("gather", "normal_bits", p.normal_bits, 2, 14,
+      "bits of each octahedral coordinate of a query's normal");
+    v("gather", "r2_floor", p.r2_floor, 1, 0, "smallest r^2 an estimate divides by");
+    v("gather", "epsilon_factor", p.epsilon_factor, 1, 65535, "E; exact when E = 2^epsilon_shift");
+    v("gather", "epsilon_shift", p.epsilon_shift, 0, 15,
+      "s: skip iff distance^2 * E > bound * 2^s");
+    v("gather", "leaf_limit", p.leaf_limit, 0, 65535,
+      "leaves visited per query at most, 0 for no limit");
+    v("gather", "reciprocal_bits", p.reciprocal_bits, 0, 24,
+      "W of reciprocal(r^2), 0 for none, else at least 8");
+    v("gatherer", "contexts", p.contexts, 1, 16, "queries in flight");
+    v("gatherer", "lanes", p.lanes, 1, 16, "distances per cycle");
+    v("gatherer", "cache_bytes", p.cache_bytes, 0, 1 << 20, "leaf cache");
+    v("gatherer", "cache_ways", p.cache_ways, 1, 8, "its associativity");
+    v("gatherer", "cache_misses", p.cache_misses, 1, 32, "misses outstanding");
+    v("reorder", "key", p.reorder_key, 0, 0, "none (pass-through), hilbert or hash");
+    v("reorder", "drain", p.reorder_drain, 0, 0, "sweep or fullest");
+    v("reorder", "packets", p.reorder_packets, 1, 1 << 20, "pool size");
+    v("reorder", "bins", p.reorder_bins, 1, 1 << 16, "a power of two");
+    v("reorder", "cell_bits", p.reorder_cell_bits, 1, 7, "bits of each coordinate in the key");
+    v("reorder", "lag", p.reorder_lag, 0, 16, "packets by which a decision lags");
+    v("sampler", "cell_bits", p.cell_bits, 1, 6, "the table has 2^this x 2^this cells");
+    v("sampler", "probability_bits", p.probability_bits, 4, 24, "width of a cell's weight");
+    v("sampler", "u_bits", p.u_bits, 16, 48, "bits of the number that picks the cell");
+    v("sampler", "v_bits", p.v_bits, 1, 12, "bits of each number that places the direction in it");
+    v("sampler", "combine", p.combine, 0, 0, "sum or product of photon and BRDF table");
+    v("frame", "width", p.width, 1, 16384, "pixels");
+    v("frame", "height", p.height, 1, 16384, "pixels");
+    v("frame", "spp", p.spp, 1, 1 << 20, "samples per pixel");
+    v("frame", "gather_rays", p.gather_rays, 0, 65535, "final gather rays per sample");
+    v("frame", "tile", p.tile, 1, 1024, "edge of a tile in pixels");
+    v("frame", "batch_tiles", p.batch_tiles, 0, 1 << 28, "tiles per batch, 0 for the whole frame");
+    v("pixel", "weight_bits", p.weight_bits, 8, 24, "mantissa of a query's weight");
+    v("pixel", "fraction_bits", p.fraction_bits, -64, 96, "F: a pixel counts 2^-F W/(m^2 sr)");
+    v("pixel", "integer_bits", p.integer_bits, 1, 96, "I: integer bits of a pixel");
+  }
+};
+
+}  // namespace photonloom

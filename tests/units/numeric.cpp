@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+
+#include "golden/numeric/elementary.hpp"
+#include "golden/numeric/hilbert.hpp"
+#include "golden/numeric/octahedral.hpp"
+#include "golden/numeric/random.hpp"
+#include "golden/numeric/reciprocal.hpp"
+#include "golden/numeric/shared_exponent.hpp"
+#include "golden/packet/packet.hpp"
+#include "tests/catch.hpp"
+
+using namespace photonloom;
+
+TEST_CASE("octahedral centres encode to their own code, at every width") {
+  for (int b : {2, 4, 8})
+    for (uint32_t u = 0; u < (1u << b); ++u)
+      for (uint32_t v = 0; v < (1u << b); ++v) {
+        const IVec3 o = oct_decode({u, v}, b);
+        REQUIRE(std::abs(o[0]) + std::abs(o[1]) + std::abs(o[2]) == (1 << b));
+        REQUIRE((oct_encode(Vec3(o[0], o[1], o[2]), b) == OctCode{u, v}));
+      }
+}
+
+TEST_CASE("the top bits of an octahedral code are the coarser code") {
+  for (uint64_t i = 0; i < 10000; ++i) {
+    const Random r(7, Phase::kPath, i);
+    const Vec3 d(r.unit(0, 0) - 0.5, r.unit(0, 1) - 0.5, r.unit(0, 2) - 0.5);
+    const OctCode fine = oct_encode(d, 12), coarse = oct_encode(d, 4);
+    REQUIRE(fine.u >> 8 == coarse.u);
+    REQUIRE(fine.v >> 8 == coarse.v);
+  }
+}
+
+TEST_CASE("the Hilbert curve visits every cell once, each next to the one before") {
+  const int b = 3;
+  std::vector<UVec3> at(size_t{1} << (3 * b), UVec3{99, 99, 99});
+  for (uint32_t x = 0; x < 8; ++x)
+    for (uint32_t y = 0; y < 8; ++y)
+      for (uint32_t z = 0; z < 8; ++z) {
+        at[hilbert_index({x, y, z}, b)] = {x, y, z};
+        REQUIRE(hilbert_index({x, y, z}, b) >> 3 == hilbert_index({x >> 1, y >> 1, z >> 1}, b - 1));
+      }
+  for (size_t i = 1; i < at.size(); ++i) {
+    int distance = 0;
+    for (size_t c = 0; c < 3; ++c)
+      distance += std::abs(static_cast<int>(at[i][c]) - static_cast<int>(at[i - 1][c]));
+    REQUIRE(distance == 1);
+  }
+}
+
+TEST_CASE("reciprocal is within one unit of the division for every mantissa") {
+  for (int w : {8, 12, 18})
+    for (uint64_t m = uint64_t{1} << w; m < uint64_t{2} << w; ++m) {
+      const Reciprocal r = reciprocal(m, w);
+      REQUIRE(r.exponent == static_cast<uint32_t>(w));
+      const double exact = std::ldexp(1.0, 2 * w) / static_cast<double>(m);
+      REQUIRE(exact - r.mantissa >= 0);
+      REQUIRE(exact - r.mantissa < 1);
+    }
+  REQUIRE(reciprocal((uint64_t{1} << 30) - 1, 8) == Reciprocal{256, 30});  // the carry
+}
+
+TEST_CASE("elementary functions agree with libm") {
+  for (int i = -4000; i <= 4000; ++i) {
+    const double x = i * 0.00137, turn = x - std::floor(x);
+    REQUIRE(std::fabs(cos_sin_turns(x).x - std::cos(2 * kPi * turn)) < 4e-15);
+    REQUIRE(std::fabs(cos_sin_turns(x).y - std::sin(2 * kPi * turn)) < 4e-15);
+    REQUIRE(std::fabs(exp2_exact(x * 20) / std::exp2(x * 20) - 1) < 1e-13);
+    if (x > 0) REQUIRE(std::fabs(pow_exact(x, 33.3) / std::pow(x, 33.3) - 1) < 1e-12);
+  }
+}
+
+TEST_CASE("shared exponent: the largest channel keeps its top bit, the error is half a step") {
+  for (uint64_t i = 0; i < 20000; ++i) {
+    const Random r(3, Phase::kPath, i);
+    const double scale = std::exp2(r.unit(1, 0) * 38);
+    const std::array<double, 3> v{r.unit(0, 0) * scale, r.unit(0, 1) * scale, r.unit(0, 2) * scale};
+    bool saturated = false;
+    const PowerCode p = encode_power(v, 3, 9, 5, &saturated);
+    REQUIRE_FALSE(saturated);
+    const uint32_t top = std::max({p.mantissa[0], p.mantissa[1], p.mantissa[2]});
+    if (p.exponent > 0) REQUIRE(top >= 256);
+    for (int c = 0; c < 3; ++c)
+      REQUIRE(std::fabs(static_cast<double>(power_value(p, c)) - v[c]) <=
+              std::ldexp(0.5, static_cast<int>(p.exponent)));
+  }
+}
+
+TEST_CASE("packet fields are visited in order with the plan's widths") {
+  Plan plan;
+  plan.global.photons = 4000;
+  int bits = 0;
+  GatherQuery::fields(plan, [&](auto, const FieldInfo& f) { bits += f.elements * f.bits; });
+  REQUIRE(bits == 16 + 4 + 5 + 3 + 48 + 16);
+  int packets = 0;
+  for_each_packet([&](auto) { ++packets; });
+  REQUIRE(packets == 5);
+}
