@@ -91,7 +91,7 @@ using Channels64 = std::array<uint64_t, 3>;
   FIELD(uint32_t, sample, 1, plan.sample_bits(), "", "sample of the table")                     \
   FIELD(uint32_t, tag, 1, plan.tag_bits(), "", "as in the request")                             \
   FIELD(Pair32, direction, 2, plan.sample_direction_bits(), "octahedral cell", "the direction") \
-  FIELD(uint32_t, cell, 1, plan.cell_index_bits(), "",                                          \
+  FIELD(uint32_t, cell_index, 1, plan.cell_index_bits(), "",                                    \
         "row * 2^a + column, column from u, row from v coordinate")                             \
   FIELD(uint32_t, weight, 1, plan.probability_bits, "", "w of the cell")                        \
   FIELD(uint64_t, total, 1, plan.total_bits(), "", "W of the table")
