@@ -1,25 +1,78 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/core.h>
+#include <tbb/global_control.h>
+#include <tbb/info.h>
 
+#include <algorithm>
 #include <exception>
+#include <memory>
+#include <new>
 
 #include "golden/command/command.hpp"
+#include "golden/command/console.hpp"
 
-int main(int argc, char** argv) {
+namespace photonloom {
+
+std::vector<std::pair<int, Command::Add>>& registered_commands() {
+  static std::vector<std::pair<int, Command::Add>> commands;
+  return commands;
+}
+
+Command::Command(int place, Add add) { registered_commands().emplace_back(place, add); }
+
+void ThreadsOption::add_to(CLI::App& command) {
+  command
+      .add_option("--threads", given_,
+                  "Threads to use (default: all of this machine's). Never changes a result.")
+      ->check(CLI::Range(1, 1024))
+      ->type_name("N");
+}
+
+void ThreadsOption::apply() const {
+  static std::unique_ptr<tbb::global_control> limit;
+  if (given_ > 0)
+    limit = std::make_unique<tbb::global_control>(tbb::global_control::max_allowed_parallelism,
+                                                  static_cast<size_t>(given_));
+}
+
+int ThreadsOption::threads() const {
+  return given_ > 0 ? given_ : tbb::info::default_concurrency();
+}
+
+namespace {
+
+int run(int argc, char** argv) {
   CLI::App app{
-      "Photonloom: photon-mapping hardware for one scene at one accuracy, generated and proved.",
+      "Photonloom: photon-mapping hardware for one scene at one accuracy, generated and proved.\n"
+      "Each command explains itself: photonloom COMMAND --help.",
       "photonloom"};
   app.require_subcommand(1);
+  app.set_version_flag("--version", PHOTONLOOM_VERSION);
+  std::sort(registered_commands().begin(), registered_commands().end());
+  for (const auto& [place, add] : registered_commands()) add(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 2;
+  }
+  return 0;
+}
+
+}  // namespace
+}  // namespace photonloom
+
+int main(int argc, char** argv) {
+  photonloom::handle_interrupts();
+  try {
+    return photonloom::run(argc, argv);
   } catch (const photonloom::UsageError& error) {
     fmt::print(stderr, "photonloom: {}\n", error.what());
     return 2;
+  } catch (const std::bad_alloc&) {
+    fmt::print(stderr, "photonloom: not enough memory\n");
+    return 1;
   } catch (const std::exception& error) {
     fmt::print(stderr, "photonloom: {}\n", error.what());
     return 1;
   }
-  return 0;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // An image in memory: named float channels of one size, and its metadata.
 #pragma once
+#include <cstdint>
 #include <map>
 #include <string>
 #include <vector>
@@ -33,6 +34,10 @@ struct Image {
 // written beside the target and renamed. Both throw std::runtime_error with file and reason.
 void write_exr(const Image& image, const std::string& path);
 Image read_exr(const std::string& path);
+
+// The same for 8-bit RGB, row by row from the top left; srgb_byte codes a linear value, 1 is white.
+void write_png(const std::vector<uint8_t>& rgb, int width, int height, const std::string& path);
+uint8_t srgb_byte(double linear);
 
 // sRGB PNG of R, G, B times 2^exposure, clipped at white.
 void write_png(const Image& image, const std::string& path, double exposure = 0);

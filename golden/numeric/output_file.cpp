@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "golden/numeric/output_file.hpp"
+
+#include <fcntl.h>
+#include <fmt/core.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <mutex>
+#include <set>
+#include <stdexcept>
+
+namespace photonloom {
+namespace {
+
+std::mutex unfinished_mutex;
+std::set<std::string>& unfinished() {
+  static std::set<std::string> paths;
+  return paths;
+}
+
+// Held for good once the program is being interrupted: whoever wants to begin or commit waits for
+// the end of the program.
+void forget(const std::string& path) {
+  const std::lock_guard lock(unfinished_mutex);
+  unfinished().erase(path);
+}
+
+std::string beside(const std::string& path) {
+  static int number = 0;  // under unfinished_mutex
+  return fmt::format("{}.partial-{}-{}", path, getpid(), number++);
+}
+
+// The file a link points to: the link itself stays.
+std::string resolved(const std::string& path) {
+  std::error_code ignored;
+  const std::filesystem::path target = std::filesystem::weakly_canonical(path, ignored);
+  return std::filesystem::is_symlink(path, ignored) && !target.empty() ? target.string() : path;
+}
+
+}  // namespace
+
+void OutputFile::fail(const char* what) const {
+  throw std::runtime_error(fmt::format("{}: {}: {}", path_, what, std::strerror(errno)));
+}
+
+OutputFile::OutputFile(std::string path) : path_(std::move(path)) {
+  struct stat info {};
+  if (path_.empty()) throw std::runtime_error("the name of an output file is empty");
+  const bool exists = stat(path_.c_str(), &info) == 0;
+  if (exists && S_ISDIR(info.st_mode))
+    throw std::runtime_error(path_ + ": cannot be written: it is a folder, expected a file name");
+  if (exists && !S_ISREG(info.st_mode)) {
+    descriptor_ = open(path_.c_str(), O_WRONLY | O_CLOEXEC);
+    if (descriptor_ < 0) fail("cannot be opened for writing");
+    return;
+  }
+  if (exists && access(path_.c_str(), W_OK) != 0) fail("cannot be written");
+  const std::lock_guard lock(unfinished_mutex);
+  path_ = resolved(path_);
+  const std::string temporary = beside(path_);
+  descriptor_ = open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+  if (descriptor_ < 0) fail("cannot be created");
+  temporary_ = temporary;
+  unfinished().insert(temporary_);
+}
+
+OutputFile::~OutputFile() {
+  if (descriptor_ >= 0) close(descriptor_);
+  if (!temporary_.empty()) {
+    unlink(temporary_.c_str());
+    forget(temporary_);
+  }
+}
+
+void OutputFile::write(std::string_view bytes) {
+  buffer_ += bytes;
+  if (buffer_.size() >= (1u << 20)) flush();
+}
+
+void OutputFile::flush() {
+  const char* next = buffer_.data();
+  size_t left = buffer_.size();
+  while (left > 0) {
+    const ssize_t n = ::write(descriptor_, next, left);
+    if (n < 0) {
+      if (errno == EINTR) continue;
+      fail("cannot be written");
+    }
+    next += n;
+    left -= static_cast<size_t>(n);
+  }
+  buffer_.clear();
+}
+
+void OutputFile::commit() {
+  flush();
+  const int descriptor = descriptor_;
+  descriptor_ = -1;
+  if (close(descriptor) != 0) fail("cannot be written");
+  if (temporary_.empty()) return;
+  const std::lock_guard lock(unfinished_mutex);
+  if (rename(temporary_.c_str(), path_.c_str()) != 0) fail("cannot be put in place");
+  unfinished().erase(temporary_);
+  temporary_.clear();
+}
+
+OutputFolder::OutputFolder(std::string path) : path_(std::move(path)) {
+  while (path_.size() > 1 && path_.back() == '/') path_.pop_back();
+  if (path_.empty()) throw std::runtime_error("the name of an output folder is empty");
+  std::error_code error;
+  if (std::filesystem::exists(path_, error) && !std::filesystem::is_directory(path_, error))
+    throw std::runtime_error(path_ + ": cannot be replaced: it is not a folder");
+  const std::lock_guard lock(unfinished_mutex);
+  path_ = resolved(path_);
+  const std::string temporary = beside(path_);
+  std::filesystem::create_directories(temporary, error);
+  if (error) throw std::runtime_error(path_ + ": cannot be created: " + error.message());
+  temporary_ = temporary;
+  unfinished().insert(temporary_);
+}
+
+OutputFolder::~OutputFolder() {
+  if (temporary_.empty()) return;
+  std::error_code ignored;
+  std::filesystem::remove_all(temporary_, ignored);
+  forget(temporary_);
+}
+
+void OutputFolder::commit() {
+  const std::lock_guard lock(unfinished_mutex);
+  std::error_code error;
+  const std::string old = beside(path_);
+  const bool existed = std::filesystem::exists(path_);
+  if (existed) std::filesystem::rename(path_, old, error);
+  if (!error) std::filesystem::rename(temporary_, path_, error);
+  if (error) throw std::runtime_error(path_ + ": cannot be put in place: " + error.message());
+  unfinished().erase(temporary_);
+  temporary_.clear();
+  if (existed) std::filesystem::remove_all(old, error);
+}
+
+void write_file(const std::string& path, std::string_view bytes) {
+  OutputFile file(path);
+  file.write(bytes);
+  file.commit();
+}
+
+std::string read_file(const std::string& path) {
+  const auto fail = [&path] {
+    throw std::runtime_error(fmt::format("{}: cannot be read: {}", path, std::strerror(errno)));
+  };
+  const int descriptor = open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  if (descriptor < 0) fail();
+  std::string bytes;
+  struct stat info {};
+  if (fstat(descriptor, &info) == 0 && info.st_size > 0)
+    bytes.reserve(static_cast<size_t>(info.st_size));
+  char block[65536];
+  for (;;) {
+    const ssize_t n = read(descriptor, block, sizeof block);
+    if (n == 0) break;
+    if (n < 0) {
+      if (errno == EINTR) continue;
+      const int reason = errno;
+      close(descriptor);
+      errno = reason;
+      fail();
+    }
+    bytes.append(block, static_cast<size_t>(n));
+  }
+  close(descriptor);
+  return bytes;
+}
+
+void remove_unfinished_outputs() {
+  unfinished_mutex.lock();  // never unlocked: the program ends now
+  std::error_code ignored;
+  for (const std::string& path : unfinished()) std::filesystem::remove_all(path, ignored);
+}
+
+}  // namespace photonloom
