@@ -39,10 +39,96 @@ class RayCaster {
                         const Hit* to_hit) const = 0;
 };
 
-class World;
-std::unique_ptr<RayCaster> make_double_bvh(
-    const World& world);  // our own; the photon mapper's, in both arithmetics
-std::unique_ptr<RayCaster> make_embree(const World& world);  // the path tracer's
+enum class PrimitiveKind : uint8_t { kTriangle, kSphere, kDisk };
+
+// What a ray can meet, in world space.
+struct Primitive {
+  PrimitiveKind kind = PrimitiveKind::kTriangle;
+  bool inward = false;  // sphere: the normal points to the centre
+  uint32_t shape = 0;
+  uint32_t index = 0;     // triangle: its number in the shape's mesh
+  int32_t emitter = -1;   // area emitter: index into World::emitters()
+  Vec3 a{0}, b{0}, c{0};  // triangle: vertices; sphere: centre a, radius b.x; disk: a + x b + y c,
+                          // x^2 + y^2 <= 1
+  Vec3 normal{0};         // triangle, disk: unit; sphere: unused
+  double area = 0;
+};
+
+// Something that emits: one primitive of a shape with radiance, or a light without a surface.
+struct Emitter {
+  int32_t primitive = -1;  // area emitter; else -1 and
+  int32_t light = -1;      // index into Scene::lights
+  Rgb radiance{0};         // area emitter, W/(m^2 sr)
+  Rgb power{0};            // W; directional: through the disk that covers the scene
+  double pmf = 0;          // probability of emission: its share of the total power
+};
+
+// A scene with primitives, emitters and bounds worked out. Throws SceneError when nothing emits.
+class World {
+ public:
+  explicit World(Scene scene);
+
+  const Scene& scene() const { return scene_; }
+  const std::vector<Primitive>& primitives() const { return primitives_; }
+  const std::vector<Emitter>& emitters() const { return emitters_; }
+
+  // Axis-aligned box of all primitives.
+  const Vec3& lower() const { return lower_; }
+  const Vec3& upper() const { return upper_; }
+  // The cube of the plan: concentric with the box, its edge the box's longest edge times 1 + 2^-16,
+  // so that no surface lies on its upper faces.
+  const Vec3& cube_origin() const { return cube_origin_; }
+  double cube_extent() const { return cube_extent_; }
+  // Smallest sphere around the box's centre that holds all primitives.
+  const Vec3& centre() const { return centre_; }
+  double radius() const { return radius_; }
+
+  double surface_area() const { return surface_area_; }  // one side, all shapes
+  // Area that can hold photons: both sides where both sides have a diffuse lobe.
+  double diffuse_area() const { return diffuse_area_; }
+  bool has_delta() const { return has_delta_; }    // some surface is a mirror or glass
+  bool has_glossy() const { return has_glossy_; }  // some surface has a phong lobe
+  Rgb emitted_power() const { return emitted_power_; }
+
+  // Emission: the emitter for a number in [0, 1), in proportion to power (mean of the channels).
+  uint32_t choose_emitter(double u) const;
+
+  // The BSDF that a ray of this direction meets at the hit: front or back by the geometric normal.
+  // Null: black.
+  const Bsdf* bsdf(const Hit& hit, const Vec3& ray_direction) const {
+    return bsdf(hit.shape, glm::dot(hit.normal, ray_direction) < 0);
+  }
+  const Bsdf* bsdf(uint32_t shape, bool front) const {
+    const int index = side_bsdf_[2 * shape + (front ? 0 : 1)];
+    return index < 0 ? nullptr : &scene_.bsdfs[static_cast<size_t>(index)];
+  }
+  // Radiance leaving a hit against the ray: black but on the normal side of an emitter.
+  Rgb emission(const Hit& hit, const Vec3& ray_direction) const {
+    const int32_t e = primitives_[hit.primitive].emitter;
+    return e >= 0 && glm::dot(hit.normal, ray_direction) < 0
+               ? emitters_[static_cast<size_t>(e)].radiance
+               : Rgb(0);
+  }
+
+ private:
+  void add_primitives();
+  void add_emitters();
+
+  Scene scene_;
+  std::vector<Primitive> primitives_;
+  std::vector<Emitter> emitters_;
+  std::vector<double> emitter_cdf_;
+  std::vector<int> side_bsdf_;  // two per shape: front, back; -1: black
+  Vec3 lower_{0}, upper_{0}, cube_origin_{0}, centre_{0};
+  double cube_extent_ = 1, radius_ = 0, surface_area_ = 0, diffuse_area_ = 0;
+  bool has_delta_ = false, has_glossy_ = false;
+  Rgb emitted_power_{0};
+};
+
+// Our own BVH in double, the photon mapper's in both arithmetics. The world must outlive it.
+std::unique_ptr<RayCaster> make_double_bvh(const World& world);
+// Embree finds the primitive, the hit is refined in double; the path tracer's.
+std::unique_ptr<RayCaster> make_embree(const World& world);
 
 // A photon as it lands, in scene units.
 struct Photon {
@@ -63,8 +149,9 @@ struct PhotonPass {
 struct DiffuseHit {
   Vec3 position;
   Vec3 normal;          // geometric, turned to the side that is lit and seen
-  Vec3 shading_normal;  // turned likewise
+  Vec3 shading_normal;  // turned likewise; the cosine of the BSDF is taken to it
   Hit hit;
+  uint32_t segments = 0;  // of the path from the camera to here
 };
 
 // The camera's path of one sample: everything but the caustic estimate and the final gather.
@@ -93,5 +180,24 @@ struct GatherSample {
   Rgb weight{0};  // throughput from x to y, times rho_d / pi at y, over probabilities; without cos
                   // and pdf at x
 };
+
+// Photons for the global map: every photon that reaches a diffuse lobe. Paths are emitted in index
+// order until `stored` photons are there (the last path is kept whole) or 100 * stored paths are
+// out. Uses threads; the result does not depend on them.
+PhotonPass trace_global_photons(const World& world, const RayCaster& caster, uint64_t stored,
+                                uint64_t seed);
+// Photons for the caustic map: light, one or more delta surfaces, diffuse lobe. Empty without delta
+// surfaces.
+PhotonPass trace_caustic_photons(const World& world, const RayCaster& caster, uint64_t stored,
+                                 uint64_t seed);
+
+// One camera path through pixel (px, py) of the film, (0, 0) top left.
+CameraSample trace_camera(const World& world, const RayCaster& caster, int px, int py,
+                          uint64_t sample, uint64_t seed);
+
+// One final gather ray from x; zero where the direction is below x's surface.
+GatherSample trace_gather(const World& world, const RayCaster& caster, const DiffuseHit& x,
+                          const Vec3& direction, uint64_t pixel, uint64_t sample, uint64_t ray,
+                          uint64_t seed);
 
 }  // namespace photonloom
