@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rtl/generate/package.hpp"
+
+#include <fmt/core.h>
+
+#include <cctype>
+
+#include "golden/packet/layout.hpp"
+
+namespace photonloom {
+
+std::string upper_camel(const std::string& snake) {
+  std::string camel;
+  bool up = true;
+  for (const char c : snake) {
+    if (c == '_') {
+      up = true;
+      continue;
+    }
+    camel += up ? static_cast<char>(std::toupper(static_cast<unsigned char>(c))) : c;
+    up = false;
+  }
+  return camel;
+}
+
+std::vector<PackageConstant> package_constants(const Plan& plan) {
+  std::vector<PackageConstant> list;
+  const auto number = [&](const std::string& name, uint64_t value, const std::string& meaning) {
+    list.push_back({upper_camel(name), "int unsigned", fmt::format("{}", value), meaning});
+  };
+#define LINE(member, meaning) number(#member, static_cast<uint64_t>(plan.member), meaning)
+#define WIDTH(function, meaning) number(#function, static_cast<uint64_t>(plan.function()), meaning)
+  LINE(position_bits, "bits of each coordinate");
+  LINE(direction_bits, "bits of each octahedral coordinate of a photon's direction");
+  LINE(mantissa_bits, "bits of each channel's mantissa");
+  LINE(exponent_bits, "bits of the shared exponent");
+  LINE(channels, "colour channels of a power");
+  LINE(bucket, "photons in a line");
+  LINE(photon_bytes, "stride of a photon in a line");
+  number("global_present", plan.global.present, "1: there is a global map");
+  number("global_photons", plan.global.photons, "its photons at most");
+  number("caustic_present", plan.caustic.present, "1: there is a caustic map");
+  number("caustic_photons", plan.caustic.photons, "its photons at most");
+  WIDTH(max_photons, "photons of the larger map");
+  WIDTH(max_lines, "lines of the larger map");
+  LINE(k, "photons in an estimate");
+  LINE(normal_bits, "bits of each octahedral coordinate of a query's normal");
+  list.push_back({"R2Floor", fmt::format("logic [{}:0]", plan.r2_bits() - 1),
+                  fmt::format("{}'d{}", plan.r2_bits(), plan.r2_floor),
+                  "smallest r^2 an estimate divides by"});
+  LINE(epsilon_factor, "E: skip iff distance^2 * E > bound * 2^s");
+  LINE(epsilon_shift, "s of the same");
+  LINE(leaf_limit, "leaves visited per query at most, 0 for no limit");
+  LINE(reciprocal_bits, "W of reciprocal(r^2), 0 for none");
+  LINE(contexts, "queries in flight");
+  LINE(lanes, "distances per cycle");
+  LINE(cache_bytes, "leaf cache");
+  LINE(cache_ways, "its associativity");
+  LINE(cache_misses, "misses outstanding");
+  LINE(reorder_key, "0 none (pass-through), 1 hilbert, 2 hash");
+  LINE(reorder_drain, "0 sweep, 1 fullest");
+  LINE(reorder_packets, "pool size P");
+  LINE(reorder_bins, "bins");
+  LINE(reorder_cell_bits, "bits of each coordinate in the key");
+  LINE(reorder_lag, "packets by which a decision lags");
+  LINE(cell_bits, "a: the table has 2^a x 2^a cells");
+  LINE(probability_bits, "width of a cell's weight");
+  LINE(u_bits, "bits of the number that picks the cell");
+  LINE(v_bits, "bits of each number that places the direction in it");
+  number("combine", static_cast<uint64_t>(plan.combine), "0 sum, 1 product");
+  WIDTH(r2_bits, "squared distance");
+  WIDTH(line_bits, "line number");
+  WIDTH(slot_bits, "slot in a line");
+  WIDTH(index_bits, "photon index");
+  WIDTH(count_bits, "count of photons up to k");
+  WIDTH(power_bits, "one decoded channel of a power");
+  WIDTH(flux_bits, "one channel of a sum of k powers");
+  WIDTH(reciprocal_exponent_bits, "exponent of the reciprocal");
+  WIDTH(pixel_bits, "pixel number");
+  WIDTH(sample_bits, "sample of a pixel");
+  WIDTH(tag_bits, "final gather ray of a sample");
+  WIDTH(cell_index_bits, "cell of the table");
+  WIDTH(total_bits, "sum of the table's weights");
+  WIDTH(sample_direction_bits, "octahedral coordinate of a sampled direction");
+  WIDTH(photon_bits, "a photon without padding");
+#undef LINE
+#undef WIDTH
+  for_each_packet([&](auto tag) {
+    using P = typename decltype(tag)::type;
+    number(std::string(P::kName) + "_packet_bits",
+           static_cast<uint64_t>(PacketLayout::of<P>(plan).bits()),
+           fmt::format("width of {}_t", P::kName));
+  });
+  return list;
+}
+
+std::string write_package(const Plan& plan, uint64_t plan_hash) {
+  std::string text = fmt::format(
+      "// SPDX-License-Identifier: Apache-2.0\n"
+      "// Generated from plan {0:016x}: its constants and packets. Edit the plan, not this file.\n"
+      "package photonloom_pkg;\n\n"
+      "  // A unit reads the constants that concern it; `map` is a word of the packets.\n"
+      "  /* verilator lint_off UNUSEDPARAM */\n"
+      "  /* verilator lint_off SYMRSVDWORD */\n\n"
+      "  localparam logic [63:0] PlanHash = 64'h{0:016x};  // of the plan's text\n",
+      plan_hash);
+  for (const PackageConstant& c : package_constants(plan))
+    text += fmt::format("  localparam {} {} = {};  // {}\n", c.type, c.name, c.value, c.meaning);
+  for_each_packet([&](auto tag) {
+    using P = typename decltype(tag)::type;
+    const PacketLayout layout = PacketLayout::of<P>(plan);
+    text += fmt::format(
+        "\n  // {} bits; array fields are flat, element 0 lowest.\n"
+        "  typedef struct packed {{\n",
+        layout.bits());
+    for (const FieldPlace& f : layout.fields()) {
+      if (!f.present()) continue;
+      const std::string size =
+          f.elements > 1 ? fmt::format("{} x {} bits; ", f.elements, f.bits) : std::string();
+      text += fmt::format("    logic [{}:0] {};  // {}{}{}\n", f.elements * f.bits - 1, f.name,
+                          size, f.meaning, f.unit.empty() ? "" : " [" + f.unit + "]");
+    }
+    text += fmt::format("  }} {}_t;\n", layout.name());
+  });
+  text += "\n  /* verilator lint_on SYMRSVDWORD */\n  /* verilator lint_on UNUSEDPARAM */\n";
+  return text + "endpackage\n";
+}
+
+}  // namespace photonloom

@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: Apache-2.0
+// Packing, traces and the generated package.
+#include <cstdio>
+#include <fstream>
+#include <random>
+#include <string>
+
+#include "golden/packet/layout.hpp"
+#include "golden/packet/trace.hpp"
+#include "rtl/generate/package.hpp"
+#include "tests/catch.hpp"
+
+using namespace photonloom;
+
+namespace {
+
+struct Wide {
+  uint64_t value;
+  static constexpr const char* kName = "wide";
+  template <class Visitor>
+  static void fields(const Plan&, Visitor&& visitor) {
+    visitor(&Wide::value, FieldInfo{"value", 1, 64, "", ""});
+  }
+};
+
+Plan small_plan() {
+  Plan plan;
+  plan.global = {true, 1000, 0, 0, 100};
+  return plan;
+}
+
+template <class P>
+P random_packet(const PacketLayout& layout, std::mt19937_64& random) {
+  P packet{};
+  for (const FieldPlace& f : layout.fields())
+    for (int i = 0; i < f.elements; ++i) layout.set(&packet, f, i, random() & ones(f.bits));
+  return packet;
+}
+
+std::string message(const std::string& line, const Plan& plan) {
+  GatherQuery q{};
+  try {
+    packet_from_json(PacketLayout::of<GatherQuery>(plan), line, "q.jsonl, line 3", &q);
+  } catch (const std::runtime_error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+}  // namespace
+
+TEST_CASE("packing and traces give back what went in, for every packet and many plans") {
+  const uint64_t seed = 7;
+  INFO("seed " << seed);
+  std::mt19937_64 random(seed);
+  for (int round = 0; round < 200; ++round) {
+    Plan plan = small_plan();
+    plan.position_bits = 4 + static_cast<int>(random() % 21);
+    plan.channels = 1 + static_cast<int>(random() % 3);
+    plan.reciprocal_bits = random() % 2 ? 18 : 0;
+    plan.k = 1 + static_cast<int>(random() % 200);
+    for_each_packet([&](auto tag) {
+      using P = typename decltype(tag)::type;
+      const PacketLayout layout = PacketLayout::of<P>(plan);
+      const P packet = random_packet<P>(layout, random);
+      std::vector<uint32_t> words(layout.words());
+      layout.pack(&packet, words.data());
+      P back{};
+      layout.unpack(words.data(), &back);
+      CHECK(back == packet);
+      P read{};
+      packet_from_json(layout, packet_to_json(layout, &packet), "here", &read);
+      CHECK(read == packet);
+    });
+  }
+}
+
+TEST_CASE("the first field is most significant, element 0 of an array lowest") {
+  const Plan plan = small_plan();  // position 16 bits, normal 8
+  const PacketLayout layout = PacketLayout::of<GatherQuery>(plan);
+  GatherQuery q{};
+  q.normal = {0x12, 0x34};
+  q.position = {0xaaaa, 0xbbbb, 0xcccc};
+  std::vector<uint32_t> words(layout.words());
+  layout.pack(&q, words.data());
+  CHECK((words[0] & 0xffff) == 0x3412);
+  CHECK((words[0] >> 16) == 0xaaaa);
+  CHECK(words[1] == 0xccccbbbb);
+  q = {};
+  q.pixel = static_cast<uint32_t>(ones(plan.pixel_bits()));
+  layout.pack(&q, words.data());
+  CHECK(to_hex(words.data(), layout.bits()).rfind("0x", 0) == 0);
+  CHECK(layout.extract(words.data(), layout.fields()[0], 0) == ones(plan.pixel_bits()));
+  CHECK(layout.fields()[0].offset + plan.pixel_bits() == layout.bits());
+}
+
+TEST_CASE("a value over its width, or in an absent field, is an error that names it") {
+  Plan plan = small_plan();
+  const PacketLayout layout = PacketLayout::of<GatherQuery>(plan);
+  std::vector<uint32_t> words(layout.words());
+  GatherQuery q{};
+  q.position[2] = 0x10000;
+  CHECK_THROWS_WITH(layout.pack(&q, words.data()),
+                    "packet gather_query, field position: 65536 does not fit its 16 bits");
+  plan.channels = 1;
+  const PacketLayout result = PacketLayout::of<GatherResult>(plan);
+  GatherResult r{};
+  r.flux[1] = 1;
+  std::vector<uint32_t> more(result.words());
+  CHECK_THROWS_AS(result.pack(&r, more.data()), std::runtime_error);
+}
+
+TEST_CASE("a bad line is one clear error") {
+  const Plan plan = small_plan();
+  const std::string start = R"({"pixel": 1, "sample": 0, "tag": 0, "map": 0, "flush": 0, )";
+  const std::string good = start + R"("want_photons": 0, "position": [1, 2, 3], "normal": [0, 1]})";
+  CHECK(message(good, plan).empty());
+  CHECK(message(start + R"("position": [1, 2, 3], "normal": [0, 1]})", plan) ==
+        "q.jsonl, line 3: field want_photons of a gather_query packet is missing");
+  CHECK(message(start + R"("want_photons": 2, "position": [1, 2, 3], "normal": [0, 1]})", plan) ==
+        "q.jsonl, line 3: field want_photons is 2, which does not fit its 1 bits");
+  CHECK(message(start + R"("want_photons": 0, "position": [1, 2], "normal": [0, 1]})", plan) ==
+        "q.jsonl, line 3: field position is [1,2], expected an array of 3 integers");
+  CHECK(message(R"({"colour": 1})", plan) ==
+        "q.jsonl, line 3: a gather_query packet has no field \"colour\"");
+  CHECK(message(R"({"pixel": 1, "pixel": 2})", plan) ==
+        "q.jsonl, line 3: field pixel stands twice");
+  CHECK(message(R"([1])", plan) ==
+        "q.jsonl, line 3: expected one JSON object, a gather_query packet");
+  CHECK(message(R"({"pixel": )", plan).find("is not JSON") != std::string::npos);
+  for (const char* bad : {"-1", "1.5", "true", "\"x\"", "null", "99999999999999999999999"})
+    CHECK(message(
+              start + R"("want_photons": )" + bad + R"(, "position": [1, 2, 3], "normal": [0, 1]})",
+              plan)
+              .find("field want_photons is") != std::string::npos);
+}
+
+TEST_CASE("integers wider than 53 bits are decimal strings") {
+  const PacketLayout layout = PacketLayout::of<Wide>(Plan{});
+  const Wide wide{~0ull};
+  CHECK(packet_to_json(layout, &wide) == "{\"value\": \"18446744073709551615\"}");
+  Wide back{};
+  packet_from_json(layout, packet_to_json(layout, &wide), "here", &back);
+  CHECK(back.value == wide.value);
+}
+
+TEST_CASE("the package is deterministic and follows the plan") {
+  Plan plan = small_plan();
+  CHECK(write_package(plan, 1) == write_package(plan, 1));
+  CHECK(write_package(plan, 1) != write_package(plan, 2));
+  plan.reciprocal_bits = 0;
+  const std::string text = write_package(plan, 1);
+  CHECK(text.find(" reciprocal;") == std::string::npos);
+  CHECK(text.find("localparam int unsigned K = 50;") != std::string::npos);
+  CHECK(text.find("logic [47:0] position;") != std::string::npos);
+  CHECK(upper_camel("reorder_cell_bits") == "ReorderCellBits");
+}
