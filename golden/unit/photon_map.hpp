@@ -8,9 +8,9 @@
 //
 // An inner node splits its photons along the axis in which their bounding box is longest (lowest
 // axis on a tie), in the total order (coordinate on the axis, the next axis's, the one after,
-// direction, power, number in the input); the left child gets as many as its leaves hold. `split`
-// is the coordinate of the first photon on the right: left coordinates are <= split, right ones >=
-// split. Within a line photons stand in the order of their input numbers.
+// direction u, v, power mantissas, exponent, number in the input); the left child gets as many as
+// its leaves hold. `split` is the coordinate of the first photon on the right: left coordinates are
+// <= split, right ones >= split. Within a line photons stand in the order of their input numbers.
 #pragma once
 #include <cstdint>
 #include <span>
