@@ -20,8 +20,9 @@ struct MapPlan {
   bool present = false;
   uint64_t photons = 0;    // N; the map has ceil(N / bucket) lines
   int power_exponent = 0;  // one power unit is 2^power_exponent W
-  double radius = 0;       // the radius asked for, scene units; 0: none. r2_max follows from it
-  uint64_t r2_max = 0;     // squared position units, inclusive
+  double radius = 0;       // scene units; 0: none
+  uint64_t r2_max = 0;     // squared position units, inclusive. Not a line of the file: it follows
+                           // from the radius, so that position_bits can be edited alone
 
   // The list of lines in plan.toml: (key, value, smallest, largest, meaning).
   template <class Self, class Visitor>
@@ -30,9 +31,15 @@ struct MapPlan {
     v("photons", m.photons, 0, 1u << 30, "stored photons");
     v("power_exponent", m.power_exponent, -1000, 1000, "one power unit is 2^this W");
     v("radius", m.radius, 0, 0, "maximum gather radius in scene units, 0 for none");
-    v("r2_max", m.r2_max, 0, 0, "maximum squared distance in squared position units, inclusive");
   }
 };
+
+// A visitor of (section, key, ...) as a visitor of (key, ...).
+template <class Visitor>
+auto in_section(const char* section, Visitor& v) {
+  return [section, &v](const char* key, auto& value, auto smallest, auto largest,
+                       const char* meaning) { v(section, key, value, smallest, largest, meaning); };
+}
 
 struct Plan {
   // [scene]
@@ -121,6 +128,22 @@ struct Plan {
   double position_unit() const {
     return extent / static_cast<double>(uint64_t{1} << position_bits);
   }
+  int line_bytes() const { return bucket * photon_bytes; }
+  // W of the shader: that of the results, 18 where they carry no reciprocal.
+  int shader_bits() const { return reciprocal_bits ? reciprocal_bits : 18; }
+  // Bits of flux * R * c * weight before it is rounded to the pixel.
+  int contribution_bits() const { return flux_bits() + 2 * (shader_bits() + 1) + weight_bits; }
+  int pixel_contribution_bits() const { return integer_bits + fraction_bits; }
+  // A pixel adds the direct light, the emission, the glossy light, the caustic estimate and the
+  // final gather rays of each sample.
+  int pixel_sum_bits() const {
+    return pixel_contribution_bits() + clog2(static_cast<uint64_t>(spp)) +
+           clog2(static_cast<uint64_t>(gather_rays) + 4);
+  }
+  // Largest exponent of a weight at which no contribution can reach 2^(I+F).
+  int weight_exponent_max() const {
+    return pixel_contribution_bits() - flux_bits() - weight_bits + msb(r2_floor) - 1;
+  }
 
   // The list of lines in plan.toml, in order: (section, key, value, smallest, largest, meaning).
   template <class Self, class Visitor>
@@ -136,6 +159,8 @@ struct Plan {
     v("photon", "channel_color", p.channel_color, 0, 0, "with one channel, RGB = value * this");
     v("photon", "bucket", p.bucket, 2, 16, "photons per line, a power of two");
     v("photon", "photon_bytes", p.photon_bytes, 4, 32, "stride of a photon in a line");
+    MapPlan::visit(p.global, in_section("global", v));
+    MapPlan::visit(p.caustic, in_section("caustic", v));
     v("gather", "k", p.k, 1, 256, "photons in an estimate");
     v("gather", "normal_bits", p.normal_bits, 2, 14,
       "bits of each octahedral coordinate of a query's normal");

@@ -1,0 +1,466 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "golden/plan/plan_file.hpp"
+
+#include <fmt/core.h>
+#include <toml++/toml.h>
+
+#include <cmath>
+#include <limits>
+#include <set>
+#include <sstream>
+#include <type_traits>
+#include <vector>
+
+#include "golden/numeric/output_file.hpp"
+#include "golden/plan/quantiser.hpp"
+
+namespace photonloom {
+namespace {
+
+// Enumerations are spelt as in the file, in the order of their values.
+constexpr std::array<const char*, 3> kKeyNames{"none", "hilbert", "hash"};
+constexpr std::array<const char*, 2> kDrainNames{"sweep", "fullest"};
+constexpr std::array<const char*, 2> kCombineNames{"sum", "product"};
+constexpr const auto& names_of(ReorderKey) { return kKeyNames; }
+constexpr const auto& names_of(ReorderDrain) { return kDrainNames; }
+constexpr const auto& names_of(TableCombine) { return kCombineNames; }
+
+template <class T>
+constexpr bool kIsInteger = std::is_integral_v<T> && !std::is_same_v<T, bool>;
+using Triple = std::array<double, 3>;
+
+std::string quoted(const std::string& s) {
+  std::string out = "\"";
+  for (const char c : s) {
+    if (c == '"' || c == '\\') {
+      out += '\\';
+      out += c;
+    } else if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) {
+      out += fmt::format("\\u{:04x}", static_cast<unsigned>(c));
+    } else {
+      out += c;
+    }
+  }
+  return out + '"';
+}
+
+// The shortest text that reads back to the same double, always with a point or an exponent.
+std::string number(double x) {
+  std::string s = fmt::format("{}", x);
+  if (s.find_first_of(".en") == std::string::npos) s += ".0";
+  return s;
+}
+
+template <class T>
+std::string value_text(const T& value) {
+  if constexpr (std::is_same_v<T, std::string>)
+    return quoted(value);
+  else if constexpr (std::is_same_v<T, bool>)
+    return value ? "true" : "false";
+  else if constexpr (std::is_same_v<T, double>)
+    return number(value);
+  else if constexpr (std::is_same_v<T, Triple>)
+    return fmt::format("[{}, {}, {}]", number(value[0]), number(value[1]), number(value[2]));
+  else if constexpr (std::is_enum_v<T>)
+    return quoted(names_of(value)[static_cast<size_t>(value)]);
+  else
+    return fmt::format("{}", value);
+}
+
+// What a value of this line must be.
+template <class T>
+std::string expectation(const T& value, uint64_t smallest, uint64_t largest, bool signed_range,
+                        int64_t signed_smallest) {
+  if constexpr (std::is_same_v<T, std::string>) {
+    return "a string";
+  } else if constexpr (std::is_same_v<T, bool>) {
+    return "true or false";
+  } else if constexpr (std::is_same_v<T, double>) {
+    return "a finite number that is not negative";
+  } else if constexpr (std::is_same_v<T, Triple>) {
+    return "an array of three finite numbers";
+  } else if constexpr (std::is_enum_v<T>) {
+    std::string list;
+    for (const char* name : names_of(value)) list += (list.empty() ? "" : ", ") + quoted(name);
+    return "one of " + list;
+  } else {
+    const std::string from =
+        signed_range ? fmt::format("{}", signed_smallest) : fmt::format("{}", smallest);
+    return largest ? fmt::format("an integer from {} to {}", from, largest)
+                   : fmt::format("an integer of at least {}", from);
+  }
+}
+
+// One line's range. A largest of 0 means none.
+struct Range {
+  int64_t smallest, largest;
+  template <class T>
+  std::string expected(const T& value) const {
+    return expectation(value, static_cast<uint64_t>(std::max<int64_t>(0, smallest)),
+                       static_cast<uint64_t>(std::max<int64_t>(0, largest)), smallest < 0,
+                       smallest);
+  }
+  template <class T>
+  bool holds(const T& value) const {
+    if constexpr (std::is_same_v<T, double>) {
+      return std::isfinite(value) && value >= 0;
+    } else if constexpr (std::is_same_v<T, Triple>) {
+      return std::isfinite(value[0]) && std::isfinite(value[1]) && std::isfinite(value[2]);
+    } else if constexpr (std::is_enum_v<T>) {
+      return static_cast<size_t>(value) < names_of(value).size();
+    } else if constexpr (kIsInteger<T>) {
+      if constexpr (std::is_unsigned_v<T>)
+        if (value > static_cast<uint64_t>(std::numeric_limits<int64_t>::max())) return false;
+      const auto v = static_cast<int64_t>(value);
+      return v >= smallest && (largest == 0 || v <= largest);
+    } else {
+      return true;
+    }
+  }
+};
+
+// What C++ code wrote into r2_max alone is kept by the radius in the file.
+Plan with_radius(Plan plan) {
+  for (MapPlan* m : {&plan.global, &plan.caustic})
+    if (m->present && radius_to_r2_max(plan, m->radius) != m->r2_max)
+      m->radius = radius_for_r2_max(plan, m->r2_max);
+  return plan;
+}
+
+void derive(Plan& plan) {
+  for (MapPlan* m : {&plan.global, &plan.caustic}) m->r2_max = radius_to_r2_max(plan, m->radius);
+}
+
+bool power_of_two(int64_t x) { return x > 0 && (x & (x - 1)) == 0; }
+
+// Takes a TOML value into a line; false if type or range is wrong.
+template <class T>
+bool take(const toml::node& node, const Range& range, T& value) {
+  if constexpr (std::is_same_v<T, bool> || std::is_same_v<T, std::string>) {
+    const auto v = node.value_exact<T>();
+    if (!v) return false;
+    value = *v;
+    return true;
+  } else if constexpr (std::is_same_v<T, double>) {
+    const auto v = node.value<double>();
+    if (!node.is_number() || !v) return false;
+    value = *v;
+  } else if constexpr (std::is_same_v<T, Triple>) {
+    const toml::array* a = node.as_array();
+    if (!a || a->size() != 3) return false;
+    for (size_t i = 0; i < 3; ++i) {
+      const auto v = a->get(i)->value<double>();
+      if (!a->get(i)->is_number() || !v) return false;
+      value[i] = *v;
+    }
+  } else if constexpr (std::is_enum_v<T>) {
+    const auto v = node.value_exact<std::string>();
+    if (!v) return false;
+    const auto& names = names_of(value);
+    for (size_t i = 0; i < names.size(); ++i)
+      if (*v == names[i]) {
+        value = static_cast<T>(i);
+        return true;
+      }
+    return false;
+  } else {
+    const auto v = node.value_exact<int64_t>();
+    if (!v || *v < range.smallest || (range.largest != 0 && *v > range.largest)) return false;
+    value = static_cast<T>(*v);
+  }
+  return range.holds(value);
+}
+
+std::string section_meaning(const std::string& section) {
+  static const std::map<std::string, std::string> meanings{
+      {"scene", "the cube that positions are measured in"},
+      {"photon", "formats of a stored photon"},
+      {"global", "the map of all photons, asked by final gather rays"},
+      {"caustic", "the map of photons that reached a diffuse surface through delta surfaces"},
+      {"gather", "what a gather computes"},
+      {"gatherer", "the photon_gatherer unit: changes when packets come, never which"},
+      {"reorder", "the reorder_buffer unit"},
+      {"sampler", "the cdf_sampler unit"},
+      {"frame", "the frame in packets"},
+      {"pixel", "the shader and the exact integer a pixel is"}};
+  return meanings.at(section);
+}
+
+}  // namespace
+
+double radius_for_r2_max(const Plan& plan, uint64_t r2_max) {
+  if (r2_max >= plan.r2_limit()) return 0;
+  double radius = plan.position_unit() * std::sqrt(static_cast<double>(r2_max) + 0.5);
+  for (int step = 0; step < 64 && radius_to_r2_max(plan, radius) > r2_max; ++step)
+    radius = std::nextafter(radius, 0.0);
+  for (int step = 0; step < 64 && radius_to_r2_max(plan, radius) < r2_max; ++step)
+    radius = std::nextafter(radius, HUGE_VAL);
+  return radius;
+}
+
+std::optional<PlanProblem> find_problem(const Plan& plan) {
+  std::optional<PlanProblem> problem;
+  Plan::visit(plan, [&](const char* section, const char* key, const auto& value, auto smallest,
+                        auto largest, const char*) {
+    const Range range{static_cast<int64_t>(smallest), static_cast<int64_t>(largest)};
+    if (!problem && !range.holds(value))
+      problem = {fmt::format("{}.{}", section, key),
+                 fmt::format("is {}, expected {}", value_text(value), range.expected(value))};
+  });
+  if (problem) return problem;
+
+  const auto fail = [](const char* line, std::string what) -> std::optional<PlanProblem> {
+    return PlanProblem{line, std::move(what)};
+  };
+  if (!(plan.extent > 0)) return fail("scene.extent", "must be greater than 0");
+  if (plan.position_unit() < 1e-150 || plan.extent > 1e150)
+    return fail("scene.extent", "must lie between 1e-140 and 1e150 so that squares stay finite");
+  if (!power_of_two(plan.bucket))
+    return fail("photon.bucket", fmt::format("is {}, expected a power of two", plan.bucket));
+  if (plan.photon_bits() > 8 * plan.photon_bytes)
+    return fail("photon.photon_bytes",
+                fmt::format("is {}, but a photon has 3 * {} + 2 * {} + {} * {} + {} = {} bits and "
+                            "needs at least {} bytes",
+                            plan.photon_bytes, plan.position_bits, plan.direction_bits,
+                            plan.channels, plan.mantissa_bits, plan.exponent_bits,
+                            plan.photon_bits(), (plan.photon_bits() + 7) / 8));
+  if (plan.line_bytes() % 16 != 0)
+    return fail("photon.photon_bytes",
+                fmt::format("is {}, so a line of {} photons has {} bytes, expected a multiple of "
+                            "the 16 bytes of a memory beat",
+                            plan.photon_bytes, plan.bucket, plan.line_bytes()));
+  for (int c = 0; c < 3; ++c) {
+    const double color = plan.channel_color[static_cast<size_t>(c)];
+    if (color < 0) return fail("photon.channel_color", "must not be negative");
+    if (plan.channels > 1 && color != 1)
+      return fail("photon.channel_color",
+                  fmt::format("must be [1.0, 1.0, 1.0] with {} channels", plan.channels));
+  }
+  if (plan.channels == 2) return fail("photon.channels", "is 2, expected 1 or 3");
+  for (const bool is_caustic : {false, true}) {
+    const MapPlan& m = plan.map(is_caustic);
+    const char* section = is_caustic ? "caustic" : "global";
+    if (!m.present && m.photons != 0)
+      return PlanProblem{fmt::format("{}.photons", section),
+                         fmt::format("is {} in a map that is not present, expected 0", m.photons)};
+  }
+  if (plan.r2_floor > plan.r2_limit())
+    return fail("gather.r2_floor",
+                fmt::format("is {}, but squared distances of {}-bit positions end at {}",
+                            plan.r2_floor, plan.position_bits, plan.r2_limit()));
+  for (const bool is_caustic : {false, true})
+    if (plan.map(is_caustic).r2_max > plan.r2_limit())
+      return PlanProblem{
+          is_caustic ? "caustic.radius" : "global.radius",
+          fmt::format("gives r2_max {}, but squared distances of {}-bit positions "
+                      "end at {}",
+                      plan.map(is_caustic).r2_max, plan.position_bits, plan.r2_limit())};
+  if (plan.epsilon_factor < (1u << plan.epsilon_shift))
+    return fail("gather.epsilon_factor",
+                fmt::format("is {}, expected at least 2^epsilon_shift = {}: less would visit "
+                            "subtrees that cannot hold a result",
+                            plan.epsilon_factor, 1u << plan.epsilon_shift));
+  if (plan.reciprocal_bits != 0 && plan.reciprocal_bits < 8)
+    return fail("gather.reciprocal_bits",
+                fmt::format("is {}, expected 0 (none) or 8 to 24", plan.reciprocal_bits));
+  if (!power_of_two(plan.lanes) || plan.lanes > plan.bucket)
+    return fail("gatherer.lanes",
+                fmt::format("is {}, expected a power of two up to the bucket of {}", plan.lanes,
+                            plan.bucket));
+  {
+    const int way = plan.line_bytes() * plan.cache_ways;
+    if (plan.cache_bytes % way != 0 || !power_of_two(plan.cache_bytes / way))
+      return fail(
+          "gatherer.cache_bytes",
+          fmt::format("is {}, expected {} ways of {}-byte lines times a power of two: {}, "
+                      "{}, {}, ...",
+                      plan.cache_bytes, plan.cache_ways, plan.line_bytes(), way, 2 * way, 4 * way));
+  }
+  if (!power_of_two(plan.reorder_bins))
+    return fail("reorder.bins", fmt::format("is {}, expected a power of two", plan.reorder_bins));
+  if (plan.reorder_cell_bits > plan.position_bits)
+    return fail("reorder.cell_bits", fmt::format("is {}, but positions have {} bits",
+                                                 plan.reorder_cell_bits, plan.position_bits));
+  if (plan.reorder_key == ReorderKey::kHilbert &&
+      clog2(static_cast<uint64_t>(plan.reorder_bins)) > 3 * plan.reorder_cell_bits)
+    return fail(
+        "reorder.bins",
+        fmt::format("is {}, but a Hilbert key of {} bits a coordinate names only {} bins",
+                    plan.reorder_bins, plan.reorder_cell_bits, 1u << (3 * plan.reorder_cell_bits)));
+  if (plan.cell_bits > plan.direction_bits)
+    return fail(
+        "sampler.cell_bits",
+        fmt::format("is {}, but a photon's cell is the top bits of its direction, which has "
+                    "only {} a coordinate",
+                    plan.cell_bits, plan.direction_bits));
+  if (plan.u_bits < plan.total_bits() + 8)
+    return fail("sampler.u_bits",
+                fmt::format("is {}, expected at least 8 bits more than the table's total, which "
+                            "has {}",
+                            plan.u_bits, plan.total_bits()));
+  if (plan.contribution_bits() > 127)
+    return fail(
+        "pixel.weight_bits",
+        fmt::format("is {}, but flux {} bits + reciprocal {} + constant {} + weight {} = {} "
+                    "bits and the shader's product has room for 127",
+                    plan.weight_bits, plan.flux_bits(), plan.shader_bits() + 1,
+                    plan.shader_bits() + 1, plan.weight_bits, plan.contribution_bits()));
+  if (plan.pixel_contribution_bits() < 1)
+    return fail("pixel.integer_bits",
+                fmt::format("is {}, with {} fraction bits a pixel has no bits at all",
+                            plan.integer_bits, plan.fraction_bits));
+  if (plan.pixel_sum_bits() > 128)
+    return fail("pixel.integer_bits",
+                fmt::format("is {}, but integer {} + fraction {} + {} bits for {} samples of {} "
+                            "final gather rays = {} bits and a pixel has room for 128",
+                            plan.integer_bits, plan.integer_bits, plan.fraction_bits,
+                            plan.pixel_sum_bits() - plan.pixel_contribution_bits(), plan.spp,
+                            plan.gather_rays, plan.pixel_sum_bits()));
+  return std::nullopt;
+}
+
+void check_plan(const Plan& plan) {
+  if (const auto problem = find_problem(plan))
+    throw PlanError(fmt::format("plan: {} {}", problem->line, problem->what));
+}
+
+uint64_t plan_hash(const Plan& plan) {
+  uint64_t hash = 0xcbf29ce484222325ull;
+  const Plan written = with_radius(plan);
+  Plan::visit(written, [&](const std::string& section, const std::string& key, const auto& value,
+                           auto, auto, const char*) {
+    if (section == "scene" && key == "name") return;
+    for (const char c : section + "." + key + "=" + value_text(value) + "\n") {
+      hash ^= static_cast<unsigned char>(c);
+      hash *= 0x100000001b3ull;
+    }
+  });
+  return hash;
+}
+
+std::string plan_hash_text(const Plan& plan) { return fmt::format("{:016x}", plan_hash(plan)); }
+
+std::string plan_text(const Plan& plan, const PlanReasons& reasons) {
+  std::string text = fmt::format(
+      "# Photonloom plan: one hardware configuration, completely. Lines may be edited, none may "
+      "be left out.\n");
+  std::string current;
+  const Plan written = with_radius(plan);
+  Plan::visit(written, [&](const std::string& section, const std::string& key, const auto& value,
+                           auto, auto, const char* meaning) {
+    if (section != current) {
+      text += fmt::format("\n# {}\n[{}]\n", section_meaning(section), section);
+      current = section;
+    }
+    const auto reason = reasons.find(section + "." + key);
+    const std::string line = fmt::format("{} = {}", key, value_text(value));
+    text += fmt::format("{:<30} # {}{}\n", line, meaning,
+                        reason == reasons.end() ? "" : ": " + reason->second);
+  });
+  return text;
+}
+
+Plan parse_plan(const std::string& text, const std::string& file) {
+  toml::table table;
+  try {
+    table = toml::parse(text, file);
+  } catch (const toml::parse_error& error) {
+    throw PlanError(fmt::format("{}:{}: not TOML: {}", file, error.source().begin.line,
+                                std::string(error.description())));
+  }
+  // Every node that the plan knows, so that the rest can be named.
+  std::map<std::string, std::set<std::string>> known;
+  std::map<std::string, unsigned> lines;
+  Plan plan;
+  Plan::visit(plan, [&](const std::string& section, const std::string& key, auto&, auto, auto,
+                        const char*) { known[section].insert(key); });
+  for (const auto& [section, node] : table) {
+    const std::string name(section.str());
+    const unsigned line = section.source().begin.line;
+    if (!known.count(name)) {
+      std::string list;
+      for (const auto& [s, keys] : known) list += (list.empty() ? "" : ", ") + s;
+      throw PlanError(fmt::format("{}:{}: unknown {} '{}', expected one of the sections {}", file,
+                                  line, node.is_table() ? "section" : "key", name, list));
+    }
+    if (!node.is_table())
+      throw PlanError(
+          fmt::format("{}:{}: '{}' must be a section, written [{}]", file, line, name, name));
+    for (const auto& [key, value] : *node.as_table()) {
+      const std::string k(key.str());
+      if (!known[name].count(k)) {
+        std::string list;
+        for (const std::string& s : known[name]) list += (list.empty() ? "" : ", ") + s;
+        throw PlanError(fmt::format("{}:{}: unknown key {}.{}, expected one of {}", file,
+                                    key.source().begin.line, name, k, list));
+      }
+      lines[name + "." + k] = key.source().begin.line;
+    }
+  }
+  Plan::visit(plan, [&](const char* section, const char* key, auto& value, auto smallest,
+                        auto largest, const char* meaning) {
+    const Range range{static_cast<int64_t>(smallest), static_cast<int64_t>(largest)};
+    const toml::table* keys = table[section].as_table();
+    if (!keys) throw PlanError(fmt::format("{}: section [{}] is missing", file, section));
+    const toml::node* node = keys->get(key);
+    if (!node)
+      throw PlanError(fmt::format("{}:{}: {}.{} is missing ({}), expected {}", file,
+                                  keys->source().begin.line, section, key, meaning,
+                                  range.expected(value)));
+    if (!take(*node, range, value)) {
+      std::ostringstream shown;
+      node->visit([&](const auto& n) { shown << n; });
+      throw PlanError(fmt::format("{}:{}: {}.{} is {}, expected {}", file,
+                                  node->source().begin.line, section, key, shown.str(),
+                                  range.expected(value)));
+    }
+  });
+  derive(plan);
+  if (const auto problem = find_problem(plan))
+    throw PlanError(
+        fmt::format("{}:{}: {} {}", file, lines[problem->line], problem->line, problem->what));
+  return plan;
+}
+
+Plan read_plan(const std::string& path) {
+  const std::string text = read_file(path);
+  if (text.find_first_not_of(" \t\r\n") == std::string::npos)
+    throw PlanError(fmt::format("{}: is empty, expected a plan", path));
+  return parse_plan(text, path);
+}
+
+void write_plan(const Plan& plan, const std::string& path, const PlanReasons& reasons) {
+  check_plan(plan);
+  write_file(path, plan_text(plan, reasons));
+}
+
+void set_plan_line(Plan& plan, const std::string& assignment) {
+  const size_t equals = assignment.find('=');
+  const size_t dot = assignment.find('.');
+  if (equals == std::string::npos || dot == std::string::npos || dot > equals)
+    throw PlanError(fmt::format("'{}': expected section.key=value", assignment));
+  const std::string line = assignment.substr(0, equals), text = assignment.substr(equals + 1);
+  bool found = false;
+  Plan::visit(plan, [&](const std::string& section, const std::string& key, auto& value,
+                        auto smallest, auto largest, const char*) {
+    if (section + "." + key != line) return;
+    found = true;
+    using T = std::remove_cvref_t<decltype(value)>;
+    const Range range{static_cast<int64_t>(smallest), static_cast<int64_t>(largest)};
+    constexpr bool is_text = std::is_enum_v<T> || std::is_same_v<T, std::string>;
+    bool taken = false;
+    try {
+      const bool bare = is_text && (text.empty() || text.front() != '"');
+      const toml::table one = toml::parse("x = " + (bare ? quoted(text) : text));
+      taken = one.size() == 1 && take(*one.get("x"), range, value);
+    } catch (const toml::parse_error&) {
+    }
+    if (!taken)
+      throw PlanError(fmt::format("'{}': {} is '{}', expected {}", assignment, line, text,
+                                  range.expected(value)));
+  });
+  if (!found) throw PlanError(fmt::format("'{}': the plan has no line {}", assignment, line));
+  derive(plan);
+}
+
+}  // namespace photonloom

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+// plan.toml: the plan as a complete, readable, editable file, its checks and its hash.
+#pragma once
+#include <map>
+#include <optional>
+#include <stdexcept>
+#include <string>
+
+#include "golden/plan/plan.hpp"
+
+namespace photonloom {
+
+// What is wrong with a plan: one sentence that names file and line where known, section.key, and
+// what was expected.
+class PlanError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+// Why a line has its value, by "section.key". Lines without a reason are commented with their
+// meaning.
+using PlanReasons = std::map<std::string, std::string>;
+
+struct PlanProblem {
+  std::string line;  // "section.key"
+  std::string what;  // what was expected and why
+};
+
+// The first line that is out of its range or does not go with the others; nothing for a plan that
+// can be built. A plan that passes cannot overflow any width: see docs/plan.md for the proof.
+std::optional<PlanProblem> find_problem(const Plan& plan);
+
+// Throws PlanError with the first problem.
+void check_plan(const Plan& plan);
+
+// 64-bit FNV-1a of the canonical text of all lines but scene.name.
+uint64_t plan_hash(const Plan& plan);
+std::string plan_hash_text(const Plan& plan);  // 16 hexadecimal digits
+
+// The file's text. Reading it gives the same plan to the bit.
+std::string plan_text(const Plan& plan, const PlanReasons& reasons = {});
+
+// Each section and key must be there, no other may be; the result passes check_plan. `file` is what
+// errors call it.
+Plan parse_plan(const std::string& text, const std::string& file);
+Plan read_plan(const std::string& path);
+
+// Whole or not at all.
+void write_plan(const Plan& plan, const std::string& path, const PlanReasons& reasons = {});
+
+// Sets one line from "section.key=value", the value spelt as in the file (quotes may be left out);
+// what follows from it is derived again. Checks the value's type and range, not the whole plan.
+void set_plan_line(Plan& plan, const std::string& assignment);
+
+// A radius in scene units that radius_to_r2_max turns into exactly this squared distance.
+double radius_for_r2_max(const Plan& plan, uint64_t r2_max);
+
+}  // namespace photonloom

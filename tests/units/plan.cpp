@@ -1,0 +1,206 @@
+// SPDX-License-Identifier: Apache-2.0
+// plan.toml: what is written reads back, what is wrong is named.
+#include "golden/plan/plan_file.hpp"
+
+#include <fmt/core.h>
+
+#include <random>
+
+#include "golden/numeric/random.hpp"
+#include "golden/numeric/shared_exponent.hpp"
+#include "golden/plan/quantiser.hpp"
+#include "tests/catch.hpp"
+
+using namespace photonloom;
+
+namespace {
+
+Plan sample_plan() {
+  Plan plan;
+  plan.scene = "a \"quoted\" \\ name";
+  plan.origin = {-0.1, 1e-7, 3};
+  plan.extent = 1.0 / 3;
+  plan.global = {true, 500003, -40, 0.01, 0};
+  plan.global.r2_max = radius_to_r2_max(plan, plan.global.radius);
+  return plan;
+}
+
+std::string text_of(const Plan& plan) { return plan_text(plan, {}); }
+
+// The text with one line's value replaced.
+std::string edited(const Plan& plan, const std::string& section, const std::string& key,
+                   const std::string& value) {
+  std::string text = text_of(plan);
+  const size_t from = text.find("[" + section + "]");
+  const size_t at = text.find("\n" + key + " = ", from) + 1;
+  const size_t end = text.find('\n', at);
+  return text.replace(at, end - at, value.empty() ? "" : key + " = " + value);
+}
+
+std::string error_of(const std::string& text) {
+  try {
+    parse_plan(text, "p.toml");
+  } catch (const PlanError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+}  // namespace
+
+TEST_CASE("a plan reads back to the bit, with its hash") {
+  const Plan plan = sample_plan();
+  const Plan again = parse_plan(text_of(plan), "p.toml");
+  CHECK(text_of(again) == text_of(plan));
+  CHECK(again.scene == plan.scene);
+  CHECK(again.extent == plan.extent);
+  CHECK(again.global.r2_max == plan.global.r2_max);
+  CHECK(plan_hash(again) == plan_hash(plan));
+}
+
+TEST_CASE("the hash sees every line but the scene's name") {
+  const Plan plan = sample_plan();
+  Plan other = plan;
+  other.scene = "renamed";
+  CHECK(plan_hash(other) == plan_hash(plan));
+  int lines = 0;
+  Plan::visit(plan, [&](const std::string& section, const std::string& key, const auto& value, auto,
+                        auto, const char*) {
+    if (section == "scene" && key == "name") return;
+    ++lines;
+    Plan changed = plan;
+    Plan::visit(changed,
+                [&](const std::string& s, const std::string& k, auto& v, auto, auto, const char*) {
+                  using T = std::remove_cvref_t<decltype(v)>;
+                  if (s != section || k != key) return;
+                  if constexpr (std::is_same_v<T, bool>)
+                    v = !v;
+                  else if constexpr (std::is_same_v<T, std::array<double, 3>>)
+                    v[2] += 1;
+                  else if constexpr (std::is_same_v<T, double>)
+                    v = v * 1.5 + 1e-3;
+                  else if constexpr (std::is_enum_v<T>)
+                    v = static_cast<T>(1 - static_cast<int>(v));
+                  else if constexpr (!std::is_same_v<T, std::string>)
+                    v += 1;
+                  (void)value;
+                });
+    changed.global.r2_max = radius_to_r2_max(changed, changed.global.radius);
+    INFO(section << "." << key);
+    CHECK(plan_hash(changed) != plan_hash(plan));
+  });
+  CHECK(lines > 45);
+}
+
+TEST_CASE("a squared distance set by a program survives the file exactly") {
+  std::mt19937_64 random(20240);
+  INFO("seed 20240");
+  for (int round = 0; round < 2000; ++round) {
+    Plan plan = sample_plan();
+    plan.position_bits = 4 + static_cast<int>(random() % 21);
+    plan.extent = std::ldexp(1 + to_unit(random()), static_cast<int>(random() % 40) - 20);
+    plan.global.r2_max = random() & ones(static_cast<int>(random() % 51)) & plan.r2_limit();
+    const Plan again = parse_plan(text_of(plan), "p.toml");
+    INFO("position_bits " << plan.position_bits << ", extent " << plan.extent);
+    CHECK(again.global.r2_max == plan.global.r2_max);
+    CHECK(plan_hash(again) == plan_hash(plan));
+  }
+}
+
+TEST_CASE("editing the position width alone keeps the radius") {
+  const Plan plan = sample_plan();
+  const Plan coarse = parse_plan(edited(plan, "photon", "position_bits", "12"), "p.toml");
+  CHECK(coarse.global.radius == plan.global.radius);
+  CHECK(coarse.global.r2_max == radius_to_r2_max(coarse, plan.global.radius));
+  CHECK(coarse.global.r2_max < plan.global.r2_max / 200);
+}
+
+TEST_CASE("each fault is one sentence with file, line, key and what was expected") {
+  const Plan plan = sample_plan();
+  const auto has = [](const std::string& error, const std::vector<std::string>& parts) {
+    INFO(error);
+    for (const std::string& part : parts) {
+      INFO(part);
+      CHECK(error.find(part) != std::string::npos);
+    }
+  };
+  const std::string text = text_of(plan);
+  has(error_of(edited(plan, "gather", "k", "300")),
+      {"p.toml:", "gather.k is 300", "an integer from 1 to 256"});
+  has(error_of(edited(plan, "gather", "k", "\"many\"")), {"gather.k is", "an integer from 1"});
+  has(error_of(edited(plan, "gather", "k", "8.5")), {"gather.k is 8.5"});
+  has(error_of(edited(plan, "gather", "k", "true")), {"gather.k is true"});
+  has(error_of(edited(plan, "gather", "k", "")), {"gather.k is missing", "photons in an estimate"});
+  has(error_of(edited(plan, "global", "present", "1")), {"global.present", "true or false"});
+  has(error_of(edited(plan, "global", "radius", "nan")), {"global.radius", "finite"});
+  has(error_of(edited(plan, "global", "radius", "-1.0")), {"global.radius", "not negative"});
+  has(error_of(edited(plan, "scene", "origin", "[1, 2]")), {"scene.origin", "three"});
+  has(error_of(edited(plan, "scene", "extent", "0.0")), {"scene.extent", "greater than 0"});
+  has(error_of(edited(plan, "reorder", "key", "\"sorted\"")), {"reorder.key", "\"hilbert\""});
+  has(error_of(text + "\n[extra]\nx = 1\n"), {"unknown section 'extra'"});
+  has(error_of(text + "\nextra = 1\n"), {"unknown key pixel.extra", "weight_bits"});
+  has(error_of("k = 3\n" + text), {"p.toml:1", "unknown key 'k'"});
+  has(error_of(text.substr(0, text.find("[pixel]"))), {"section [pixel] is missing"});
+  has(error_of("[scene\n"), {"p.toml:1", "not TOML"});
+  has(error_of(edited(plan, "photon", "photon_bytes", "8")), {"photon.photon_bytes", "96 bits"});
+  has(error_of(edited(plan, "photon", "bucket", "7")), {"photon.bucket", "power of two"});
+  has(error_of(edited(plan, "gather", "reciprocal_bits", "5")), {"gather.reciprocal_bits", "8"});
+  has(error_of(edited(plan, "gatherer", "lanes", "16")), {"gatherer.lanes", "bucket of 8"});
+  has(error_of(edited(plan, "gatherer", "cache_bytes", "5000")), {"gatherer.cache_bytes", "256"});
+  has(error_of(edited(plan, "reorder", "bins", "1000")), {"reorder.bins", "power of two"});
+  has(error_of(edited(plan, "reorder", "bins", "1024")), {"reorder.bins", "512 bins"});
+  has(error_of(edited(plan, "sampler", "u_bits", "30")), {"sampler.u_bits", "which has 24"});
+  has(error_of(edited(plan, "sampler", "cell_bits", "6")), {"sampler."});
+  has(error_of(edited(plan, "photon", "direction_bits", "3")), {"sampler.cell_bits", "direction"});
+  has(error_of(edited(plan, "pixel", "integer_bits", "96")), {"pixel.integer_bits", "128"});
+  has(error_of(edited(plan, "caustic", "photons", "5")), {"caustic.photons", "not present"});
+  has(error_of(edited(plan, "gather", "epsilon_shift", "2")), {"gather.epsilon_factor"});
+  has(error_of(edited(plan, "photon", "channels", "2")), {"photon.channels", "1 or 3"});
+}
+
+TEST_CASE("no plan that passes can overflow the shader's product or the pixel") {
+  // All corners of the widths that meet there: whatever passes the checks has room.
+  for (const int mantissa : {2, 9, 16})
+    for (const int k : {1, 2, 50, 256})
+      for (const int w : {0, 8, 18, 24})
+        for (const int weight : {8, 18, 24}) {
+          Plan plan;
+          plan.position_bits = 10;
+          plan.mantissa_bits = mantissa;
+          plan.k = k;
+          plan.reciprocal_bits = w;
+          plan.weight_bits = weight;
+          if (find_problem(plan)) continue;
+          const UInt128 flux = static_cast<UInt128>(k) * power_max(mantissa, plan.exponent_bits);
+          CHECK(flux >> plan.flux_bits() == 0);
+          // flux * R * c * weight, R and c at most 2^W, and half a unit for rounding
+          const int product = plan.flux_bits() + 2 * plan.shader_bits() + 1 + plan.weight_bits;
+          CHECK(product <= 127);
+        }
+  Plan plan;
+  plan.weight_bits = 24;
+  plan.reciprocal_bits = 24;
+  plan.mantissa_bits = 16;
+  plan.position_bits = 8;
+  plan.k = 256;
+  const auto problem = find_problem(plan);
+  REQUIRE(problem);
+  CHECK(problem->line == "pixel.weight_bits");
+}
+
+TEST_CASE("one line can be set by name") {
+  Plan plan = sample_plan();
+  set_plan_line(plan, "photon.position_bits=10");
+  CHECK(plan.position_bits == 10);
+  CHECK(plan.global.r2_max == radius_to_r2_max(plan, 0.01));
+  set_plan_line(plan, "reorder.drain=fullest");
+  CHECK(plan.reorder_drain == ReorderDrain::kFullest);
+  set_plan_line(plan, "reorder.drain=\"sweep\"");
+  CHECK(plan.reorder_drain == ReorderDrain::kSweep);
+  set_plan_line(plan, "scene.origin=[1, 2.5, -3]");
+  CHECK(plan.origin[1] == 2.5);
+  CHECK_THROWS_AS(set_plan_line(plan, "photon.position_bits=99"), PlanError);
+  CHECK_THROWS_AS(set_plan_line(plan, "photon.position_bits=1\ny=2"), PlanError);
+  CHECK_THROWS_AS(set_plan_line(plan, "photon.no=1"), PlanError);
+  CHECK_THROWS_AS(set_plan_line(plan, "k=1"), PlanError);
+}
