@@ -20,17 +20,17 @@ class Progress {
 };
 
 // One phase: ended when it goes out of scope. `progress` may be null.
-class Phase {
+class ProgressPhase {
  public:
-  Phase(Progress* progress, const std::string& name, uint64_t total, const std::string& unit)
+  ProgressPhase(Progress* progress, const std::string& name, uint64_t total, const std::string& unit)
       : progress_(progress) {
     if (progress_) progress_->begin(name, total, unit);
   }
-  ~Phase() {
+  ~ProgressPhase() {
     if (progress_) progress_->end();
   }
-  Phase(const Phase&) = delete;
-  Phase& operator=(const Phase&) = delete;
+  ProgressPhase(const ProgressPhase&) = delete;
+  ProgressPhase& operator=(const ProgressPhase&) = delete;
   void advance(uint64_t steps) const {
     if (progress_) progress_->advance(steps);
   }

@@ -3,9 +3,9 @@
 // mapper's layers.
 #pragma once
 #include <cstdint>
-#include <functional>
 
 #include "golden/image/image.hpp"
+#include "golden/numeric/progress.hpp"
 #include "golden/transport/world.hpp"
 
 namespace photonloom {
@@ -13,8 +13,7 @@ namespace photonloom {
 struct PathOptions {
   int spp = 16;
   uint64_t seed = 1;
-  // Called now and then with the share of the work that is done; throws to stop.
-  std::function<void(double)> progress;
+  Progress* progress = nullptr;
 };
 
 // The image of the scene's film. Channels: R, G, B; direct (light by shadow ray and its MIS partner

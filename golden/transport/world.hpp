@@ -6,6 +6,7 @@
 #include <memory>
 #include <vector>
 
+#include "golden/numeric/progress.hpp"
 #include "golden/numeric/random.hpp"
 #include "golden/numeric/vec.hpp"
 #include "golden/scene/scene.hpp"
@@ -185,11 +186,11 @@ struct GatherSample {
 // order until `stored` photons are there (the last path is kept whole) or 100 * stored paths are
 // out. Uses threads; the result does not depend on them.
 PhotonPass trace_global_photons(const World& world, const RayCaster& caster, uint64_t stored,
-                                uint64_t seed);
+                                uint64_t seed, Progress* progress = nullptr);
 // Photons for the caustic map: light, one or more delta surfaces, diffuse lobe. Empty without delta
 // surfaces.
 PhotonPass trace_caustic_photons(const World& world, const RayCaster& caster, uint64_t stored,
-                                 uint64_t seed);
+                                 uint64_t seed, Progress* progress = nullptr);
 
 // One camera path through pixel (px, py) of the film, (0, 0) top left.
 CameraSample trace_camera(const World& world, const RayCaster& caster, int px, int py,
