@@ -1,7 +1,42 @@
 # SPDX-License-Identifier: Apache-2.0
-.PHONY: build test
-build:
-	cmake -S . -B build -G Ninja
-	ninja -C build
-test: build
-	ctest --test-dir build --output-on-failure
+# The daily workflow. Each verb first installs its own missing packages (scripts/setup), and only those.
+JOBS := $(shell nproc)
+.DEFAULT_GOAL := build
+.PHONY: help build demo test test-full asan format clean
+
+help: ## this list
+	@sed -n 's/^\([a-z-]*\):[^#]*## \(.*\)/  make \1\t\2/p' Makefile | expand -t 24
+
+build: ## build/photonloom (the default)
+	@scripts/setup build
+	@cmake --preset release
+	@cmake --build build --target photonloom
+
+demo: build ## images of two scenes: reference, golden, error map, metrics; then the same through the RTL
+	@scripts/setup demo
+	@scripts/demo
+
+test: ## the quick tests
+	@scripts/setup test
+	@cmake --preset release -DBUILD_TESTING=ON
+	@cmake --build build
+	@ctest --preset release -j $(JOBS)
+
+test-full: ## all tests, the slow ones too
+	@scripts/setup test-full
+	@cmake --preset release -DBUILD_TESTING=ON
+	@cmake --build build
+	@ctest --test-dir build --output-on-failure -j $(JOBS)
+
+asan: ## the quick tests under AddressSanitizer and UndefinedBehaviorSanitizer
+	@scripts/setup asan
+	@cmake --preset asan -DBUILD_TESTING=ON
+	@cmake --build build-asan
+	@ctest --preset asan -j $(JOBS)
+
+format: ## clang-format on every C++ file
+	@scripts/setup format
+	@git ls-files '*.cpp' '*.hpp' | xargs clang-format -i
+
+clean: ## remove what was built
+	@rm -rf build build-asan build-clang
