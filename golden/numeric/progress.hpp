@@ -22,7 +22,8 @@ class Progress {
 // One phase: ended when it goes out of scope. `progress` may be null.
 class ProgressPhase {
  public:
-  ProgressPhase(Progress* progress, const std::string& name, uint64_t total, const std::string& unit)
+  ProgressPhase(Progress* progress, const std::string& name, uint64_t total,
+                const std::string& unit)
       : progress_(progress) {
     if (progress_) progress_->begin(name, total, unit);
   }
