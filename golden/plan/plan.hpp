@@ -76,7 +76,6 @@ struct Plan {
   int reorder_packets = 2048;  // P
   int reorder_bins = 512;      // a power of two
   int reorder_cell_bits = 3;   // bits of each coordinate that make the key
-  int reorder_lag = 0;         // D: decisions see the pool as it was D packets ago
   // [sampler]
   int cell_bits = 4;          // a: the table has 2^a x 2^a cells
   int probability_bits = 16;  // width of a narrowed weight
@@ -179,10 +178,9 @@ struct Plan {
     v("gatherer", "cache_misses", p.cache_misses, 1, 32, "misses outstanding");
     v("reorder", "key", p.reorder_key, 0, 0, "none (pass-through), hilbert or hash");
     v("reorder", "drain", p.reorder_drain, 0, 0, "sweep or fullest");
-    v("reorder", "packets", p.reorder_packets, 1, 1 << 20, "pool size");
-    v("reorder", "bins", p.reorder_bins, 1, 1 << 16, "a power of two");
+    v("reorder", "packets", p.reorder_packets, 1, 1 << 16, "pool size");
+    v("reorder", "bins", p.reorder_bins, 1, 4096, "a power of two");
     v("reorder", "cell_bits", p.reorder_cell_bits, 1, 7, "bits of each coordinate in the key");
-    v("reorder", "lag", p.reorder_lag, 0, 16, "packets by which a decision lags");
     v("sampler", "cell_bits", p.cell_bits, 1, 6, "the table has 2^this x 2^this cells");
     v("sampler", "probability_bits", p.probability_bits, 4, 24, "width of a cell's weight");
     v("sampler", "u_bits", p.u_bits, 16, 48, "bits of the number that picks the cell");

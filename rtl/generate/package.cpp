@@ -62,7 +62,6 @@ std::vector<PackageConstant> package_constants(const Plan& plan) {
   LINE(reorder_packets, "pool size P");
   LINE(reorder_bins, "bins");
   LINE(reorder_cell_bits, "bits of each coordinate in the key");
-  LINE(reorder_lag, "packets by which a decision lags");
   LINE(cell_bits, "a: the table has 2^a x 2^a cells");
   LINE(probability_bits, "width of a cell's weight");
   LINE(u_bits, "bits of the number that picks the cell");

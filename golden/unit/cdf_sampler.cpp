@@ -1,0 +1,205 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "golden/unit/cdf_sampler.hpp"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <bit>
+
+#include "golden/plan/plan_file.hpp"
+#include "golden/unit/backend.hpp"
+
+namespace photonloom {
+namespace {
+
+// A corner of the grid: as oct_decode, of an even point of the unfolded square.
+IVec3 decode_corner(size_t column, size_t row, int a) {
+  const int32_t m = int32_t{1} << a;
+  const int32_t x = static_cast<int32_t>(2 * column) - m, y = static_cast<int32_t>(2 * row) - m;
+  const int32_t ax = x < 0 ? -x : x, ay = y < 0 ? -y : y;
+  const int32_t z = m - ax - ay;
+  if (z >= 0) return {x, y, z};
+  return {x < 0 ? -(m - ay) : m - ay, y < 0 ? -(m - ax) : m - ax, z};
+}
+
+}  // namespace
+
+uint32_t cell_jacobian(const IVec3& o, int a) {
+  const auto r2 = static_cast<uint64_t>(oct_dot(o, o));
+  return static_cast<uint32_t>((uint64_t{28} << (4 * a)) / (r2 * r2));
+}
+
+CellGeometry::CellGeometry(int cell_bits) : cell_bits_(cell_bits) {
+  const size_t n = edge();
+  for (uint32_t row = 0; row < n; ++row)
+    for (uint32_t column = 0; column < n; ++column) {
+      centres_.push_back(oct_decode({column, row}, cell_bits));
+      jacobians_.push_back(cell_jacobian(centres_.back(), cell_bits));
+    }
+  for (size_t row = 0; row <= n; ++row)
+    for (size_t column = 0; column <= n; ++column)
+      corners_.push_back(decode_corner(column, row, cell_bits));
+}
+
+SampleTable build_sample_table(const Plan& plan, const CellGeometry& geometry, OctCode normal,
+                               std::span<const SamplerPhoton> photons) {
+  const size_t cells = geometry.cells(), edge = geometry.edge();
+  const IVec3 n = oct_decode(normal, plan.normal_bits);
+
+  std::vector<uint64_t> power(cells);
+  uint64_t power_total = 0;
+  const int shift = plan.direction_bits - plan.cell_bits;
+  for (const SamplerPhoton& p : photons.first(std::min(photons.size(), size_t(plan.k)))) {
+    const uint64_t value = uint64_t{p.power.mantissa[0] + p.power.mantissa[1] + p.power.mantissa[2]}
+                           << p.power.exponent;
+    const size_t column = p.direction.u >> shift, row = p.direction.v >> shift;
+    power[(row << plan.cell_bits) + column] += value;
+    power_total += value;
+  }
+
+  std::vector<uint64_t> cosine(cells);
+  uint64_t cosine_total = 0;
+  for (size_t c = 0; c < cells; ++c) {
+    const int64_t dot = oct_dot(geometry.centre(c), n);
+    cosine[c] = dot > 0 ? static_cast<uint64_t>(dot) * geometry.jacobian(c) : 0;
+    cosine_total += cosine[c];
+  }
+  std::vector<uint8_t> above((edge + 1) * (edge + 1));
+  for (size_t row = 0, i = 0; row <= edge; ++row)
+    for (size_t column = 0; column <= edge; ++column, ++i)
+      above[i] = oct_dot(geometry.corner(column, row), n) > 0;
+
+  const uint64_t power_weight = std::max<uint64_t>(power_total, 1);
+  const bool product = plan.combine == TableCombine::kProduct;
+  const int bits =
+      std::bit_width(power_weight) + (product ? plan.cell_bits + plan.normal_bits + 8
+                                              : static_cast<int>(std::bit_width(cosine_total)) + 1);
+  const int narrow = std::max(0, bits - plan.probability_bits);
+
+  SampleTable table;
+  table.prefix.resize(cells + 1);
+  for (size_t row = 0, c = 0; row < edge; ++row)
+    for (size_t column = 0; column < edge; ++column, ++c) {
+      const uint8_t* corner = &above[row * (edge + 1) + column];
+      uint64_t weight = 0;
+      if (corner[0] | corner[1] | corner[edge + 1] | corner[edge + 2]) {
+        const UInt128 exact =
+            product ? UInt128{power_total ? power[c] : 1} * cosine[c]
+                    : UInt128{power[c]} * cosine_total + UInt128{cosine[c]} * power_weight;
+        weight = std::max<uint64_t>(1, static_cast<uint64_t>(exact >> narrow));
+      }
+      table.prefix[c + 1] = table.prefix[c] + weight;
+    }
+  return table;
+}
+
+size_t sample_cell(const Plan& plan, const SampleTable& table, uint64_t u) {
+  const auto t = static_cast<uint64_t>((UInt128{u} * table.total()) >> plan.u_bits);
+  const auto after = std::upper_bound(table.prefix.begin() + 1, table.prefix.end(), t);
+  return static_cast<size_t>(after - table.prefix.begin()) - 1;
+}
+
+Vec3 sample_direction(const Plan& plan, const Sample& sample, double du, double dv) {
+  const double step = std::ldexp(2.0, -plan.sample_direction_bits());
+  return oct_unfold((sample.direction[0] + du) * step - 1, (sample.direction[1] + dv) * step - 1);
+}
+
+double sample_pdf(const Plan& plan, const Sample& sample, const Vec3& direction) {
+  const Vec3 unfolded =
+      direction / (std::fabs(direction.x) + std::fabs(direction.y) + std::fabs(direction.z));
+  const double probability = static_cast<double>(sample.weight) / static_cast<double>(sample.total);
+  return probability * std::ldexp(1.0, 2 * plan.cell_bits - 2) / oct_jacobian(unfolded);
+}
+
+namespace {
+
+// Collects whole tables, then builds and samples them side by side: a table's samples depend on
+// nothing but its own packets.
+class GoldenCdfSampler final : public CdfSampler {
+ public:
+  explicit GoldenCdfSampler(const Plan& plan) : plan_(plan), geometry_(plan.cell_bits) {}
+
+  void process(std::span<const SamplerInput> in, std::vector<Sample>& out) override {
+    std::vector<Job> jobs;
+    if (open_) jobs.push_back(std::move(current_));
+    size_t samples = out.size();
+    for (const SamplerInput& p : in) {
+      if (p.kind == kHeader) {
+        ++tables_;
+        open_ = true;
+        jobs.push_back(Job{});
+        jobs.back().header = p;
+        continue;
+      }
+      if (!open_) continue;  // before the first header
+      Job& job = jobs.back();
+      if (p.kind == kPhoton) {
+        if (!job.closed)
+          job.photons.push_back({{p.mantissa, p.exponent}, {p.direction[0], p.direction[1]}});
+      } else if (p.kind == kRequest) {
+        if (job.requests.empty()) job.first_sample = samples;
+        job.closed = true;
+        job.requests.push_back(p);
+        ++samples;
+      }
+    }
+    samples_ += samples - out.size();
+    out.resize(samples);
+    tbb::parallel_for(size_t{0}, jobs.size(), [&](size_t i) { run(jobs[i], out); });
+    if (open_) {
+      current_ = std::move(jobs.back());
+      current_.requests.clear();
+    }
+  }
+
+  Counters counters() const override { return {{"tables", tables_}, {"samples", samples_}}; }
+
+ private:
+  static constexpr uint32_t kHeader = 0, kPhoton = 1, kRequest = 2;
+
+  struct Job {
+    SamplerInput header;
+    std::vector<SamplerPhoton> photons;
+    bool closed = false;  // a request has come: no photon belongs to the table any more
+    SampleTable table;    // built with the first request
+    std::vector<SamplerInput> requests;
+    size_t first_sample = 0;
+  };
+
+  void run(Job& job, std::vector<Sample>& out) const {
+    if (job.requests.empty()) return;
+    if (job.table.prefix.empty())
+      job.table = build_sample_table(plan_, geometry_, {job.header.normal[0], job.header.normal[1]},
+                                     job.photons);
+    const uint32_t mask = static_cast<uint32_t>(ones(plan_.cell_bits));
+    for (size_t i = 0; i < job.requests.size(); ++i) {
+      const SamplerInput& request = job.requests[i];
+      const size_t cell = sample_cell(plan_, job.table, request.u);
+      const auto column = static_cast<uint32_t>(cell) & mask;
+      const auto row = static_cast<uint32_t>(cell) >> plan_.cell_bits;
+      out[job.first_sample + i] = Sample{
+          .pixel = job.header.pixel,
+          .sample = job.header.sample,
+          .tag = request.tag,
+          .direction = {column << plan_.v_bits | request.v[0], row << plan_.v_bits | request.v[1]},
+          .cell_index = static_cast<uint32_t>(cell),
+          .weight = static_cast<uint32_t>(job.table.weight(cell)),
+          .total = job.table.total()};
+    }
+  }
+
+  const Plan plan_;
+  const CellGeometry geometry_;
+  bool open_ = false;  // a header has come
+  Job current_;        // the table under way at the end of a call
+  uint64_t tables_ = 0, samples_ = 0;
+};
+
+}  // namespace
+
+std::unique_ptr<CdfSampler> make_golden_cdf_sampler(const Plan& plan) {
+  check_plan(plan);
+  return std::make_unique<GoldenCdfSampler>(plan);
+}
+
+}  // namespace photonloom

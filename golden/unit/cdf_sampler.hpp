@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+// The sampler's table and the density of what it samples; all defined in docs/cdf_sampler.md.
+#pragma once
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "golden/numeric/bits.hpp"
+#include "golden/numeric/octahedral.hpp"
+#include "golden/numeric/shared_exponent.hpp"
+#include "golden/packet/packet.hpp"
+#include "golden/plan/plan.hpp"
+
+namespace photonloom {
+
+// Proportional to 1 / |o|^4 of a cell centre o of a 2^a x 2^a table: floor(28 * 16^a / |o|^4), 28
+// to 252. One |o|^-3 is the solid angle of the cell, the other the length that the cosine's
+// unnormalised dot product has too much.
+uint32_t cell_jacobian(const IVec3& centre, int a);
+
+// What is the same for every table of a plan: the cells' centres, corners and Jacobians.
+class CellGeometry {
+ public:
+  explicit CellGeometry(int cell_bits);
+
+  int cell_bits() const { return cell_bits_; }
+  size_t cells() const { return centres_.size(); }
+  const IVec3& centre(size_t cell) const { return centres_[cell]; }
+  uint32_t jacobian(size_t cell) const { return jacobians_[cell]; }
+  // Corner (column, row) of the grid, each 0 .. 2^a; the direction has |x| + |y| + |z| = 2^a.
+  const IVec3& corner(size_t column, size_t row) const {
+    return corners_[row * (edge() + 1) + column];
+  }
+  size_t edge() const { return size_t{1} << cell_bits_; }
+
+ private:
+  int cell_bits_;
+  std::vector<IVec3> centres_, corners_;
+  std::vector<uint32_t> jacobians_;
+};
+
+struct SamplerPhoton {
+  PowerCode power;
+  OctCode direction;  // direction_bits a coordinate
+};
+
+// prefix[c] is F(c), the sum of the weights of the cells before c; prefix.back() is W.
+struct SampleTable {
+  std::vector<uint64_t> prefix;
+  uint64_t weight(size_t cell) const { return prefix[cell + 1] - prefix[cell]; }
+  uint64_t total() const { return prefix.back(); }
+};
+
+// Photons beyond the plan's k are ignored, as by the hardware.
+SampleTable build_sample_table(const Plan& plan, const CellGeometry& geometry, OctCode normal,
+                               std::span<const SamplerPhoton> photons);
+
+// The cell with F(c) <= t < F(c+1), t = floor(u * W / 2^u_bits).
+size_t sample_cell(const Plan& plan, const SampleTable& table, uint64_t u);
+
+// The direction of a sample, jittered uniformly inside the code's square by (du, dv) in [0, 1)^2;
+// not normalised (|x| + |y| + |z| = 1). (0.5, 0.5) is the code's centre.
+Vec3 sample_direction(const Plan& plan, const Sample& sample, double du, double dv);
+
+// Probability density per solid angle with which the sampler picks this direction of the sample's
+// cell (any length but 0): w / W over the cell's area 4 / 4^a of the square [-1, 1]^2 and over the
+// mapping's Jacobian. Exact for directions placed uniformly in the cell.
+double sample_pdf(const Plan& plan, const Sample& sample, const Vec3& direction);
+
+}  // namespace photonloom
