@@ -1,0 +1,628 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "golden/pipeline/frame.hpp"
+
+#include <oneapi/tbb/blocked_range.h>
+#include <oneapi/tbb/parallel_for.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <limits>
+#include <type_traits>
+#include <vector>
+
+#include "golden/numeric/octahedral.hpp"
+#include "golden/plan/quantiser.hpp"
+
+namespace photonloom {
+namespace {
+
+// Rays and packets of one call to the units; bounds the memory, changes nothing else.
+constexpr size_t kChunk = size_t{1} << 15;
+constexpr uint32_t kNone = ~uint32_t{0};
+
+template <class F>
+void parallel(size_t count, F&& f) {
+  tbb::parallel_for(tbb::blocked_range<size_t>(0, count, 16), [&](const auto& range) {
+    for (size_t i = range.begin(); i < range.end(); ++i) f(i);
+  });
+}
+
+// Light added up: exact integers in a golden frame, doubles in a reference frame.
+void add(PixelValue& sum, const PixelValue& value) {
+  for (size_t c = 0; c < 3; ++c) sum[c] += value[c];
+}
+void add(Rgb& sum, const Rgb& value) { sum += value; }
+
+template <class Value>
+struct Layers {
+  Value direct{}, caustic{}, indirect{}, emission{};
+};
+
+// A camera sample that waits for its estimates.
+struct Entry {
+  bool diffuse = false;  // x exists
+  bool first = false;
+  DiffuseHit x;
+  Rgb weight{0};
+};
+
+// A direction as the sampler returned it; probability 0 until then.
+struct Direction {
+  double probability = 0;  // w / W
+  uint32_t u = 0, v = 0;
+};
+
+// What the first hits of a pixel show, summed over its samples.
+struct Features {
+  Rgb albedo{0};
+  Vec3 normal{0};
+  double depth = 0, density = 0;
+  uint32_t hits = 0;
+};
+
+template <Arithmetic kArithmetic>
+class Renderer {
+  static constexpr bool kGolden = kArithmetic == Arithmetic::kGolden;
+  using Value = std::conditional_t<kGolden, PixelValue, Rgb>;
+  // What a query's answer is multiplied with.
+  using QueryWeight = std::conditional_t<kGolden, Weight, Rgb>;
+
+ public:
+  Renderer(const FrameInput& in, FrameUnits& units, FrameCounts& counts, Progress* progress)
+      : in_(in),
+        plan_(in.plan),
+        units_(units),
+        counts_(counts),
+        progress_(progress),
+        shader_(in.plan),
+        spp_(static_cast<size_t>(in.plan.spp)),
+        rays_(static_cast<size_t>(in.plan.gather_rays)),
+        place_(static_cast<size_t>(in.plan.width) * static_cast<size_t>(in.plan.height), kNone) {
+    make_channels();
+  }
+
+  Image render() {
+    units_.photon_gatherer->load(in_.global, in_.caustic);
+    const int tiles_x = (plan_.width + plan_.tile - 1) / plan_.tile;
+    const int tiles = tiles_x * ((plan_.height + plan_.tile - 1) / plan_.tile);
+    const int step = plan_.batch_tiles > 0 ? plan_.batch_tiles : tiles;
+    for (int first = 0; first < tiles; first += step) {
+      pixels_.clear();
+      for (int tile = first; tile < std::min(tiles, first + step); ++tile) {
+        const int x0 = tile % tiles_x * plan_.tile, y0 = tile / tiles_x * plan_.tile;
+        for (int y = y0; y < std::min(plan_.height, y0 + plan_.tile); ++y)
+          for (int x = x0; x < std::min(plan_.width, x0 + plan_.tile); ++x) {
+            place_[pixel_number(x, y)] = static_cast<uint32_t>(pixels_.size());
+            pixels_.push_back(static_cast<uint32_t>(pixel_number(x, y)));
+          }
+      }
+      render_batch();
+      for (const uint32_t pixel : pixels_) place_[pixel] = kNone;
+    }
+    return std::move(image_);
+  }
+
+ private:
+  size_t pixel_number(int x, int y) const {
+    return static_cast<size_t>(y) * static_cast<size_t>(plan_.width) + static_cast<size_t>(x);
+  }
+  uint32_t pixel_of(size_t entry) const { return pixels_[entry / spp_]; }
+  uint32_t sample_of(size_t entry) const { return static_cast<uint32_t>(entry % spp_); }
+
+  // The entry that a packet belongs to; kNone for one that no question of this batch explains.
+  uint32_t entry_of(uint32_t pixel, uint32_t sample) const {
+    if (pixel >= place_.size() || place_[pixel] == kNone || sample >= spp_) return kNone;
+    const size_t entry = size_t{place_[pixel]} * spp_ + sample;
+    return entries_[entry].diffuse ? static_cast<uint32_t>(entry) : kNone;
+  }
+
+  void render_batch() {
+    const size_t entries = pixels_.size() * spp_;
+    entries_.assign(entries, {});
+    layers_.assign(pixels_.size(), {});
+    totals_.assign(entries, Value{});
+    features_.assign(pixels_.size(), {});
+    gathers_ = plan_.global.present && rays_ > 0;
+    directions_.assign(gathers_ ? entries * rays_ : 0, {});
+    {
+      const ProgressPhase phase(progress_, "camera", entries, "samples");
+      const size_t step = std::max<size_t>(1, kChunk / (1 + (gathers_ ? rays_ : 0)));
+      for (size_t begin = 0; begin < entries; begin += step) {
+        const size_t end = std::min(entries, begin + step);
+        walk_cameras(begin, end);
+        ask_at_camera_hits(begin, end);
+        phase.advance(end - begin);
+      }
+    }
+    if (gathers_) {
+      const ProgressPhase phase(progress_, "final gather", entries * rays_, "rays");
+      if constexpr (kGolden) slot_of_.assign(entries * rays_, kNone);
+      const size_t step = std::max<size_t>(1, kChunk / rays_);
+      for (size_t begin = 0; begin < entries; begin += step) {
+        const size_t end = std::min(entries, begin + step);
+        cast_final_gathers(begin, end);
+        phase.advance((end - begin) * rays_);
+      }
+      if constexpr (kGolden) {
+        GatherQuery flush{};
+        flush.flush = 1;
+        gather_reordered({&flush, 1});
+        for (const uint32_t slot : slot_of_) counts_.unanswered += slot != kNone;
+        slots_.clear();
+        free_slots_.clear();
+      }
+    }
+    finish_pixels();
+  }
+
+  // Named conversion of light that no photon carries.
+  Value value_of(const Rgb& radiance, ShaderCounts& counts) const {
+    if constexpr (kGolden)
+      return shader_.pixel(radiance, counts);
+    else
+      return (void)counts, radiance;
+  }
+  QueryWeight query_weight(const Rgb& weight, bool is_caustic, ShaderCounts& counts) const {
+    if constexpr (kGolden)
+      return shader_.weight(weight, is_caustic, counts);
+    else
+      return (void)is_caustic, (void)counts, weight;
+  }
+
+  // Sums the saturations of parallel work, which are nearly always none.
+  struct SharedCounts {
+    std::atomic<uint64_t> weights{0}, direct{0};
+    void take(const ShaderCounts& c) {
+      if (c.weights) weights += c.weights;
+      if (c.direct) direct += c.direct;
+    }
+    void give(ShaderCounts& to) const {
+      to.weights += weights;
+      to.direct += direct;
+    }
+  };
+
+  void walk_cameras(size_t begin, size_t end) {
+    struct Walk {
+      Value direct, indirect, emission;
+      Rgb albedo;
+      Vec3 normal;
+      double depth;
+    };
+    std::vector<Walk> walks(end - begin);
+    SharedCounts shared;
+    parallel(end - begin, [&](size_t i) {
+      const uint32_t pixel = pixel_of(begin + i);
+      const CameraSample s = trace_camera(
+          in_.world, in_.caster, static_cast<int>(pixel % static_cast<uint32_t>(plan_.width)),
+          static_cast<int>(pixel / static_cast<uint32_t>(plan_.width)), sample_of(begin + i),
+          in_.seed);
+      ShaderCounts own;
+      walks[i] = {value_of(s.direct, own),
+                  value_of(s.indirect, own),
+                  value_of(s.emission, own),
+                  s.albedo,
+                  s.normal,
+                  s.depth};
+      shared.take(own);
+      entries_[begin + i] = {s.diffuse && !is_black(s.weight), s.first, s.x, s.weight};
+    });
+    shared.give(counts_.shader);
+    for (size_t i = 0; i < walks.size(); ++i) {
+      const Walk& w = walks[i];
+      Layers<Value>& layers = layers_[(begin + i) / spp_];
+      add(layers.direct, w.direct);
+      add(layers.indirect, w.indirect);
+      add(layers.emission, w.emission);
+      Value& total = totals_[begin + i];
+      add(total, w.direct);
+      add(total, w.indirect);
+      add(total, w.emission);
+      Features& f = features_[(begin + i) / spp_];
+      f.albedo += w.albedo;
+      f.normal += w.normal;
+      f.depth += w.depth;
+      f.hits += w.depth > 0;
+    }
+    counts_.camera_samples += walks.size();
+  }
+
+  GatherQuery camera_query(size_t entry, bool is_caustic) const {
+    const Entry& e = entries_[entry];
+    const OctCode normal = oct_encode(e.x.normal, plan_.normal_bits);
+    return {.pixel = pixel_of(entry),
+            .sample = sample_of(entry),
+            .tag = static_cast<uint32_t>(plan_.gather_rays),
+            .map = is_caustic,
+            .flush = 0,
+            .want_photons = !is_caustic,
+            .position = quantise_position(plan_, e.x.position),
+            .normal = {normal.u, normal.v}};
+  }
+
+  // A caustic query and a table gather for every diffuse hit; the tables' photons and the requests
+  // for directions to the sampler.
+  void ask_at_camera_hits(size_t begin, size_t end) {
+    queries_.clear();
+    std::vector<uint8_t> asked_caustic(end - begin, 0), asked_table(end - begin, 0);
+    for (size_t entry = begin; entry < end; ++entry) {
+      if (!entries_[entry].diffuse) continue;
+      if (plan_.caustic.present && kGolden) {
+        queries_.push_back(camera_query(entry, true));
+        asked_caustic[entry - begin] = 1;
+        ++counts_.caustic_queries;
+      }
+      if (gathers_) {
+        queries_.push_back(camera_query(entry, false));
+        asked_table[entry - begin] = 1;
+        ++counts_.table_gathers;
+      }
+    }
+    if constexpr (!kGolden) estimate_caustics_in_double(begin, end);
+    if (queries_.empty()) return;
+    results_.clear();
+    photons_.clear();
+    units_.photon_gatherer->process(queries_, results_, photons_);
+
+    inputs_.clear();
+    size_t next_photon = 0;
+    ShaderCounts saturated;
+    for (const GatherResult& r : results_) {
+      const uint32_t entry = entry_of(r.pixel, r.sample);
+      std::vector<uint8_t>& asked = r.map ? asked_caustic : asked_table;
+      const size_t photons = r.map ? 0 : std::min<size_t>(r.count, photons_.size() - next_photon);
+      if (r.flush || entry == kNone || entry < begin || entry >= end || !asked[entry - begin] ||
+          r.tag != static_cast<uint32_t>(plan_.gather_rays)) {
+        ++counts_.unmatched;
+        next_photon += photons;
+        continue;
+      }
+      asked[entry - begin] = 0;
+      count(r);
+      const Entry& e = entries_[entry];
+      if (r.map) {
+        if constexpr (kGolden)
+          add_caustic(entry, shader_.contribution(r, shader_.weight(e.weight, true, saturated)));
+        continue;
+      }
+      if (e.first) features_[entry / spp_].density += shader_.photon_density(r);
+      request_directions(entry, {photons_.data() + next_photon, photons});
+      next_photon += photons;
+    }
+    counts_.shader.weights += saturated.weights;
+    for (const auto* asked : {&asked_caustic, &asked_table})
+      counts_.unanswered += static_cast<uint64_t>(std::count(asked->begin(), asked->end(), 1));
+    counts_.unmatched += photons_.size() - next_photon;
+
+    if (inputs_.empty()) return;
+    samples_.clear();
+    units_.cdf_sampler->process(inputs_, samples_);
+    for (const Sample& s : samples_) {
+      const uint32_t entry = entry_of(s.pixel, s.sample);
+      if (entry == kNone || s.tag >= rays_ || s.total == 0 ||
+          directions_[size_t{entry} * rays_ + s.tag].probability != 0) {
+        ++counts_.unmatched;
+        continue;
+      }
+      directions_[size_t{entry} * rays_ + s.tag] = {
+          static_cast<double>(s.weight) / static_cast<double>(s.total), s.direction[0],
+          s.direction[1]};
+    }
+    counts_.directions += samples_.size();
+  }
+
+  void add_caustic(size_t entry, const Value& value) {
+    Layers<Value>& layers = layers_[entry / spp_];
+    add(entries_[entry].first ? layers.caustic : layers.indirect, value);
+    add(totals_[entry], value);
+  }
+
+  // One table: header, photons, requests. The rays of a sample are stratified in u.
+  void request_directions(size_t entry, std::span<const GatherPhoton> photons) {
+    const OctCode normal = oct_encode(entries_[entry].x.normal, plan_.normal_bits);
+    SamplerInput header{};
+    header.kind = 0;
+    header.pixel = pixel_of(entry);
+    header.sample = sample_of(entry);
+    header.normal = {normal.u, normal.v};
+    inputs_.push_back(header);
+    for (const GatherPhoton& p : photons) {
+      SamplerInput photon{};
+      photon.kind = 1;
+      photon.mantissa = p.mantissa;
+      photon.exponent = p.exponent;
+      photon.direction = p.direction;
+      inputs_.push_back(photon);
+    }
+    const Random random = random_of(entry);
+    for (size_t ray = 0; ray < rays_; ++ray) {
+      SamplerInput request{};
+      request.kind = 2;
+      request.tag = static_cast<uint32_t>(ray);
+      const UInt128 u =
+          (UInt128{ray} << plan_.u_bits) + (random.bits(ray, 0) >> (64 - plan_.u_bits));
+      request.u = static_cast<uint64_t>(u / rays_);
+      request.v = {static_cast<uint32_t>(random.bits(ray, 1) >> (64 - plan_.v_bits)),
+                   static_cast<uint32_t>(random.bits(ray, 2) >> (64 - plan_.v_bits))};
+      inputs_.push_back(request);
+    }
+  }
+
+  Random random_of(size_t entry) const {
+    return Random(in_.seed, Phase::kSampler, (uint64_t{pixel_of(entry)} << 20) | sample_of(entry));
+  }
+
+  // A direction within the sampled code's cell and 1/pdf. The code names a square of the unfolded
+  // octahedron; the ray goes through a point chosen evenly in it, so that every direction of the
+  // table's cell has the density w / W / (area of the cell) on the square.
+  Vec3 direction_of(const Direction& d, const Random& random, size_t ray,
+                    double& inverse_pdf) const {
+    const double step = std::ldexp(2.0, -plan_.sample_direction_bits());
+    const Vec3 p =
+        oct_unfold((d.u + random.unit(ray, 3)) * step - 1, (d.v + random.unit(ray, 4)) * step - 1);
+    inverse_pdf = std::ldexp(4.0, -2 * plan_.cell_bits) / d.probability * oct_jacobian(p);
+    return p / std::sqrt(glm::dot(p, p));
+  }
+
+  void cast_final_gathers(size_t begin, size_t end) {
+    struct Gather {
+      bool below = false, asks = false;
+      Value glossy{};
+      QueryWeight weight{};
+      GatherQuery query{};
+      DiffuseHit y;
+    };
+    std::vector<Gather> gathers((end - begin) * rays_);
+    SharedCounts shared;
+    parallel(gathers.size(), [&](size_t i) {
+      const size_t entry = begin + i / rays_, ray = i % rays_;
+      const Entry& e = entries_[entry];
+      const Direction& d = directions_[entry * rays_ + ray];
+      if (!e.diffuse || d.probability == 0) return;
+      Gather& g = gathers[i];
+      double inverse_pdf;
+      const Vec3 direction = direction_of(d, random_of(entry), ray, inverse_pdf);
+      const double cosine = glm::dot(direction, e.x.shading_normal);
+      if (!(cosine > 0) || !(glm::dot(direction, e.x.normal) > 0)) {
+        g.below = true;
+        return;
+      }
+      const uint32_t pixel = pixel_of(entry), sample = sample_of(entry);
+      const GatherSample s =
+          trace_gather(in_.world, in_.caster, e.x, direction, pixel, sample, ray, in_.seed);
+      const Rgb weight = e.weight * (cosine * inverse_pdf / static_cast<double>(rays_));
+      ShaderCounts own;
+      g.glossy = value_of(weight * s.radiance, own);
+      if (s.diffuse && !is_black(s.weight)) {
+        g.asks = true;
+        g.weight = query_weight(weight * s.weight, false, own);
+        if constexpr (kGolden) {
+          const OctCode normal = oct_encode(s.y.normal, plan_.normal_bits);
+          g.query = {.pixel = pixel,
+                     .sample = sample,
+                     .tag = static_cast<uint32_t>(ray),
+                     .map = 0,
+                     .flush = 0,
+                     .want_photons = 0,
+                     .position = quantise_position(plan_, s.y.position),
+                     .normal = {normal.u, normal.v}};
+        } else {
+          add(g.glossy, estimate_in_double(*in_.reference_global, plan_.global, s.y, g.weight));
+        }
+      }
+      shared.take(own);
+    });
+    shared.give(counts_.shader);
+
+    queries_.clear();
+    for (size_t i = 0; i < gathers.size(); ++i) {
+      const Gather& g = gathers[i];
+      const size_t entry = begin + i / rays_;
+      counts_.below_horizon += g.below;
+      counts_.final_gathers += g.asks;
+      add_indirect(entry, g.glossy);
+      if constexpr (kGolden) {
+        if (!g.asks) continue;
+        slot_of_[entry * rays_ + i % rays_] = take_slot(g.weight);
+        queries_.push_back(g.query);
+      }
+    }
+    if constexpr (kGolden) gather_reordered(queries_);
+  }
+
+  void add_indirect(size_t entry, const Value& value) {
+    add(layers_[entry / spp_].indirect, value);
+    add(totals_[entry], value);
+  }
+
+  uint32_t take_slot(const QueryWeight& weight) {
+    if (free_slots_.empty()) {
+      slots_.push_back(weight);
+      return static_cast<uint32_t>(slots_.size() - 1);
+    }
+    const uint32_t slot = free_slots_.back();
+    free_slots_.pop_back();
+    slots_[slot] = weight;
+    return slot;
+  }
+
+  // Final gather queries through the reorder buffer and the gatherer to their pixels. Weights wait
+  // on the host for the results, which come in the order of the reorder buffer.
+  void gather_reordered(std::span<const GatherQuery> queries) {
+    if constexpr (kGolden) {
+      reordered_.clear();
+      units_.reorder_buffer->process(queries, reordered_);
+      results_.clear();
+      photons_.clear();
+      units_.photon_gatherer->process(reordered_, results_, photons_);
+      counts_.unmatched += photons_.size();
+      std::vector<uint32_t> entries(results_.size(), kNone), slots(results_.size(), kNone);
+      for (size_t i = 0; i < results_.size(); ++i) {
+        const GatherResult& r = results_[i];
+        if (r.flush) continue;
+        const uint32_t entry = entry_of(r.pixel, r.sample);
+        uint32_t* slot = entry == kNone || r.tag >= rays_ || r.map
+                             ? nullptr
+                             : &slot_of_[size_t{entry} * rays_ + r.tag];
+        if (!slot || *slot == kNone) {
+          ++counts_.unmatched;
+          continue;
+        }
+        entries[i] = entry;
+        slots[i] = *slot;
+        *slot = kNone;
+        count(r);
+      }
+      std::vector<PixelValue> values(results_.size());
+      parallel(results_.size(), [&](size_t i) {
+        if (slots[i] != kNone) values[i] = shader_.contribution(results_[i], slots_[slots[i]]);
+      });
+      for (size_t i = 0; i < results_.size(); ++i) {
+        if (slots[i] == kNone) continue;
+        add_indirect(entries[i], values[i]);
+        free_slots_.push_back(slots[i]);
+      }
+    } else {
+      (void)queries;
+    }
+  }
+
+  void count(const GatherResult& r) {
+    counts_.clamped += r.clamped;
+    counts_.full += r.full;
+  }
+
+  // The estimate of semantics section 3 with nothing quantised.
+  Rgb estimate_in_double(const ReferenceGather& map, const MapPlan& m, const DiffuseHit& hit,
+                         const Rgb& weight) const {
+    thread_local std::vector<ReferenceNeighbour> found;
+    const double r2_max =
+        m.radius > 0 ? m.radius * m.radius : std::numeric_limits<double>::infinity();
+    const double r2_floor =
+        static_cast<double>(plan_.r2_floor) * plan_.position_unit() * plan_.position_unit();
+    map.find(hit.position, hit.normal, plan_.k, r2_max, found);
+    return weight * map.irradiance(found, plan_.k, r2_max, r2_floor, Kernel::kFlat);
+  }
+
+  void estimate_caustics_in_double(size_t begin, size_t end) {
+    if constexpr (!kGolden) {
+      if (!plan_.caustic.present) return;
+      std::vector<Rgb> values(end - begin, Rgb(0));
+      parallel(values.size(), [&](size_t i) {
+        const Entry& e = entries_[begin + i];
+        if (e.diffuse)
+          values[i] = estimate_in_double(*in_.reference_caustic, plan_.caustic, e.x, e.weight);
+      });
+      for (size_t i = 0; i < values.size(); ++i) {
+        if (!entries_[begin + i].diffuse) continue;
+        add_caustic(begin + i, values[i]);
+        ++counts_.caustic_queries;
+      }
+    }
+  }
+
+  double radiance(const Value& value, int c) const {
+    if constexpr (kGolden)
+      return shader_.radiance(value[static_cast<size_t>(c)]);
+    else
+      return value[c];
+  }
+
+  void make_channels() {
+    image_.width = plan_.width;
+    image_.height = plan_.height;
+    for (const char* name : {"R",          "G",
+                             "B",          "direct.R",
+                             "direct.G",   "direct.B",
+                             "caustic.R",  "caustic.G",
+                             "caustic.B",  "indirect.R",
+                             "indirect.G", "indirect.B",
+                             "emission.R", "emission.G",
+                             "emission.B", "error.R",
+                             "error.G",    "error.B",
+                             "albedo.R",   "albedo.G",
+                             "albedo.B",   "N.X",
+                             "N.Y",        "N.Z",
+                             "Z",          "photonDensity.Y"})
+      image_.add(name);
+  }
+
+  void finish_pixels() {
+    const double n = static_cast<double>(spp_);
+    parallel(pixels_.size(), [&](size_t p) {
+      const auto set = [&](size_t channel, double value) {
+        image_.channels[channel].pixels[pixels_[p]] = static_cast<float>(value);
+      };
+      const Layers<Value>& l = layers_[p];
+      Value sum = l.direct;
+      add(sum, l.caustic);
+      add(sum, l.indirect);
+      add(sum, l.emission);
+      for (int c = 0; c < 3; ++c) {
+        const auto i = static_cast<size_t>(c);
+        set(i, radiance(sum, c) / n);
+        set(3 + i, radiance(l.direct, c) / n);
+        set(6 + i, radiance(l.caustic, c) / n);
+        set(9 + i, radiance(l.indirect, c) / n);
+        set(12 + i, radiance(l.emission, c) / n);
+        double variance = 0;
+        const double mean = radiance(sum, c) / n;
+        for (size_t s = 0; s < spp_; ++s) {
+          const double d = radiance(totals_[p * spp_ + s], c) - mean;
+          variance += d * d;
+        }
+        set(15 + i, spp_ > 1 ? std::sqrt(variance / (n * (n - 1))) : 0.0);
+        set(18 + i, features_[p].albedo[c] / n);
+        set(21 + i, features_[p].normal[c] / n);
+      }
+      set(24, features_[p].hits ? features_[p].depth / features_[p].hits : 0.0);
+      set(25, features_[p].density / n);
+    });
+  }
+
+  const FrameInput& in_;
+  const Plan& plan_;
+  FrameUnits& units_;
+  FrameCounts& counts_;
+  Progress* progress_;
+  const Shader shader_;
+  const size_t spp_, rays_;
+  bool gathers_ = false;  // whether samples send final gather rays
+  Image image_;
+
+  // Of the batch.
+  std::vector<uint32_t> pixels_;  // in packet order
+  std::vector<uint32_t> place_;   // of a pixel in pixels_
+  std::vector<Entry> entries_;    // a sample each
+  std::vector<Layers<Value>> layers_;
+  std::vector<Value> totals_;  // of samples
+  std::vector<Features> features_;
+  std::vector<Direction> directions_;
+  std::vector<uint32_t> slot_of_;  // a final gather query's place in slots_
+  std::vector<QueryWeight> slots_;
+  std::vector<uint32_t> free_slots_;
+
+  // Of the call.
+  std::vector<GatherQuery> queries_, reordered_;
+  std::vector<GatherResult> results_;
+  std::vector<GatherPhoton> photons_;
+  std::vector<SamplerInput> inputs_;
+  std::vector<Sample> samples_;
+};
+
+}  // namespace
+
+FrameUnits make_golden_units(const Plan& plan) {
+  return {make_golden_photon_gatherer(plan), make_golden_reorder_buffer(plan),
+          make_golden_cdf_sampler(plan)};
+}
+
+Image render_frame(const FrameInput& in, FrameUnits& units, FrameCounts& counts,
+                   Progress* progress) {
+  if (in.arithmetic == Arithmetic::kReference)
+    return Renderer<Arithmetic::kReference>(in, units, counts, progress).render();
+  return Renderer<Arithmetic::kGolden>(in, units, counts, progress).render();
+}
+
+}  // namespace photonloom

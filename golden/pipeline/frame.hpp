@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+// The frame: camera walks, caustic queries and table gathers, sampled directions, final gather
+// rays, reordering, gathers, shading. One pipeline for every backend; see docs/frame.md.
+#pragma once
+#include <cstdint>
+#include <memory>
+
+#include "golden/image/image.hpp"
+#include "golden/numeric/progress.hpp"
+#include "golden/transport/world.hpp"
+#include "golden/unit/backend.hpp"
+#include "golden/unit/photon_map.hpp"
+#include "golden/unit/reference_gather.hpp"
+#include "golden/unit/shader.hpp"
+
+namespace photonloom {
+
+// kGolden: estimates are what the units answer. kReference: the same photons, queries and
+// directions (the table still comes from the units), all values in double.
+enum class Arithmetic { kGolden, kReference };
+
+// The units of a frame, golden or anything else behind the same interface. The gatherer is loaded
+// by render_frame.
+struct FrameUnits {
+  std::unique_ptr<PhotonGatherer> photon_gatherer;
+  std::unique_ptr<ReorderBuffer> reorder_buffer;
+  std::unique_ptr<CdfSampler> cdf_sampler;
+};
+FrameUnits make_golden_units(const Plan& plan);
+
+struct FrameInput {
+  const World& world;
+  const RayCaster& caster;
+  const Plan& plan;  // width and height are the film's
+  const PhotonMap& global;
+  const PhotonMap& caustic;
+  // The same photons in double, in map order; only kReference reads them.
+  const ReferenceGather* reference_global = nullptr;
+  const ReferenceGather* reference_caustic = nullptr;
+  uint64_t seed = 1;
+  Arithmetic arithmetic = Arithmetic::kGolden;
+};
+
+// What happened in a frame, in packets. Results that answer nothing that was asked, and questions
+// without an answer, are 0 unless a unit is faulty; such a frame goes on without them.
+struct FrameCounts {
+  uint64_t camera_samples = 0;
+  uint64_t table_gathers = 0, caustic_queries = 0;
+  uint64_t directions = 0;     // sampled
+  uint64_t below_horizon = 0;  // of them, which contribute nothing
+  uint64_t final_gathers = 0;
+  uint64_t clamped = 0;  // gathers with r2 < r2_floor
+  uint64_t full = 0;     // gathers that found k
+  uint64_t unmatched = 0, unanswered = 0;
+  ShaderCounts shader;
+};
+
+// The image with all its layers; no metadata. Uses threads; the bytes depend neither on them nor on
+// how packets are cut into calls.
+Image render_frame(const FrameInput& in, FrameUnits& units, FrameCounts& counts,
+                   Progress* progress = nullptr);
+
+}  // namespace photonloom

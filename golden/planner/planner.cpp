@@ -1,0 +1,321 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "golden/planner/planner.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "golden/numeric/elementary.hpp"
+#include "golden/plan/quantiser.hpp"
+#include "golden/unit/pack_photons.hpp"
+
+namespace photonloom {
+namespace {
+
+// Camera paths pass mirrors and glass with at most this throughput (eta^2, roulette).
+constexpr double kThroughput = 256;
+// Samples of a batch, some 350 bytes each on the host.
+constexpr uint64_t kBatchSamples = uint64_t{1} << 20;
+
+// Exponent of the power of two just above x > 0.
+int exponent_above(double x) {
+  int e;
+  std::frexp(x, &e);
+  return e;
+}
+
+// Smallest whole number of at least log2(x), x > 0.
+int ceil_log2(double x) {
+  int e;
+  return std::frexp(x, &e) == 0.5 ? e - 1 : e;
+}
+
+// The colour that all photons share, its largest channel 1; nothing where they differ.
+std::optional<Rgb> common_color(const PhotonPass& global, const PhotonPass& caustic) {
+  std::optional<Rgb> color;
+  for (const PhotonPass* pass : {&global, &caustic})
+    for (const Photon& p : pass->photons) {
+      const double power = max_component(p.power);
+      if (!(power > 0)) continue;
+      const Rgb c(p.power.x / power, p.power.y / power, p.power.z / power);
+      if (!color) color = c;
+      // Products of reflectances in different orders differ by roundings.
+      if (max_component(glm::abs(c - *color)) > 0x1p-40) return std::nullopt;
+    }
+  return color;
+}
+
+// Formats for a relative error that they may add to an estimate.
+void choose_formats(Plan& plan, double error, double smallest_radius, PlanReasons& why) {
+  const int bits = ceil_log2(1 / error);
+  plan.position_bits = std::clamp(ceil_log2(plan.extent / (error * smallest_radius)), 8, 24);
+  why["photon.position_bits"] =
+      plan.position_bits == 24
+          ? "the widest there is"
+          : fmt::format("a position unit is at most {:g} of the smallest radius, {:.4g}", error,
+                        smallest_radius);
+  plan.mantissa_bits = std::clamp(bits, 2, 16);
+  why["photon.mantissa_bits"] = fmt::format("rounds a power by at most {:g} of it", error);
+  // Photons within a cell of the horizon may change sides; they carry the square of its angle.
+  plan.direction_bits = std::clamp(bits / 2 + 4, 5, 14);
+  plan.normal_bits = plan.direction_bits;
+  why["photon.direction_bits"] = fmt::format(
+      "photons within a cell of the horizon, which may change sides, carry less than {:g}", error);
+  why["gather.normal_bits"] = "as photon directions";
+  plan.cell_bits = std::min(plan.cell_bits, plan.direction_bits);
+  plan.reciprocal_bits = std::clamp(bits + 9, 8, 24);
+  plan.weight_bits = std::clamp(bits + 9, 8, 24);
+  why["gather.reciprocal_bits"] = why["pixel.weight_bits"] =
+      fmt::format("nine bits finer than the error of {:g}", error);
+}
+
+// The maps, their counts and radii.
+void choose_maps(Plan& plan, const World& world, const PlanRequest& request,
+                 const PhotonPass& global, const PhotonPass& caustic, PlanReasons& why) {
+  const MapsNeeded needed = maps_needed(world, request.gather_rays);
+  for (const bool is_caustic : {false, true}) {
+    const PhotonPass& pass = is_caustic ? caustic : global;
+    const bool wanted = is_caustic ? needed.caustic : needed.global;
+    MapPlan& m = is_caustic ? plan.caustic : plan.global;
+    const std::string section = is_caustic ? "caustic." : "global.";
+    m = MapPlan{};
+    m.present = wanted && !pass.photons.empty();
+    why[section + "present"] = m.present || !wanted
+                                   ? (is_caustic ? needed.caustic_reason : needed.global_reason)
+                                   : "no photon reached a diffuse surface";
+    if (!m.present) {
+      for (const char* key : {"photons", "power_exponent", "radius"})
+        why[section + key] = "there is no such map";
+      continue;
+    }
+    m.photons = pass.photons.size();
+    why[section + "photons"] =
+        fmt::format("stored of {} paths; the path that fills the map is stored whole", pass.paths);
+    if (request.radius) {
+      m.radius = *request.radius;
+      why[section + "radius"] = "as asked for";
+    } else {
+      const double share = is_caustic ? kCausticShare : kGlobalShare;
+      m.radius = default_radius(share, plan.k, world.diffuse_area(), m.photons);
+      why[section + "radius"] =
+          fmt::format("sqrt({} k A / (pi N)), A = {:.4g} being the surface that can hold photons",
+                      share, world.diffuse_area());
+    }
+    m.power_exponent = choose_power_exponent(pass.photons, plan);
+    why[section + "power_exponent"] = "the finest at which the largest photon fits";
+  }
+}
+
+// Formats of the pixel: F from the mean radiance of a room of this surface and power, I from a
+// bound on every contribution.
+void choose_pixel(Plan& plan, const World& world, const PlanRequest& request, PlanReasons& why) {
+  const double area = world.diffuse_area() > 0 ? world.diffuse_area() : world.surface_area();
+  const double mean =
+      std::max(max_component(world.emitted_power()) / (kPi * std::max(area, 1e-290)), 1e-290);
+  const double inverse_area = 1 / (kPi * plan.position_unit() * plan.position_unit());
+  // 1/pdf of a final gather direction is at most W/w of its cell <= 2^(probability + 2a), times the
+  // cell's solid angle <= 4 / 2^2a * sqrt(27).
+  const double gather_weight =
+      kThroughput / kPi * std::ldexp(4 * 5.1961525, plan.probability_bits) / kPi;
+  plan.integer_bits = 1;
+  for (const bool is_caustic : {false, true}) {
+    const MapPlan& m = plan.map(is_caustic);
+    if (!m.present) continue;
+    // So that weight_exponent_max() admits the largest weight.
+    const int weight =
+        exponent_above((is_caustic ? kThroughput / kPi : gather_weight) * inverse_area);
+    plan.integer_bits = std::max(
+        plan.integer_bits, weight + m.power_exponent + plan.flux_bits() - msb(plan.r2_floor) + 2);
+  }
+  double brightest = 0;
+  for (const Shape& s : world.scene().shapes)
+    if (s.radiance) brightest = std::max(brightest, max_component(*s.radiance));
+  for (const Light& l : world.scene().lights) {
+    const double nearest = l.kind == LightKind::kDirectional ? 1 : plan.extent * 0x1p-12;
+    brightest = std::max(brightest, max_component(l.intensity) / (nearest * nearest));
+  }
+  if (brightest > 0)
+    plan.integer_bits = std::max(plan.integer_bits, exponent_above(kThroughput * brightest) + 1);
+  plan.fraction_bits = 0;
+  const int sum = plan.pixel_sum_bits() - plan.integer_bits;
+  const int fine = request.error ? std::clamp(ceil_log2(1 / *request.error) + 31, 32, 48) : 40;
+  const int wanted = fine - exponent_above(mean), least = 24 - exponent_above(mean);
+  plan.fraction_bits = std::clamp(std::min(wanted, 128 - sum - plan.integer_bits), -64, 96);
+  if (plan.fraction_bits < std::min(least, 96))
+    throw PlanError(fmt::format(
+        "plan: pixel.fraction_bits has no value: {} integer bits for the largest contribution, {} "
+        "for the number of contributions and {} down to 2^-24 of the mean radiance {:.3g} exceed "
+        "the 128 bits of a pixel; fewer position or probability bits, or a larger r2_floor, would "
+        "fit",
+        plan.integer_bits, sum, least, mean));
+  why["pixel.fraction_bits"] =
+      fmt::format("2^-{} of the surfaces' mean radiance, about {:.3g} W/(m^2 sr)",
+                  plan.fraction_bits + exponent_above(mean), mean);
+  why["pixel.integer_bits"] =
+      "the largest k * power / (pi r2_floor) * weight, so that nothing overflows";
+}
+
+}  // namespace
+
+MapsNeeded maps_needed(const World& world, int gather_rays) {
+  MapsNeeded needed;
+  const int depth = world.scene().max_depth;
+  std::string nothing;  // why there is neither
+  if (!(world.diffuse_area() > 0)) nothing = "no surface has a diffuse lobe";
+  if (depth >= 0 && depth < 3)
+    nothing = fmt::format("paths of at most {} segments end before it", depth);
+  needed.global = nothing.empty() && gather_rays > 0;
+  needed.global_reason = !nothing.empty()   ? nothing
+                         : gather_rays == 0 ? "no final gather rays were asked for"
+                                            : "final gather rays end in it";
+  needed.caustic = nothing.empty() && world.has_delta();
+  needed.caustic_reason = !nothing.empty() ? nothing
+                          : needed.caustic ? "mirrors or glass throw light on diffuse surfaces"
+                                           : "no surface is a mirror or glass";
+  return needed;
+}
+
+double default_radius(double share, int k, double area, uint64_t photons) {
+  return std::sqrt(share * static_cast<double>(k) * area / (kPi * static_cast<double>(photons)));
+}
+
+PlannedFrame make_plan(const World& world, const PlanRequest& request, const PhotonPass& global,
+                       const PhotonPass& caustic) {
+  PlannedFrame result;
+  Plan& plan = result.plan;
+  PlanReasons& why = result.reasons;
+  if (request.k < 1 || request.k > 256)
+    throw PlanError(
+        fmt::format("plan: gather.k is {}, expected an integer from 1 to 256", request.k));
+  if (request.radius && !(*request.radius >= 0 && std::isfinite(*request.radius)))
+    throw PlanError("plan: the radius must be a finite number of at least 0");
+  if (request.error && !(*request.error > 0 && *request.error < 1))
+    throw PlanError("plan: the error must lie between 0 and 1");
+
+  const Scene& scene = world.scene();
+  plan.scene = scene.name;
+  plan.origin = {world.cube_origin().x, world.cube_origin().y, world.cube_origin().z};
+  plan.extent = world.cube_extent();
+  why["scene.origin"] = "around all surfaces";
+  why["scene.extent"] = "the longest edge of the box around all surfaces, and a little";
+  plan.k = request.k;
+  plan.width = scene.film.width;
+  plan.height = scene.film.height;
+  plan.spp = request.spp;
+  plan.gather_rays = request.gather_rays;
+  why["gather.k"] = why["frame.spp"] = why["frame.gather_rays"] = "as asked for";
+  why["frame.width"] = why["frame.height"] = "the film's, or as asked for";
+  // What is set by hand counts from the beginning, for whatever follows from it, and at the end.
+  const auto set_by_hand = [&] {
+    for (const std::string& line : request.set) {
+      set_plan_line(plan, line);
+      why[line.substr(0, line.find('='))] = "set by hand";
+    }
+  };
+
+  // Formats of photons.
+  if (const auto color = common_color(global, caustic)) {
+    plan.channels = 1;
+    plan.channel_color = {color->x, color->y, color->z};
+    why["photon.channels"] = why["photon.channel_color"] = "all photons have this one colour";
+  } else if (global.photons.empty() && caustic.photons.empty()) {
+    plan.channels = 1;
+    why["photon.channels"] = why["photon.channel_color"] = "there are no photons";
+  } else {
+    why["photon.channels"] = why["photon.channel_color"] = "photons of several colours";
+  }
+  int octaves = 1;
+  for (const PhotonPass* pass : {&global, &caustic}) {
+    double smallest = std::numeric_limits<double>::infinity(), largest = 0;
+    for (const Photon& p : pass->photons)
+      if (const double power = max_component(p.power); power > 0) {
+        smallest = std::min(smallest, power);
+        largest = std::max(largest, power);
+      }
+    if (largest > 0)
+      octaves = std::max(octaves, exponent_above(largest) - exponent_above(smallest) + 1);
+  }
+  // An exponent for each octave, and one because rounding may carry into the next.
+  plan.exponent_bits = std::clamp(clog2(static_cast<uint64_t>(octaves) + 1), 1, 5);
+  why["photon.exponent_bits"] = fmt::format("powers span {} octaves", octaves);
+  why["photon.position_bits"] = "default; --error chooses";
+  why["photon.mantissa_bits"] = "default, as RGB9E5; --error chooses";
+  why["photon.direction_bits"] = why["gather.normal_bits"] = "default; --error chooses";
+  why["gather.reciprocal_bits"] = why["pixel.weight_bits"] =
+      "default, far finer than a mantissa; --error chooses";
+  set_by_hand();
+  choose_maps(plan, world, request, global, caustic, why);
+  if (request.error) {
+    double smallest = plan.extent;
+    for (const MapPlan* m : {&plan.global, &plan.caustic})
+      if (m->present && m->radius > 0) smallest = std::min(smallest, m->radius);
+    choose_formats(plan, *request.error, smallest, why);
+    set_by_hand();
+    choose_maps(plan, world, request, global, caustic, why);  // power units follow from mantissas
+  }
+  if (plan.photon_bits() > 8 * plan.photon_bytes) plan.photon_bytes = 32;
+  why["photon.photon_bytes"] =
+      fmt::format("{} of {} bits used", plan.photon_bits(), 8 * plan.photon_bytes);
+  why["photon.bucket"] = fmt::format("a line of {} bytes", plan.line_bytes());
+
+  // The gather.
+  why["gather.r2_floor"] = "photons are not known closer than one position unit";
+  why["gather.epsilon_factor"] = why["gather.epsilon_shift"] = why["gather.leaf_limit"] =
+      "exact search";
+  why["gatherer.contexts"] = "hides the latency of the memory";
+  plan.lanes = std::min(plan.lanes, plan.bucket);
+  why["gatherer.lanes"] = fmt::format("a line of {} photons in {} cycles", plan.bucket,
+                                      plan.bucket / std::max(1, plan.lanes));
+  const int way = plan.line_bytes() * plan.cache_ways;
+  plan.cache_bytes =
+      way *
+      static_cast<int>(std::bit_floor(static_cast<unsigned>(std::max(1, plan.cache_bytes / way))));
+  why["gatherer.cache_bytes"] =
+      fmt::format("{} lines of {} bytes", plan.cache_bytes / plan.line_bytes(), plan.line_bytes());
+  why["gatherer.cache_ways"] = "fewer conflicts for little area";
+  why["gatherer.cache_misses"] = "keeps the memory port busy";
+
+  // Reordering and the sampler.
+  if (!plan.global.present) plan.reorder_key = ReorderKey::kNone;
+  why["reorder.key"] = plan.global.present
+                           ? "Hilbert-prefix bins drained by a sweep save most traffic"
+                           : "there are no final gather queries to reorder";
+  why["reorder.drain"] = "neighbouring bins follow each other";
+  why["reorder.packets"] = "a pool of some tens of kilobytes";
+  why["reorder.bins"] = "a bin a cell";
+  why["reorder.cell_bits"] = "8 cells an axis; finer ones do not fill";
+  why["reorder.lag"] = "none is needed";
+  why["sampler.cell_bits"] = fmt::format("{0} x {0} cells over the sphere", 1 << plan.cell_bits);
+  why["sampler.probability_bits"] = "empty cells keep a floor of one part in 2^this";
+  plan.u_bits = std::max(plan.u_bits, plan.total_bits() + 8);
+  why["sampler.u_bits"] =
+      fmt::format("at least 8 bits more than the {} of the total", plan.total_bits());
+  why["sampler.v_bits"] = "the ray is jittered below it";
+  why["sampler.combine"] = "keeps every direction likely that either table finds likely";
+
+  // The frame.
+  why["frame.tile"] = "rays of a tile are made together";
+  const uint64_t tile_samples = static_cast<uint64_t>(plan.tile) *
+                                static_cast<uint64_t>(plan.tile) * static_cast<uint64_t>(plan.spp);
+  const uint64_t samples = static_cast<uint64_t>(plan.width) * static_cast<uint64_t>(plan.height) *
+                           static_cast<uint64_t>(plan.spp);
+  plan.batch_tiles = samples <= kBatchSamples
+                         ? 0
+                         : static_cast<int>(std::max<uint64_t>(1, kBatchSamples / tile_samples));
+  why["frame.batch_tiles"] = plan.batch_tiles == 0
+                                 ? "the samples of the frame fit in the host's memory"
+                                 : "about a million samples at a time in the host's memory";
+  choose_pixel(plan, world, request, why);
+  set_by_hand();
+  check_plan(plan);
+  if (plan.k == 1 && ((plan.global.present && plan.global.radius == 0) ||
+                      (plan.caustic.present && plan.caustic.radius == 0)))
+    throw PlanError(
+        "plan: gather.k is 1, and without a maximum radius its estimate is always (k-1)/k = 0; "
+        "expected k of at least 2");
+  return result;
+}
+
+}  // namespace photonloom

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+// Derives a plan from a scene and a request, with the reason for every line; see docs/plan.md.
+#pragma once
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "golden/plan/plan.hpp"
+#include "golden/plan/plan_file.hpp"
+#include "golden/transport/world.hpp"
+
+namespace photonloom {
+
+struct PlanRequest {
+  uint64_t photons = 500000;  // stored, a map each
+  uint64_t caustic_photons = 500000;
+  int k = 50;
+  std::optional<double> radius;  // of both maps, scene units; 0: none. Else the formula
+  int spp = 16;
+  int gather_rays = 16;
+  // Relative error that the formats may add to an estimate. Else the formats of struct Plan.
+  std::optional<double> error;
+  std::vector<std::string> set;  // "section.key=value", over everything
+};
+
+// Which photon maps the scene can fill and the image can use, and why.
+struct MapsNeeded {
+  bool global = false, caustic = false;
+  std::string global_reason, caustic_reason;
+};
+MapsNeeded maps_needed(const World& world, int gather_rays);
+
+// Maximum gather radius in scene units: r^2 = share * k * area / (pi * photons), the radius at
+// which a gather finds share * k photons where they lie evenly; share is kGlobalShare or
+// kCausticShare. docs/plan.md says why.
+inline constexpr double kGlobalShare = 1.0, kCausticShare = 0.25;
+double default_radius(double share, int k, double area, uint64_t photons);
+
+struct PlannedFrame {
+  Plan plan;
+  PlanReasons reasons;
+};
+
+// The plan for rendering these photons. Throws PlanError, with the reason, where there is none.
+PlannedFrame make_plan(const World& world, const PlanRequest& request, const PhotonPass& global,
+                       const PhotonPass& caustic);
+
+}  // namespace photonloom
