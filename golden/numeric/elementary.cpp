@@ -48,6 +48,24 @@ Vec2 cos_sin_turns(double x) {
   }
 }
 
+double angle_of(double x, double y) {
+  const double ax = std::fabs(x);
+  const double small = ax < y ? ax : y, large = ax < y ? y : ax;
+  if (large == 0) return 0;
+  // tan(a/4) from tan(a), a <= pi/4; then the series, whose first term left out is below 1e-19.
+  double z = small / large;
+  for (int i = 0; i < 2; ++i) z = z / (1.0 + std::sqrt(1.0 + z * z));
+  const double z2 = z * z;
+  double sum = 0, power = z;
+  for (int i = 0; i < 13; ++i) {
+    sum += power / static_cast<double>(2 * i + 1);
+    power *= -z2;
+  }
+  double angle = 4 * sum;
+  if (ax < y) angle = kPi / 2 - angle;
+  return x < 0 ? kPi - angle : angle;
+}
+
 double exp2_exact(double x) {
   if (x < -1080) return 0;
   if (x > 1030) return HUGE_VAL;

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+// Surfaces as a ray meets them: lobes, their values and their sampling.
+//
+// Sides are decided by the geometric normal, cosines are taken to the shading normal. Light that
+// the two normals see on different sides meets black. With shading normals a BSDF is not symmetric;
+// photons get the adjoint (Veach 1997, section 5.3): for light arriving from `in` and leaving to
+// `out`, the factor |in.ns| |out.ng| / (|in.ng| |out.ns|), so that photon map and path tracer
+// converge to the same image.
+#pragma once
+#include "golden/transport/world.hpp"
+
+namespace photonloom {
+
+enum class Carried { kRadiance, kPower };  // camera paths, photons
+
+struct Surface {
+  const Bsdf* bsdf = nullptr;   // null: black
+  Vec3 in;                      // unit, back along the ray
+  Vec3 normal, shading_normal;  // turned to the side of `in`
+  bool front = true;
+
+  bool is_delta() const { return bsdf && bsdf->is_delta(); }
+  Rgb diffuse() const { return bsdf && !bsdf->is_delta() ? bsdf->diffuse : Rgb(0); }
+  Rgb glossy() const { return bsdf && bsdf->kind == BsdfKind::kPhong ? bsdf->specular : Rgb(0); }
+  bool black() const { return !is_delta() && is_black(diffuse()) && is_black(glossy()); }
+  // Probability of the diffuse lobe when one of diffuse and glossy is chosen.
+  double diffuse_probability() const;
+  // Both normals see `direction` on this side.
+  bool above(const Vec3& direction) const {
+    return glm::dot(normal, direction) > 0 && glm::dot(shading_normal, direction) > 0;
+  }
+  // |d.ns| / |d.ng|: what turns power per area of the true surface into power per area of the
+  // shaded one.
+  double shading_ratio(const Vec3& direction) const {
+    return glm::dot(shading_normal, direction) / glm::dot(normal, direction);
+  }
+};
+
+// Black where the shading normal sees the ray from behind.
+Surface make_surface(const World& world, const Hit& hit, const Vec3& ray_direction);
+
+// BSDF times cosine, and density of the lobe's sampling.
+Rgb diffuse_times_cosine(const Surface& s, const Vec3& out);
+double diffuse_pdf(const Surface& s, const Vec3& out);
+Rgb glossy_times_cosine(const Surface& s, const Vec3& out);
+double glossy_pdf(const Surface& s, const Vec3& out);
+
+Vec3 sample_diffuse(const Surface& s, const Vec2& u);
+Vec3 sample_glossy(const Surface& s, const Vec2& u);
+
+// Unpolarised Fresnel reflectance. `cos_in` > 0 on the incident side; `ior` transmitted over
+// incident index. Conductor: per channel, eta + i k over a dielectric of index 1; eta = k = 0: 1.
+double fresnel_dielectric(double cos_in, double ior);
+Rgb fresnel_conductor(double cos_in, const Rgb& eta, const Rgb& k);
+
+// Reflection or refraction at a delta surface, chosen by u in proportion to what each carries.
+// False: absorbed. `weight` is throughput, with 1/ior^2 on radiance that enters the denser side;
+// `ior2` is that factor's inverse (1 for power), for those who want it out again.
+bool sample_delta(const Surface& s, double u, Carried carried, Vec3& out, Rgb& weight,
+                  double& ior2);
+
+}  // namespace photonloom

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+// The perspective camera: looks along local +z, +y up, +x to the image's left; pixel (0, 0) top
+// left.
+#pragma once
+#include "golden/transport/world.hpp"
+
+namespace photonloom {
+
+// A camera ray cut to the clipping planes: surfaces count from `near` to `far` along it.
+struct CameraRay {
+  Ray ray;
+  double near = 0, far = 0;  // far 0: no limit
+};
+
+class Lens {
+ public:
+  explicit Lens(const Scene& scene);
+  // Through the film position (x, y) in pixels.
+  CameraRay through(double x, double y) const;
+
+ private:
+  Mat4 to_world_;
+  double width_, height_;
+  double tan_x_, tan_y_;  // of half the field of view
+  double near_, far_;
+};
+
+// The first hit within the camera's clipping planes; its distance is counted from the camera.
+Hit first_hit(const RayCaster& caster, const CameraRay& camera);
+
+}  // namespace photonloom

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "golden/transport/delta_boxes.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "golden/transport/intersect.hpp"
+
+namespace photonloom {
+namespace {
+
+// More boxes than this are merged into one: testing them would cost as much as tracing.
+constexpr size_t kMostBoxes = 16;
+
+bool is_delta(const Bsdf* b) { return b && b->is_delta(); }
+
+bool meets(const Ray& ray, const Vec3& lower, const Vec3& upper) {
+  double near = 0, far = HUGE_VAL;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double d = ray.direction[axis], o = ray.origin[axis];
+    if (d == 0) {
+      if (o < lower[axis] || o > upper[axis]) return false;
+      continue;
+    }
+    const double a = (lower[axis] - o) / d, b = (upper[axis] - o) / d;
+    near = std::max(near, std::min(a, b));
+    far = std::min(far, std::max(a, b));
+  }
+  return near <= far * (1 + 0x1p-40);
+}
+
+}  // namespace
+
+DeltaBoxes::DeltaBoxes(const World& world) {
+  uint32_t last_shape = ~0u;
+  for (const Primitive& p : world.primitives()) {
+    if (!is_delta(world.bsdf(p.shape, true)) && !is_delta(world.bsdf(p.shape, false))) continue;
+    Vec3 lower, upper;
+    primitive_bounds(p, lower, upper);
+    if (p.shape != last_shape) boxes_.push_back({lower, upper});
+    boxes_.back().first = glm::min(boxes_.back().first, lower);
+    boxes_.back().second = glm::max(boxes_.back().second, upper);
+    last_shape = p.shape;
+  }
+  // Flat boxes get some thickness, far above rounding and far below anything seen.
+  const Vec3 margin(world.cube_extent() * 0x1p-30);
+  for (auto& b : boxes_) b = {b.first - margin, b.second + margin};
+  if (boxes_.size() <= kMostBoxes) return;
+  for (const auto& b : boxes_) {
+    boxes_[0].first = glm::min(boxes_[0].first, b.first);
+    boxes_[0].second = glm::max(boxes_[0].second, b.second);
+  }
+  boxes_.resize(1);
+}
+
+bool DeltaBoxes::met_by(const Ray& ray) const {
+  for (const auto& b : boxes_)
+    if (meets(ray, b.first, b.second)) return true;
+  return false;
+}
+
+}  // namespace photonloom

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "golden/transport/direct.hpp"
+
+#include "golden/transport/sampling.hpp"
+
+namespace photonloom {
+
+DirectLight direct_light(const World& world, const RayCaster& caster, const Hit& hit,
+                         const Surface& surface, double choice, const Vec2& u, LobeShare share) {
+  DirectLight out;
+  LightSample light;
+  if (!sample_light(world, shading_point(hit, surface), choice, u, light)) return out;
+  const Vec3& d = light.direction;
+  if (share.diffuse > 0) out.diffuse = diffuse_times_cosine(surface, d);
+  if (share.glossy > 0) out.glossy = glossy_times_cosine(surface, d);
+  if (is_black(out.diffuse) && is_black(out.glossy)) return out;
+  const Ray ray{hit.position, d};
+  if (caster.occluded(ray, light.distance, &hit, light.on_surface ? &light.hit : nullptr))
+    return DirectLight();
+  out.diffuse *= light.radiance;
+  out.glossy *= light.radiance;
+  if (light.pdf > 0) {
+    out.diffuse *= power_heuristic(light.pdf, share.diffuse * diffuse_pdf(surface, d));
+    if (share.glossy > 0)
+      out.glossy *= power_heuristic(light.pdf, share.glossy * glossy_pdf(surface, d));
+  }
+  return out;
+}
+
+double found_weight(const World& world, const ShadingPoint& x, double lobe_pdf, const Hit& hit,
+                    const Vec3& direction) {
+  return power_heuristic(lobe_pdf, light_pdf(world, x, hit, direction));
+}
+
+}  // namespace photonloom

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+// Emitters as seen from a point, and as sources of photons.
+#pragma once
+#include "golden/numeric/random.hpp"
+#include "golden/transport/world.hpp"
+
+namespace photonloom {
+
+// Power of a light in a scene of this radius, W: point 4 pi I; spot the integral of its falloff;
+// directional E pi R^2.
+Rgb light_power(const Light& light, double scene_radius);
+
+// Share of a spot's intensity in a direction: 1 up to the beam angle, then linear in the angle to 0
+// at the cutoff.
+double spot_falloff(const Light& light, const Vec3& direction);
+
+// A point of an emitter chosen for direct light at a surface point.
+struct LightSample {
+  Vec3 direction{0};    // from the surface to the light, unit
+  double distance = 0;  // to the light; infinite for directional ones
+  Rgb radiance{0};  // arriving, over the density it was chosen with (choice of emitter included)
+  double pdf = 0;   // per solid angle; 0: no lobe sample can find this light
+  bool on_surface = false;
+  Hit hit;  // where, for area emitters
+};
+
+// What the choice of an emitter knows of the surface point.
+struct ShadingPoint {
+  Vec3 position;
+  Vec3 normal;  // geometric, on the side that is lit
+};
+
+// Chooses an emitter by the light it could send (few emitters) or by power (many), then a point on
+// it: visible cone of a sphere, area of a triangle or disk. False: nothing can arrive.
+bool sample_light(const World& world, const ShadingPoint& x, double choice, const Vec2& u,
+                  LightSample& sample);
+
+// Density, per solid angle, with which sample_light finds this hit on an emitter from x.
+double light_pdf(const World& world, const ShadingPoint& x, const Hit& hit, const Vec3& direction);
+
+// A photon as it leaves its emitter. `from` is valid on area emitters.
+struct Emission {
+  Ray ray;
+  Rgb power{0};
+  Hit from;
+};
+Emission emit_photon(const World& world, const Random& random);
+
+}  // namespace photonloom

@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: Apache-2.0
+// Rays against single primitives, in double, and the rules that keep a ray from meeting the surface
+// it leaves.
+//
+// Nothing here is an absolute epsilon. A ray never meets the primitive it starts on (a sphere: only
+// its other side). Against neighbours, whose plane may pass the origin by rounding, the origin is
+// moved along the geometric normal, to the side the ray leaves to, by 2^-46 of the largest
+// coordinate: positions are rounded to 2^-53 of it, a few operations each.
+#pragma once
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+#include "golden/transport/world.hpp"
+
+namespace photonloom {
+
+// Barycentric coordinates of the vertices a, b, c; unused for spheres; x, y on a disk.
+struct Meeting {
+  double t = 0;
+  Vec3 coordinates{0};
+};
+
+// A point moved off its surface towards `direction`.
+inline Vec3 leave_surface(const Vec3& position, const Vec3& normal, const Vec3& direction) {
+  const double size = max_component(glm::abs(position));
+  const double shift = size * 0x1p-46;
+  return position + normal * (glm::dot(normal, direction) < 0 ? -shift : shift);
+}
+
+// The ray's part of the watertight test (Woop, Benthin, Wald 2013, "Watertight Ray/Triangle
+// Intersection"): a shear that makes the ray the z axis.
+struct Shear {
+  int kx, ky, kz;
+  double sx, sy, sz;
+  explicit Shear(const Vec3& d) {
+    const Vec3 a = glm::abs(d);
+    kz = a.x > a.y ? (a.x > a.z ? 0 : 2) : (a.y > a.z ? 1 : 2);
+    kx = kz == 2 ? 0 : kz + 1;
+    ky = kx == 2 ? 0 : kx + 1;
+    if (d[kz] < 0) std::swap(kx, ky);
+    sz = 1.0 / d[kz];
+    sx = d[kx] * sz;
+    sy = d[ky] * sz;
+  }
+};
+
+// Edges belong to both of their triangles: no ray passes between neighbours.
+inline bool meet_triangle(const Vec3& va, const Vec3& vb, const Vec3& vc, const Vec3& origin,
+                          const Shear& s, Meeting& m) {
+  const Vec3 a = va - origin, b = vb - origin, c = vc - origin;
+  const double ax = a[s.kx] - s.sx * a[s.kz], ay = a[s.ky] - s.sy * a[s.kz];
+  const double bx = b[s.kx] - s.sx * b[s.kz], by = b[s.ky] - s.sy * b[s.kz];
+  const double cx = c[s.kx] - s.sx * c[s.kz], cy = c[s.ky] - s.sy * c[s.kz];
+  const double u = cx * by - cy * bx;
+  const double v = ax * cy - ay * cx;
+  const double w = bx * ay - by * ax;
+  if ((u < 0 || v < 0 || w < 0) && (u > 0 || v > 0 || w > 0)) return false;
+  const double det = u + v + w;
+  if (det == 0) return false;
+  const double t = (u * a[s.kz] + v * b[s.kz] + w * c[s.kz]) * s.sz / det;
+  if (!(t > 0)) return false;
+  m.t = t;
+  m.coordinates = Vec3(u, v, w) / det;
+  return true;
+}
+
+// `leaving`: the origin lies on this very sphere.
+inline bool meet_sphere(const Primitive& p, const Vec3& origin, const Vec3& direction, bool leaving,
+                        Meeting& m) {
+  const Vec3 oc = origin - p.a;
+  const double b = glm::dot(oc, direction);
+  if (leaving) {
+    m.t = -2 * b;
+    return b < 0;
+  }
+  const Vec3 across = oc - direction * b;
+  const double disc = p.b.x * p.b.x - glm::dot(across, across);
+  if (!(disc >= 0)) return false;
+  const double root = std::sqrt(disc);
+  m.t = -b - root > 0 ? -b - root : root - b;
+  return m.t > 0;
+}
+
+inline bool meet_disk(const Primitive& p, const Vec3& origin, const Vec3& direction, Meeting& m) {
+  const double slope = glm::dot(p.normal, direction);
+  if (slope == 0) return false;
+  m.t = glm::dot(p.normal, p.a - origin) / slope;
+  if (!(m.t > 0)) return false;
+  const Vec3 q = origin + direction * m.t - p.a;
+  const double bb = glm::dot(p.b, p.b), cc = glm::dot(p.c, p.c), bc = glm::dot(p.b, p.c);
+  const double qb = glm::dot(q, p.b), qc = glm::dot(q, p.c), det = bb * cc - bc * bc;
+  const double x = (qb * cc - qc * bc) / det, y = (qc * bb - qb * bc) / det;
+  m.coordinates = Vec3(x, y, 0);
+  return x * x + y * y <= 1;
+}
+
+// Position on the primitive itself and normals.
+Hit finish_hit(const World& world, uint32_t primitive, const Ray& ray, const Meeting& m);
+
+void primitive_bounds(const Primitive& p, Vec3& lower, Vec3& upper);
+
+}  // namespace photonloom

@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "golden/transport/bsdf.hpp"
+#include "golden/transport/delta_boxes.hpp"
+#include "golden/transport/emitters.hpp"
+#include "golden/transport/intersect.hpp"
+#include "golden/transport/roulette.hpp"
+#include "golden/transport/sampling.hpp"
+
+namespace photonloom {
+namespace {
+
+// Numbers of one photon's bounce n >= 1: dimension by purpose.
+enum Dimension : uint64_t { kLobe, kDirectionU, kDirectionV, kRoulette };
+
+struct Walk {
+  const World& world;
+  const RayCaster& caster;
+  Random random;
+  int max_segments;  // -1: no limit
+  bool caustic;      // stop at the first surface that is not delta
+};
+
+// Chooses a lobe and a direction; false: absorbed. Multiplies the power.
+bool scatter(const Walk& walk, const Surface& s, uint64_t bounce, Vec3& out, Rgb& power) {
+  const Random& r = walk.random;
+  if (s.is_delta()) {
+    Rgb weight;
+    double ior2;
+    if (!sample_delta(s, r.unit(bounce, kLobe), Carried::kPower, out, weight, ior2)) return false;
+    power *= weight;
+    return true;
+  }
+  const Vec2 u(r.unit(bounce, kDirectionU), r.unit(bounce, kDirectionV));
+  const double p = s.diffuse_probability();
+  if (r.unit(bounce, kLobe) < p) {
+    // Around the geometric normal, so that the adjoint's |out.ng| cancels.
+    out = Frame(s.normal).to_world(sample_cosine(u));
+    power *= s.diffuse() * (s.shading_ratio(s.in) / p);
+  } else {
+    out = sample_glossy(s, u);
+    const double pdf = glossy_pdf(s, out);
+    if (!(pdf > 0) || !s.above(out)) return false;
+    power *= glossy_times_cosine(s, out) *
+             (s.shading_ratio(s.in) / s.shading_ratio(out) / ((1 - p) * pdf));
+  }
+  return s.above(out) && !is_black(power);
+}
+
+void trace_path(const Walk& walk, uint64_t path, int rr_depth, const DeltaBoxes* boxes,
+                std::vector<Photon>& photons) {
+  Emission e = emit_photon(walk.world, walk.random);
+  Ray ray = e.ray;
+  if (boxes && !boxes->met_by(ray)) return;
+  Hit hit = walk.caster.closest(ray, e.from.valid() ? &e.from : nullptr);
+  Rgb throughput(1);
+  for (uint64_t segment = 1; hit.valid(); ++segment) {
+    const Surface s = make_surface(walk.world, hit, ray.direction);
+    if (s.black()) return;
+    if (!s.is_delta() && !is_black(s.diffuse()) && !(walk.caustic && segment == 1)) {
+      photons.push_back({hit.position, s.in, e.power * throughput * s.shading_ratio(s.in), path,
+                         static_cast<uint32_t>(segment - 1)});
+    }
+    if (walk.caustic && !s.is_delta()) return;
+    if (walk.max_segments >= 0 && segment >= static_cast<uint64_t>(walk.max_segments)) return;
+    if (!scatter(walk, s, segment, ray.direction, throughput)) return;
+    if (!survives(throughput, segment, rr_depth, walk.random.unit(segment, kRoulette))) return;
+    hit = walk.caster.closest(Ray{hit.position, ray.direction}, &hit);
+  }
+}
+
+constexpr uint64_t kBlock = 1024;          // paths a task traces
+constexpr uint64_t kBlocksPerRound = 64;   // traced before their photons are counted
+constexpr uint64_t kPathsPerPhoton = 100;  // a map still short after this many is used as it is
+
+PhotonPass trace(const World& world, const RayCaster& caster, uint64_t stored, uint64_t seed,
+                 Progress* progress, bool caustic) {
+  PhotonPass pass;
+  const int depth = world.scene().max_depth;
+  const int max_segments = depth < 0 ? -1 : depth - (caustic ? 1 : 2);
+  const int fewest = caustic ? 2 : 1;
+  if (stored == 0 || (max_segments >= 0 && max_segments < fewest)) return pass;
+  if (caustic && !world.has_delta()) return pass;
+  const DeltaBoxes boxes(world);
+  const ProgressPhase phase(progress, caustic ? "caustic photons" : "global photons", stored,
+                            "photons");
+  const uint64_t limit = kPathsPerPhoton * stored;
+  std::vector<std::vector<Photon>> blocks(kBlocksPerRound);
+  for (uint64_t first = 0; first < limit && pass.photons.size() < stored;
+       first += kBlock * kBlocksPerRound) {
+    tbb::parallel_for(uint64_t{0}, kBlocksPerRound, [&](uint64_t b) {
+      blocks[b].clear();
+      const uint64_t begin = first + b * kBlock, end = std::min(begin + kBlock, limit);
+      for (uint64_t i = begin; i < end; ++i) {
+        const Walk walk{world, caster,
+                        Random(seed, caustic ? Phase::kCausticPhoton : Phase::kGlobalPhoton, i),
+                        max_segments, caustic};
+        trace_path(walk, i, world.scene().rr_depth, caustic ? &boxes : nullptr, blocks[b]);
+      }
+    });
+    const size_t before = pass.photons.size();
+    pass.paths = std::min(first + kBlock * kBlocksPerRound, limit);
+    for (const auto& block : blocks)
+      pass.photons.insert(pass.photons.end(), block.begin(), block.end());
+    phase.advance(std::min<size_t>(pass.photons.size(), stored) - before);
+  }
+  if (pass.photons.size() >= stored) {
+    // Photons stand in the order of paths; the one that fills the map is kept whole.
+    const uint64_t last = pass.photons[stored - 1].path;
+    size_t end = stored;
+    while (end < pass.photons.size() && pass.photons[end].path == last) ++end;
+    pass.photons.resize(end);
+    pass.paths = last + 1;
+  }
+  pass.short_of_request = pass.photons.size() < stored;
+  for (Photon& p : pass.photons) p.power /= static_cast<double>(pass.paths);
+  return pass;
+}
+
+}  // namespace
+
+PhotonPass trace_global_photons(const World& world, const RayCaster& caster, uint64_t stored,
+                                uint64_t seed, Progress* progress) {
+  return trace(world, caster, stored, seed, progress, false);
+}
+
+PhotonPass trace_caustic_photons(const World& world, const RayCaster& caster, uint64_t stored,
+                                 uint64_t seed, Progress* progress) {
+  return trace(world, caster, stored, seed, progress, true);
+}
+
+}  // namespace photonloom
