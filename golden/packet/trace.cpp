@@ -2,11 +2,8 @@
 #include "golden/packet/trace.hpp"
 
 #include <fmt/core.h>
-#include <unistd.h>
-
 #include <cerrno>
-#include <cstdio>
-#include <cstring>
+#include <cstdlib>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <stdexcept>
@@ -103,29 +100,6 @@ void packet_from_json(const PacketLayout& layout, std::string_view line, const s
     for (int i = 0; i < f.elements; ++i)
       layout.set(packet, f, i, parse_value((*value)[static_cast<size_t>(i)], f, where));
   }
-}
-
-LineWriter::LineWriter(const std::string& path)
-    : path_(path), part_(fmt::format("{}.part{}", path, getpid())), file_(part_) {
-  if (!file_)
-    throw std::runtime_error(
-        fmt::format("{}: cannot be opened for writing: {}", path_, std::strerror(errno)));
-}
-
-LineWriter::~LineWriter() {
-  if (!part_.empty()) {
-    file_.close();
-    std::remove(part_.c_str());
-  }
-}
-
-void LineWriter::line(const std::string& text) { file_ << text << '\n'; }
-
-void LineWriter::close() {
-  file_.close();
-  if (!file_ || std::rename(part_.c_str(), path_.c_str()) != 0)
-    throw std::runtime_error(fmt::format("{}: writing failed: {}", path_, std::strerror(errno)));
-  part_.clear();
 }
 
 }  // namespace photonloom

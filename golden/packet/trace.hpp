@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "golden/numeric/output_file.hpp"
 #include "golden/packet/layout.hpp"
 
 namespace photonloom {
@@ -20,34 +21,18 @@ std::string packet_to_json(const PacketLayout& layout, const void* packet);
 void packet_from_json(const PacketLayout& layout, std::string_view line, const std::string& where,
                       void* packet);
 
-// Lines of text that appear under their name only when close() has been called; a writer that is
-// destroyed before leaves nothing.
-class LineWriter {
- public:
-  explicit LineWriter(const std::string& path);
-  ~LineWriter();
-  LineWriter(const LineWriter&) = delete;
-  LineWriter& operator=(const LineWriter&) = delete;
-  void line(const std::string& text);
-  void close();
-
- private:
-  std::string path_, part_;
-  std::ofstream file_;
-};
-
-// Writes packets of one type.
+// Writes packets of one type; the file appears with commit().
 template <class P>
 class TraceWriter {
  public:
   TraceWriter(const std::string& path, const Plan& plan)
       : layout_(PacketLayout::of<P>(plan)), out_(path) {}
-  void write(const P& packet) { out_.line(packet_to_json(layout_, &packet)); }
-  void close() { out_.close(); }
+  void write(const P& packet) { out_.write(packet_to_json(layout_, &packet) + "\n"); }
+  void commit() { out_.commit(); }
 
  private:
   PacketLayout layout_;
-  LineWriter out_;
+  OutputFile out_;
 };
 
 // Calls f(line, "path, line N") for every line that is not blank. An unreadable file is an error.

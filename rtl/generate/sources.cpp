@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rtl/generate/sources.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cstdlib>
+#include <filesystem>
+#include <map>
+#include <regex>
+#include <set>
+#include <sstream>
+#include <stdexcept>
+
+#include "golden/numeric/output_file.hpp"
+
+namespace photonloom {
+
+namespace fs = std::filesystem;
+
+std::string default_rtl_dir() {
+  const char* chosen = std::getenv("PHOTONLOOM_RTL");
+  return chosen && *chosen ? chosen : PHOTONLOOM_SOURCE_DIR "/rtl";
+}
+
+namespace {
+
+// Module name -> path relative to rtl_dir.
+std::map<std::string, std::string> index_modules(const std::string& rtl_dir) {
+  if (!fs::is_directory(rtl_dir))
+    throw std::runtime_error(rtl_dir + ": is no folder, expected the RTL sources");
+  std::map<std::string, std::string> modules;
+  for (const auto& folder : fs::directory_iterator(rtl_dir)) {
+    if (!folder.is_directory()) continue;
+    for (const auto& file : fs::directory_iterator(folder.path()))
+      if (file.path().extension() == ".sv")
+        modules[file.path().stem().string()] =
+            folder.path().filename().string() + "/" + file.path().filename().string();
+  }
+  return modules;
+}
+
+std::string find_module(const std::map<std::string, std::string>& modules,
+                        const std::string& rtl_dir, const std::string& module) {
+  const auto at = modules.find(module);
+  if (at == modules.end())
+    throw std::runtime_error(fmt::format("{}: has no module {}", rtl_dir, module));
+  return at->second;
+}
+
+// The text without comments; line breaks stay.
+std::string without_comments(const std::string& text) {
+  std::string out;
+  for (size_t i = 0; i < text.size();) {
+    if (text.compare(i, 2, "//") == 0) {
+      while (i < text.size() && text[i] != '\n') ++i;
+    } else if (text.compare(i, 2, "/*") == 0) {
+      const size_t end = text.find("*/", i + 2);
+      for (; i < text.size() && i < end + 2; ++i)
+        if (text[i] == '\n') out += '\n';
+    } else {
+      out += text[i++];
+    }
+  }
+  return out;
+}
+
+void visit(const std::map<std::string, std::string>& modules, const std::string& rtl_dir,
+           const std::string& module, std::set<std::string>& seen,
+           std::vector<std::string>& files) {
+  if (!seen.insert(module).second) return;
+  const std::string file = find_module(modules, rtl_dir, module);
+  const std::string text = without_comments(read_file(rtl_dir + "/" + file));
+  std::string word;
+  for (const char c : text + " ") {
+    if (std::isalnum(static_cast<unsigned char>(c)) || c == '_') {
+      word += c;
+      continue;
+    }
+    if (word != module && modules.count(word)) visit(modules, rtl_dir, word, seen, files);
+    word.clear();
+  }
+  files.push_back(file);
+}
+
+}  // namespace
+
+std::vector<std::string> module_files(const std::string& rtl_dir, const std::string& module) {
+  const auto modules = index_modules(rtl_dir);
+  std::set<std::string> seen;
+  std::vector<std::string> files;
+  visit(modules, rtl_dir, module, seen, files);
+  return files;
+}
+
+std::vector<ModulePort> module_ports(const std::string& rtl_dir, const std::string& module) {
+  const std::string file = find_module(index_modules(rtl_dir), rtl_dir, module);
+  std::istringstream in(read_file(rtl_dir + "/" + file));
+  static const std::regex port(
+      R"(^\s*(input|output)\s+(?:wire\s+)?(.*?)\s*\b(\w+)\s*,?\s*(?://\s*(.*))?$)");
+  static const std::regex start("^\\s*module\\s+" + std::string(R"((\w+)\b.*)"));
+  static const std::regex comment(R"(^\s*(//.*)?$)");
+  std::vector<ModulePort> ports;
+  bool inside = false, listing = false;
+  std::string line;
+  for (int number = 1; std::getline(in, line); ++number) {
+    std::smatch m;
+    if (!inside) {
+      inside = std::regex_match(line, m, start) && m[1] == module;
+      if (!inside) continue;
+    }
+    if (std::regex_match(line, m, port)) {
+      listing = true;
+      ports.push_back({m[1] == "output", m[2], m[3], m[4]});
+      continue;
+    }
+    if (!listing) continue;
+    if (line.find(");") != std::string::npos) return ports;
+    if (!std::regex_match(line, comment))
+      throw std::runtime_error(
+          fmt::format("{}/{}, line {}: expected one port a line", rtl_dir, file, number));
+  }
+  throw std::runtime_error(fmt::format("{}/{}: no port list found", rtl_dir, file));
+}
+
+}  // namespace photonloom

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+// The hand-written SystemVerilog: which files a unit uses, and the ports of a module. Relies on the
+// rules of rtl/: a module a file, named like it; one port a line, its meaning in a comment behind.
+#pragma once
+#include <string>
+#include <vector>
+
+namespace photonloom {
+
+// The folder rtl/ of the sources: PHOTONLOOM_RTL of the environment, or that of the build.
+std::string default_rtl_dir();
+
+// Files of `module` and of everything that it instantiates, directly or not, each after those it
+// uses; paths relative to `rtl_dir`, which is searched one level deep (rtl/<folder>/<module>.sv).
+// An unknown module is an error.
+std::vector<std::string> module_files(const std::string& rtl_dir, const std::string& module);
+
+struct ModulePort {
+  bool output = false;
+  std::string type;  // "logic", "logic [W-1:0]", "photonloom_pkg::gather_query_t"
+  std::string name;
+  std::string meaning;
+};
+
+// Ports of `module` in order. A line of the port list that is no port is an error naming file and
+// line.
+std::vector<ModulePort> module_ports(const std::string& rtl_dir, const std::string& module);
+
+}  // namespace photonloom

@@ -1,0 +1,197 @@
+// SPDX-License-Identifier: Apache-2.0
+// The rig itself: it passes what is right and reports each way of being wrong. The unit here is a
+// one-place buffer that misbehaves when a packet's `pixel` names a fault.
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include "golden/numeric/output_file.hpp"
+#include "tests/catch.hpp"
+#include "verilator_tb/backends.hpp"
+#include "verilator_tb/compare.hpp"
+
+using namespace photonloom;
+
+namespace {
+
+enum Fault : uint32_t { kNone, kFlip, kDrop, kDouble, kWithdraw, kAlter, kStick, kAssert };
+
+constexpr const char* kUnit = R"(// SPDX-License-Identifier: Apache-2.0
+module reorder_buffer (
+    input  logic clk_i,  // clock
+    input  logic rst_i,  // reset
+    input  logic in_valid_i,
+    output logic in_ready_o,
+    input  photonloom_pkg::gather_query_t in_i,  // packets
+    output logic out_valid_o,
+    input  logic out_ready_i,
+    output photonloom_pkg::gather_query_t out_o,
+    output logic [31:0] count_packets_o  // packets taken
+);
+  logic full_q, twice_q, seen_q;
+  photonloom_pkg::gather_query_t packet_q;
+  assign in_ready_o = !full_q;
+  assign out_valid_o = full_q && packet_q.pixel != 6 && !(packet_q.pixel == 4 && seen_q);
+  always_comb begin
+    out_o = packet_q;
+    if (packet_q.pixel == 1) out_o.position[20] = !packet_q.position[20];
+    if (packet_q.pixel == 5 && seen_q) out_o.tag[0] = !packet_q.tag[0];
+    if (packet_q.pixel == 7 && full_q) assert (rst_i);
+  end
+  always_ff @(posedge clk_i) begin
+    seen_q <= out_valid_o && !out_ready_i;
+    if (in_valid_i && in_ready_o) begin
+      full_q <= in_i.pixel != 2;
+      twice_q <= in_i.pixel == 3;
+      packet_q <= in_i;
+      count_packets_o <= count_packets_o + 1;
+    end else if (out_valid_o && out_ready_i) begin
+      full_q <= twice_q;
+      twice_q <= 1'b0;
+    end
+    if (rst_i) begin
+      full_q <= 1'b0;
+      count_packets_o <= '0;
+    end
+  end
+endmodule
+)";
+
+Plan plan() {
+  Plan p;
+  p.global = {true, 1000, 0, 0, 100};
+  p.reorder_key = ReorderKey::kNone;
+  return p;
+}
+
+RunOptions options(const std::string& stall) {
+  static const std::string rtl = [] {
+    const std::string dir = "rig_test_rtl";
+    std::filesystem::create_directories(dir + "/reorder_buffer");
+    write_file(dir + "/reorder_buffer/reorder_buffer.sv", kUnit);
+    return dir;
+  }();
+  RunOptions o;
+  o.rtl_dir = rtl;
+  o.work_dir = "rig_test_work";
+  o.stall_in = o.stall_out = StallPolicy::parse(stall);
+  o.watchdog = 2000;
+  return o;
+}
+
+// Golden for this plan: the packets themselves.
+class PassThrough final : public ReorderBuffer {
+ public:
+  void process(std::span<const GatherQuery> in, std::vector<GatherQuery>& out) override {
+    out.insert(out.end(), in.begin(), in.end());
+  }
+  Counters counters() const override { return {}; }
+};
+
+std::vector<GatherQuery> packets(Fault fault) {
+  std::vector<GatherQuery> list;
+  for (uint32_t i = 0; i < 300; ++i) {
+    GatherQuery q{};
+    q.pixel = i == 123 ? fault : 100;
+    q.sample = i % 16;
+    q.position = {i, 2 * i, 40000 + i};
+    list.push_back(q);
+  }
+  return list;
+}
+
+// What the rig says of a run; empty when all is well.
+std::string verdict(Fault fault, const std::string& stall) {
+  PassThrough golden;
+  CompareContext context;
+  context.unit = "reorder_buffer";
+  context.rerun = "bench";
+  try {
+    const auto rtl = make_rtl_reorder_buffer(plan(), options(stall));
+    const auto both = compare_units(plan(), context, golden, *rtl);
+    std::vector<GatherQuery> out;
+    both->process(packets(fault), out);
+    rtl->finish();
+    CHECK(both->compared() == 300);
+    CHECK(rtl->counters().at("packets") == 300);
+    CHECK((stall == "none") == (rtl->counters().at("stalls out") == 0));
+  } catch (const std::exception& error) {
+    return error.what();
+  }
+  return "";
+}
+
+}  // namespace
+
+TEST_CASE("a right unit passes under every policy") {
+  for (const char* stall : {"none", "bernoulli:0.5", "bursts", "adversary"}) {
+    INFO("stall " << stall);
+    CHECK(verdict(kNone, stall) == "");
+  }
+}
+
+TEST_CASE("every way of being wrong is reported") {
+  using Catch::Matchers::Contains;
+  const std::string wrong = verdict(kFlip, "bernoulli:0.3");
+  INFO(wrong);
+  CHECK_THAT(wrong, Contains("packet 123 differs from golden (123 matched before)"));
+  CHECK_THAT(wrong, Contains("\"position\": [123, 246, 40123]"));
+  CHECK_THAT(wrong, Contains("  * position[1]"));
+  CHECK(std::count(wrong.begin(), wrong.end(), '*') == 1);
+  CHECK_THAT(wrong, Contains("position unit"));
+  CHECK_THAT(wrong, Contains("bench --wave reorder_buffer.fst --wave-unit reorder_buffer "
+                             "--wave-cycles "));
+  CHECK_THAT(verdict(kDrop, "none"), Contains("packet 123 differs") || Contains("is stuck"));
+  CHECK_THAT(verdict(kStick, "none"), Contains("is stuck") && Contains("out: valid 0 ready 1") &&
+                                          Contains("in: valid 1 ready 0"));
+  CHECK_THAT(verdict(kDouble, "none"), Contains("packet 124 differs") || Contains("one too many"));
+  CHECK_THAT(verdict(kWithdraw, "adversary"), Contains("valid was withdrawn"));
+  CHECK_THAT(verdict(kAlter, "adversary"), Contains("the packet changed"));
+  CHECK_THAT(verdict(kAssert, "none"), Contains("assertion failed"));
+}
+
+TEST_CASE("a waveform holds the window that was asked for") {
+  RunOptions o = options("none");
+  o.waveform = "rig_test.fst";
+  o.waveform_from = 50;
+  o.waveform_to = 90;
+  std::filesystem::remove(o.waveform);
+  {
+    const auto rtl = make_rtl_reorder_buffer(plan(), o);
+    std::vector<GatherQuery> out;
+    rtl->process(packets(kNone), out);
+    CHECK(out == packets(kNone));
+  }
+  CHECK(std::filesystem::file_size(o.waveform) > 200);
+}
+
+TEST_CASE("initial register values follow their seed and cannot be seen") {
+  for (uint64_t seed = 1; seed <= 3; ++seed) {
+    RunOptions o = options("bernoulli:0.5");
+    o.initial_seed = seed;
+    const auto rtl = make_rtl_reorder_buffer(plan(), o);
+    std::vector<GatherQuery> out;
+    rtl->process(packets(kNone), out);
+    CHECK(out == packets(kNone));
+  }
+}
+
+TEST_CASE("a bad policy and RTL that does not elaborate are clear errors") {
+  CHECK_THROWS_WITH(StallPolicy::parse("sometimes"),
+                    "stall policy sometimes: expected none, bernoulli:P with P in [0, 1), bursts "
+                    "or adversary");
+  RunOptions o = options("none");
+  o.rtl_dir = "rig_test_bad";
+  std::filesystem::create_directories("rig_test_bad/reorder_buffer");
+  std::string broken = kUnit;
+  broken.replace(broken.find("!full_q;"), 8, "!ful_q;");
+  write_file("rig_test_bad/reorder_buffer/reorder_buffer.sv", broken);
+  CHECK_THROWS_WITH(make_rtl_reorder_buffer(plan(), o),
+                    Catch::Matchers::Contains("verilator on reorder_buffer") &&
+                        Catch::Matchers::Contains("ful_q"));
+  o.rtl_dir = "rig_test_nowhere";
+  CHECK_THROWS_WITH(make_rtl_reorder_buffer(plan(), o),
+                    Catch::Matchers::Contains("is no folder, expected the RTL sources"));
+}

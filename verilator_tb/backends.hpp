@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+// Units as RTL behind golden/unit/backend.hpp, and what a run of them tells beyond packets.
+#pragma once
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "golden/unit/backend.hpp"
+#include "verilator_tb/rig.hpp"
+
+namespace photonloom {
+
+// What a backend that has a clock knows of its packets. Cycles count from reset; those of the last
+// process() only.
+class Clocked {
+ public:
+  virtual ~Clocked() = default;
+  virtual uint64_t cycles() const = 0;
+  // In which cycle each packet of the last process() went in; empty unless RunOptions::timeline.
+  virtual std::span<const uint64_t> in_cycles() const = 0;
+  // In which cycle each packet came out; stream 0 is the unit's first output, 1 its second.
+  virtual std::span<const uint64_t> out_cycles(int stream) const = 0;
+  // Lets the unit run on without input: a packet that still comes is one too many, a RigError.
+  virtual void finish() = 0;
+};
+
+class ClockedPhotonGatherer : public PhotonGatherer, public Clocked {};
+class ClockedReorderBuffer : public ReorderBuffer, public Clocked {};
+class ClockedCdfSampler : public CdfSampler, public Clocked {};
+
+std::unique_ptr<ClockedPhotonGatherer> make_rtl_photon_gatherer(const Plan& plan,
+                                                                const RunOptions& options);
+std::unique_ptr<ClockedReorderBuffer> make_rtl_reorder_buffer(const Plan& plan,
+                                                              const RunOptions& options);
+std::unique_ptr<ClockedCdfSampler> make_rtl_cdf_sampler(const Plan& plan,
+                                                        const RunOptions& options);
+
+}  // namespace photonloom

@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "verilator_tb/compare.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+
+#include "golden/packet/trace.hpp"
+
+namespace photonloom {
+
+StreamComparer::StreamComparer(const PacketLayout& layout, std::string stream,
+                               const CompareContext& context)
+    : layout_(layout), stream_(std::move(stream)), context_(context) {}
+
+void StreamComparer::report(const std::string& text) {
+  ++differences_;
+  if (first_report_.empty()) first_report_ = text;
+  if (!context_.keep_going) throw Divergence(text);
+}
+
+void StreamComparer::differ(const void* golden, const void* other, uint64_t cycle,
+                            const std::string& input) {
+  if (!first_report_.empty()) {
+    ++differences_;
+    return;
+  }
+  std::vector<uint32_t> g(layout_.words()), o(layout_.words());
+  layout_.pack(golden, g.data());
+  layout_.pack(other, o.data());
+  std::string text = fmt::format(
+      "{0}, stream {1}: packet {2} differs from golden ({3} matched before)\n"
+      "  cycle {4}, seed {5}, plan {6}\n  input  {7}\n  golden {8}\n  {9:6} {10}\n"
+      "    {11:<24}{12:>24}{13:>24}  unit\n",
+      context_.unit, stream_, compared_, matched_, cycle, context_.seed, context_.plan, input,
+      to_hex(g.data(), layout_.bits()), context_.backend, to_hex(o.data(), layout_.bits()), "field",
+      "golden", context_.backend);
+  for (const FieldPlace& f : layout_.fields())
+    for (int i = 0; i < f.elements; ++i) {
+      const uint64_t a = layout_.get(golden, f, i), b = layout_.get(other, f, i);
+      text += fmt::format("  {} {:<24}{:>24}{:>24}  {}\n", a == b ? ' ' : '*',
+                          f.array ? fmt::format("{}[{}]", f.name, i) : f.name, a, b, f.unit);
+    }
+  if (!context_.rerun.empty())
+    text += fmt::format(
+        "  again, with a waveform of the window around it:\n"
+        "    {} --wave {}.fst --wave-unit {} --wave-cycles {}:{}",
+        context_.rerun, context_.unit, context_.unit, cycle > 1000 ? cycle - 1000 : 0, cycle + 50);
+  report(text);
+}
+
+void StreamComparer::count_differs(size_t golden, size_t other) {
+  report(
+      fmt::format("{}, stream {}: {} packets where golden gives {}, after {} compared; seed {}, "
+                  "plan {}{}{}",
+                  context_.unit, stream_, other, golden, compared_, context_.seed, context_.plan,
+                  context_.rerun.empty() ? "" : "\n  again: ", context_.rerun));
+}
+
+namespace {
+
+template <class P>
+std::string text_of(const Plan& plan, const P& packet) {
+  return packet_to_json(PacketLayout::of<P>(plan), &packet);
+}
+
+class ComparingPhotonGatherer final : public Comparing<PhotonGatherer> {
+ public:
+  ComparingPhotonGatherer(const Plan& plan, const CompareContext& context, PhotonGatherer& golden,
+                          ClockedPhotonGatherer& other)
+      : plan_(plan),
+        golden_(golden),
+        other_(other),
+        results_(PacketLayout::of<GatherResult>(plan), "result", context),
+        photons_(PacketLayout::of<GatherPhoton>(plan), "photon", context) {}
+
+  void load(const PhotonMap& global, const PhotonMap& caustic) override {
+    golden_.load(global, caustic);
+    other_.load(global, caustic);
+  }
+  void process(std::span<const GatherQuery> in, std::vector<GatherResult>& results,
+               std::vector<GatherPhoton>& photons) override {
+    std::vector<GatherResult> golden_results;
+    std::vector<GatherPhoton> golden_photons;
+    golden_.process(in, golden_results, golden_photons);
+    const size_t result0 = results.size(), photon0 = photons.size();
+    other_.process(in, results, photons);
+    results_.compare<GatherResult>(golden_results, std::span(results).subspan(result0),
+                                   other_.out_cycles(0),
+                                   [&](size_t i) { return text_of(plan_, in[i]); });
+    photons_.compare<GatherPhoton>(golden_photons, std::span(photons).subspan(photon0),
+                                   other_.out_cycles(1), [&](size_t i) {
+                                     // The query whose photons hold the i-th.
+                                     for (size_t q = 0; q < in.size(); ++q) {
+                                       if (!in[q].want_photons || in[q].flush) continue;
+                                       if (i < golden_results[q].count)
+                                         return text_of(plan_, in[q]);
+                                       i -= golden_results[q].count;
+                                     }
+                                     return std::string("none");
+                                   });
+  }
+  Counters counters() const override { return other_.counters(); }
+  uint64_t compared() const override { return results_.compared() + photons_.compared(); }
+  uint64_t differences() const override { return results_.differences() + photons_.differences(); }
+  std::string first_report() const override {
+    return results_.first_report().empty() ? photons_.first_report() : results_.first_report();
+  }
+
+ private:
+  Plan plan_;
+  PhotonGatherer& golden_;
+  ClockedPhotonGatherer& other_;
+  StreamComparer results_, photons_;
+};
+
+// Units of one stream in and one out.
+template <class Unit, class Clocked, class In, class Out>
+class ComparingStreams final : public Comparing<Unit> {
+ public:
+  ComparingStreams(const Plan& plan, const CompareContext& context, Unit& golden, Clocked& other)
+      : plan_(plan),
+        golden_(golden),
+        other_(other),
+        out_(PacketLayout::of<Out>(plan), "out", context) {}
+
+  void process(std::span<const In> in, std::vector<Out>& out) override {
+    std::vector<Out> golden_out;
+    golden_.process(in, golden_out);
+    const size_t out0 = out.size();
+    other_.process(in, out);
+    out_.template compare<Out>(golden_out, std::span(out).subspan(out0), other_.out_cycles(0),
+                               [&](size_t i) { return input(in, golden_out, i); });
+  }
+  Counters counters() const override { return other_.counters(); }
+  uint64_t compared() const override { return out_.compared(); }
+  uint64_t differences() const override { return out_.differences(); }
+  std::string first_report() const override { return out_.first_report(); }
+
+ private:
+  std::string input(std::span<const In> in, const std::vector<Out>& golden_out, size_t i) const {
+    if constexpr (std::is_same_v<In, SamplerInput>) {
+      for (const In& packet : in)
+        if (packet.kind == 2 && i-- == 0) return text_of(plan_, packet);
+      return "none";
+    } else {
+      // What goes in comes out: the packet due is itself the input.
+      return text_of(plan_, golden_out[i]);
+    }
+  }
+  Plan plan_;
+  Unit& golden_;
+  Clocked& other_;
+  StreamComparer out_;
+};
+
+}  // namespace
+
+std::unique_ptr<Comparing<PhotonGatherer>> compare_units(const Plan& plan,
+                                                         const CompareContext& context,
+                                                         PhotonGatherer& golden,
+                                                         ClockedPhotonGatherer& other) {
+  return std::make_unique<ComparingPhotonGatherer>(plan, context, golden, other);
+}
+
+std::unique_ptr<Comparing<ReorderBuffer>> compare_units(const Plan& plan,
+                                                        const CompareContext& context,
+                                                        ReorderBuffer& golden,
+                                                        ClockedReorderBuffer& other) {
+  return std::make_unique<
+      ComparingStreams<ReorderBuffer, ClockedReorderBuffer, GatherQuery, GatherQuery>>(
+      plan, context, golden, other);
+}
+
+std::unique_ptr<Comparing<CdfSampler>> compare_units(const Plan& plan,
+                                                     const CompareContext& context,
+                                                     CdfSampler& golden, ClockedCdfSampler& other) {
+  return std::make_unique<ComparingStreams<CdfSampler, ClockedCdfSampler, SamplerInput, Sample>>(
+      plan, context, golden, other);
+}
+
+}  // namespace photonloom

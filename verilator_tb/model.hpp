@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+// A unit's RTL as a loadable library: Verilated and compiled once per plan and source text, kept in
+// a work folder by the hash of everything that went into it.
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "golden/plan/plan.hpp"
+
+namespace photonloom {
+
+struct ModelSource {
+  std::string unit;                      // module, and folder of rtl/
+  std::string rtl_dir;                   // empty: default_rtl_dir()
+  std::string work_dir = "build/cosim";  // where libraries are kept
+  bool waveform = false;                 // a library that can write FST; a little slower
+};
+
+// Path of the library, built if it is not there (tens of seconds; needs verilator and a C++
+// compiler, $CXX or c++). Several processes may ask for the same one. A failure is an error with
+// the end of the tool's output.
+std::string build_model(const Plan& plan, const ModelSource& source);
+
+// A port's storage in the model: 1, 2, 4 or 8 bytes, or words of 32 bits least significant first.
+struct ModelPort {
+  std::string name;
+  bool output = false;
+  uint8_t* data = nullptr;
+  size_t bytes = 0;
+};
+
+// One instance of a loaded model, with its own initial register values.
+class Model {
+ public:
+  Model(const std::string& library, uint64_t initial_seed);
+  ~Model();
+  Model(const Model&) = delete;
+  Model& operator=(const Model&) = delete;
+
+  const std::vector<ModelPort>& ports() const { return ports_; }
+  // An unknown port is an error naming the unit.
+  const ModelPort& port(const std::string& name) const;
+  bool has_port(const std::string& name) const;
+
+  // Settles the model. A failed assertion or $fatal in the RTL throws.
+  void eval();
+
+  void open_waveform(const std::string& path);  // FST
+  void dump(uint64_t time);
+  void close_waveform();
+
+ private:
+  struct Abi;
+  std::unique_ptr<Abi> abi_;
+  std::vector<ModelPort> ports_;
+};
+
+}  // namespace photonloom
