@@ -94,7 +94,7 @@ std::vector<GatherQuery> packets(Fault fault) {
   std::vector<GatherQuery> list;
   for (uint32_t i = 0; i < 300; ++i) {
     GatherQuery q{};
-    q.pixel = i == 123 ? fault : 100;
+    q.pixel = i == 123 ? static_cast<uint32_t>(fault) : 100u;
     q.sample = i % 16;
     q.position = {i, 2 * i, 40000 + i};
     list.push_back(q);
