@@ -4,6 +4,7 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -18,22 +19,21 @@ using Mat4 = glm::dmat4;
 
 enum class BsdfKind { kDiffuse, kPhong, kConductor, kDielectric };
 
-// One BSDF; lobes that a kind does not have are black. On a one-sided BSDF light from behind meets
-// black.
+// One BSDF; lobes that a kind does not have are black. Which sides of a shape it is on, the shape
+// says.
 struct Bsdf {
   std::string id;
   BsdfKind kind = BsdfKind::kDiffuse;
-  bool two_sided = false;
-  Rgb diffuse{0};       // rho_d: diffuse reflectance, or phong's
-  Rgb specular{0};      // rho_s of phong; factor on reflection of conductor and dielectric
-  Rgb transmission{1};  // factor on transmission of a dielectric
-  double exponent = 0;  // phong's n
-  Rgb eta{0}, k{0};     // conductor's complex index; k = eta = 0: ideal mirror
-  double ior = 1;       // dielectric: interior over exterior index
+  bool two_sided = false;  // the shapes that use it have it on both sides
+  Rgb diffuse{0};          // rho_d: diffuse reflectance, or phong's
+  Rgb specular{0};         // rho_s of phong; factor on reflection of conductor and dielectric
+  Rgb transmission{1};     // factor on transmission of a dielectric
+  double exponent = 0;     // phong's n
+  Rgb eta{0}, k{0};        // conductor's complex index; k = eta = 0: ideal mirror
+  double ior = 1;          // dielectric: interior over exterior index
   bool is_delta() const { return kind == BsdfKind::kConductor || kind == BsdfKind::kDielectric; }
 };
 
-// A BSDF with another one on its back (twosided with two nested BSDFs) is two indices on the shape.
 enum class ShapeKind { kMesh, kSphere, kDisk, kRectangle, kCube };
 
 // Triangles share vertices; normals are per vertex and may be empty (faceted).
@@ -51,7 +51,7 @@ struct Shape {
   Mat4 to_world{1};                   // sphere, disk: unit sphere / unit disk in z = 0, normal +z
   bool flip_normals = false;          // already applied to mesh triangles' winding and normals
   int bsdf = -1;                      // index into Scene::bsdfs; what the front sees
-  int back_bsdf = -1;                 // what the back sees; -1: black
+  int back_bsdf = -1;                 // what the back sees, a dielectric's is its own; -1: black
   std::optional<Rgb> radiance;        // area emitter, W/(m^2 sr), from the normal side
 };
 
@@ -75,7 +75,7 @@ struct Camera {
   double fov = 50;  // degrees, along fov_axis
   FovAxis fov_axis = FovAxis::kX;
   double near_clip = 0;  // along +z; 0 and infinity when not given
-  double far_clip = 0;
+  double far_clip = std::numeric_limits<double>::infinity();
 };
 
 struct Film {
@@ -93,8 +93,11 @@ struct Scene {
   std::vector<Bsdf> bsdfs;
   std::vector<Shape> shapes;
   std::vector<Light> lights;
-  std::vector<std::string> warnings;  // e.g. dropped zero-area triangles, with file and number
+  std::vector<std::string> warnings;  // with file and line
 };
+
+// Hash of everything in the scene that touches the image; what Scene::hash holds after loading.
+uint64_t scene_hash(const Scene& scene);
 
 // An error in a user's file: what() is one sentence that names file, line where known, element or
 // field, and what was expected.

@@ -1,0 +1,602 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the elements of a scene file mean. docs/scene.md lists every element and property.
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+
+#include "golden/numeric/elementary.hpp"
+#include "golden/scene/materials.hpp"
+#include "golden/scene/mesh.hpp"
+#include "golden/scene/properties.hpp"
+#include "golden/scene/scene.hpp"
+#include "golden/scene/text.hpp"
+#include "golden/scene/xml.hpp"
+
+namespace photonloom {
+namespace {
+
+constexpr int64_t kMaxFilm = 16384;
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+// What the two sides of a surface see; indices into Scene::bsdfs.
+struct Sides {
+  int front = -1, back = -1;
+};
+
+class Loader {
+ public:
+  Loader(const std::string& path, const Parameters& parameters)
+      : path_(path), document_(read_document(path, parameters)) {}
+
+  Scene load() {
+    scene_.name = path_.substr(folder_of(path_).size());
+    if (const size_t dot = scene_.name.rfind('.'); dot != std::string::npos && dot > 0)
+      scene_.name.resize(dot);
+    Properties root(document_, *document_.root);
+    // Settings of Mitsuba's ray tracing kernel and scheduler.
+    root.ignore({"kd_intersection_cost", "kd_traversal_cost", "kd_empty_space_bonus",
+                 "kd_max_depth", "kd_max_bad_refines", "kd_stop_prims", "kd_clip",
+                 "kd_min_max_bins", "kd_retract_bad_splits", "kd_exact_prim_threshold",
+                 "kd_parallel_build", "block_size"});
+    root.finish();
+    for (const auto& child : root.children()) {
+      const Element& e = *child.object;
+      if (child.place->tag == "ref") {
+        fail(*child.place,
+             fmt::format("<ref> to {} is not supported at the top level", describe(e)));
+      } else if (e.tag == "integrator") {
+        once(e, integrator_);
+        integrator(e);
+      } else if (e.tag == "sensor") {
+        once(e, sensor_);
+        sensor(e);
+      } else if (e.tag == "bsdf") {
+        bsdf(e, 0);
+      } else if (e.tag == "shape") {
+        shape(e);
+      } else if (e.tag == "emitter") {
+        light(e);
+      } else if (e.tag == "sampler" || e.tag == "film" || e.tag == "rfilter") {
+        // Takes part only where a sensor refers to it.
+        if (!e.find("id")) fail(e, fmt::format("{} has no place at the top level", describe(e)));
+      } else {
+        fail(e, fmt::format("{} is not supported, expected integrator, sensor, bsdf, shape or "
+                            "emitter",
+                            describe(e)));
+      }
+    }
+    if (!sensor_) whole("the scene has no camera, expected one <sensor type=\"perspective\">");
+    if (scene_.shapes.empty()) whole("the scene has no shape");
+    if (!has_light_) whole("the scene has no light, expected an <emitter> that is not black");
+    scene_.hash = scene_hash(scene_);
+    return std::move(scene_);
+  }
+
+ private:
+  [[noreturn]] void whole(const std::string& what) const {
+    throw SceneError(fmt::format("{}: {}", path_, what));
+  }
+
+  void warn(const Element& e, const std::string& what) {
+    scene_.warnings.push_back(fmt::format("{}:{}: {}", *e.file, e.line, what));
+  }
+
+  static void once(const Element& e, const Element*& first) {
+    if (first)
+      fail(e, fmt::format("second <{}>, first in line {}; expected one", e.tag, first->line));
+    first = &e;
+  }
+
+  static void no_children(const Properties& p) {
+    for (const auto& child : p.children())
+      fail(*child.place,
+           fmt::format("{} is not supported in {}", describe(*child.object), describe(p.object())));
+  }
+
+  [[noreturn]] static void unknown_type(const Element& e, const char* expected) {
+    fail(e, fmt::format("{} is not supported, expected type {}", describe(e), expected));
+  }
+
+  // Any integrator is welcome: it chooses a method. Depths count; what changes the image does not.
+  void integrator(const Element& e) {
+    Properties p(document_, e);
+    bool found = false;
+    depth(p, found, 0);
+  }
+
+  void depth(Properties& p, bool& found, int level) {
+    if (p.boolean("hide_emitters", false))
+      fail(p.element("hide_emitters"), "hidden emitters are not supported, expected false");
+    if (p.has("max_depth") && !found) {
+      const int64_t depth = p.integer("max_depth", -1);
+      if (depth != -1 && (depth < 1 || depth > std::numeric_limits<int>::max()))
+        fail(p.element("max_depth"),
+             fmt::format("the depth is {}, expected -1 for no limit or at least 1", depth));
+      scene_.max_depth = static_cast<int>(depth);
+      if (p.has("rr_depth")) scene_.rr_depth = roulette_depth(p);
+      found = true;
+    } else if (p.has("rr_depth") && !found) {
+      scene_.rr_depth = roulette_depth(p);
+    }
+    p.ignore_all();
+    for (const auto& child : p.children()) {
+      if (child.object->tag != "integrator" || level > 8) continue;
+      Properties nested(document_, *child.object);
+      depth(nested, found, level + 1);
+    }
+  }
+
+  static int roulette_depth(Properties& p) {
+    const int64_t depth = p.integer("rr_depth", 5);
+    if (depth < 1 || depth > std::numeric_limits<int>::max())
+      fail(p.element("rr_depth"), fmt::format("the depth is {}, expected at least 1", depth));
+    return static_cast<int>(depth);
+  }
+
+  void sensor(const Element& e) {
+    Properties p(document_, e);
+    if (p.type() != "perspective") unknown_type(e, "perspective");
+    Camera& camera = scene_.camera;
+    camera.to_world = p.transform("to_world");
+    // As Mitsuba, which tests with the same tolerance.
+    const glm::dmat3 linear(camera.to_world);
+    for (int i = 0; i < 3; ++i)
+      for (int j = i; j < 3; ++j)
+        if (std::fabs(glm::dot(linear[i], linear[j]) - (i == j)) > 1e-3)
+          fail(p.element("to_world"),
+               "the camera's transform scales or shears, expected rotations and translations only");
+    field_of_view(p);
+    camera.near_clip = p.number("near_clip", 0);
+    camera.far_clip = p.number("far_clip", kInfinity);
+    if (camera.near_clip < 0) fail(p.element("near_clip"), "near_clip is negative");
+    if (!(camera.far_clip > camera.near_clip))
+      fail(p.element("far_clip"), "far_clip is not beyond near_clip");
+    if (p.number("principal_point_offset_x", 0) != 0 ||
+        p.number("principal_point_offset_y", 0) != 0)
+      fail(e, "a shifted principal point is not supported");
+    if (p.has("kc") && p.text("kc", "") != "0, 0" && p.text("kc", "") != "0,0")
+      fail(p.element("kc"), "lens distortion (kc) is not supported");
+    // A pinhole is in focus everywhere, and nothing moves while the shutter is open.
+    p.ignore({"focus_distance", "shutter_open", "shutter_close"});
+    p.finish();
+    const Element *film_place = nullptr, *sampler_place = nullptr;
+    for (const auto& child : p.children()) {
+      if (child.object->tag == "film") {
+        once(*child.object, film_place);
+        film(*child.object);
+      } else if (child.object->tag == "sampler") {
+        once(*child.object, sampler_place);
+        sampler(*child.object);
+      } else {
+        fail(*child.place, fmt::format("{} is not supported in {}, expected film or sampler",
+                                       describe(*child.object), describe(e)));
+      }
+    }
+  }
+
+  void field_of_view(Properties& p) {
+    Camera& camera = scene_.camera;
+    if (p.has("fov") && p.has("focal_length"))
+      fail(p.element("focal_length"), "the sensor has both fov and focalLength, expected one");
+    if (p.has("fov")) {
+      camera.fov = p.number("fov", 0);
+      if (!(camera.fov > 0 && camera.fov < 180))
+        fail(p.element("fov"),
+             fmt::format("fov is {} degrees, expected more than 0 and less than 180", camera.fov));
+      const std::string axis = p.text("fov_axis", "x");
+      constexpr std::pair<const char*, FovAxis> kAxes[] = {{"x", FovAxis::kX},
+                                                           {"y", FovAxis::kY},
+                                                           {"diagonal", FovAxis::kDiagonal},
+                                                           {"smaller", FovAxis::kSmaller},
+                                                           {"larger", FovAxis::kLarger}};
+      const auto at = std::find_if(std::begin(kAxes), std::end(kAxes),
+                                   [&](const auto& a) { return axis == a.first; });
+      if (at == std::end(kAxes))
+        fail(p.element("fov_axis"),
+             fmt::format("fovAxis '{}' is unknown, expected x, y, diagonal, smaller or larger",
+                         axis));
+      camera.fov_axis = at->second;
+      return;
+    }
+    // A focal length on 35 mm film, 36 by 24 mm, gives the field of view along the diagonal.
+    std::string length = p.text("focal_length", "50mm");
+    p.ignore({"fov_axis"});
+    if (length.ends_with("mm")) length.resize(length.size() - 2);
+    const auto value = parse_double(length);
+    if (!value || !(*value > 0) || !std::isfinite(*value))
+      fail(p.element("focal_length"), "focalLength is not a length like 50mm");
+    camera.fov = 2 * angle_of(2 * *value, std::sqrt(36.0 * 36.0 + 24.0 * 24.0)) * 180 / kPi;
+    camera.fov_axis = FovAxis::kDiagonal;
+  }
+
+  void film(const Element& e) {
+    Properties p(document_, e);
+    if (p.type() != "hdrfilm" && p.type() != "tiledhdrfilm" && p.type() != "ldrfilm" &&
+        p.type() != "mfilm")
+      unknown_type(e, "hdrfilm, tiledhdrfilm, ldrfilm or mfilm");
+    const bool matrix = p.type() == "mfilm";
+    const int64_t width = p.integer("width", matrix ? 1 : 768);
+    const int64_t height = p.integer("height", matrix ? 1 : 576);
+    for (const auto& [name, value] : {std::pair("width", width), std::pair("height", height)})
+      if (value < 1 || value > kMaxFilm)
+        fail(p.element(name), fmt::format("{} is {}, expected 1 to {}", name, value, kMaxFilm));
+    if (p.integer("crop_offset_x", 0) != 0 || p.integer("crop_offset_y", 0) != 0 ||
+        p.integer("crop_width", width) != width || p.integer("crop_height", height) != height) {
+      for (const char* name : {"crop_offset_x", "crop_offset_y", "crop_width", "crop_height"})
+        if (p.has(name)) fail(p.element(name), "crop windows are not supported");
+    }
+    scene_.film.width = static_cast<int>(width);
+    scene_.film.height = static_cast<int>(height);
+    // How pixels are stored, tone-mapped and labelled; they stay the same linear values.
+    p.ignore({"file_format", "pixel_format", "component_format", "attach_log", "banner",
+              "high_quality_edges", "sample_border", "compensate", "gamma", "exposure",
+              "tone_mapping_method", "key", "burn", "variable", "digits"});
+    p.ignore_labels();
+    p.finish();
+    const Element* filter = nullptr;
+    for (const auto& child : p.children()) {
+      if (child.object->tag != "rfilter")
+        fail(*child.place, fmt::format("{} is not supported in {}, expected rfilter",
+                                       describe(*child.object), describe(e)));
+      once(*child.object, filter);
+      Properties f(document_, *child.object);
+      if (f.type() != "box") unknown_type(*child.object, "box");
+      if (f.number("radius", 0.5) != 0.5)
+        fail(f.element("radius"), "a box filter of another radius than 0.5 is not supported");
+      f.finish();
+      no_children(f);
+    }
+    if (!filter && !matrix)
+      warn(e, "the film has no rfilter: a box filter is used, where Mitsuba would take a gaussian");
+  }
+
+  void sampler(const Element& e) {
+    Properties p(document_, e);
+    const int64_t count = p.integer("sample_count", 0);
+    if (p.has("sample_count") && (count < 1 || count > (1 << 20)))
+      fail(p.element("sample_count"),
+           fmt::format("sampleCount is {}, expected 1 to {}", count, 1 << 20));
+    scene_.sample_count = static_cast<int>(count);
+    p.ignore_all();
+    no_children(p);
+  }
+
+  int add_bsdf(const Bsdf& bsdf) {
+    scene_.bsdfs.push_back(bsdf);
+    return static_cast<int>(scene_.bsdfs.size()) - 1;
+  }
+
+  Sides bsdf(const Element& e, int level) {
+    if (const auto at = bsdfs_.find(&e); at != bsdfs_.end()) return at->second;
+    if (level > 64) fail(e, "bsdfs are nested more than 64 deep");
+    Properties p(document_, e);
+    Sides sides;
+    if (p.type() == "twosided") {
+      sides = two_sided(p, level);
+    } else {
+      Bsdf b;
+      b.id = e["id"];
+      if (p.type() == "diffuse") {
+        if (p.has("reflectance") && p.has("diffuse_reflectance"))
+          fail(p.element("diffuse_reflectance"),
+               "diffuseReflectance is another name of reflectance");
+        b.kind = BsdfKind::kDiffuse;
+        b.diffuse =
+            p.color(p.has("diffuse_reflectance") ? "diffuse_reflectance" : "reflectance", Rgb(0.5));
+        conserve(p, b.diffuse, nullptr);
+      } else if (p.type() == "phong") {
+        b.kind = BsdfKind::kPhong;
+        b.diffuse = p.color("diffuse_reflectance", Rgb(0.5));
+        b.specular = p.color("specular_reflectance", Rgb(0.2));
+        b.exponent = p.number("exponent", 30);
+        if (b.exponent < 0)
+          fail(p.element("exponent"),
+               fmt::format("exponent is {}, expected at least 0", b.exponent));
+        conserve(p, b.diffuse, &b.specular);
+      } else if (p.type() == "conductor") {
+        conductor(p, b);
+      } else if (p.type() == "dielectric") {
+        dielectric(p, b);
+      } else {
+        unknown_type(e, "diffuse, phong, conductor, dielectric or twosided");
+      }
+      no_children(p);
+      sides.front = add_bsdf(b);
+      if (b.kind == BsdfKind::kDielectric) sides.back = sides.front;
+    }
+    p.finish();
+    bsdfs_.emplace(&e, sides);
+    return sides;
+  }
+
+  // Mitsuba 0.x scales a BSDF that would reflect more than arrives; 3.x refuses the color.
+  void conserve(Properties& p, Rgb& first, Rgb* second) {
+    const bool ensure = p.boolean("ensure_energy_conservation", true);
+    const double largest = max_component(second ? first + *second : first);
+    if (!(largest > 1)) return;
+    const Element& e = p.object();
+    if (document_.new_dialect || !ensure)
+      fail(e, fmt::format("{} reflects {} times the light that arrives, expected at most 1",
+                          describe(e), largest));
+    const double scale = 0.99 / largest;
+    first *= scale;
+    if (second) *second *= scale;
+    warn(e, fmt::format("{} reflects {} times the light that arrives and is scaled by {}",
+                        describe(e), largest, scale));
+  }
+
+  void conductor(Properties& p, Bsdf& b) {
+    b.kind = BsdfKind::kConductor;
+    b.specular = p.color("specular_reflectance", Rgb(1));
+    conserve(p, b.specular, nullptr);
+    if (p.has("material") && (p.has("eta") || p.has("k")))
+      fail(p.element("material"), "the conductor has both material and eta, k; expected one");
+    const std::string name = p.text("material", document_.new_dialect ? "none" : "Cu");
+    const auto metal = named_metal(name);
+    if (!metal)
+      fail(p.element("material"),
+           fmt::format("material '{}' is unknown, expected one of: {}", name, known_metals()));
+    // Relative to the outside; an ideal mirror is one in any medium.
+    const double outside = ior(p, "ext_eta", "air");
+    const bool given = p.has("eta") || p.has("k");
+    if (given && (!p.has("eta") || !p.has("k")))
+      fail(p.object(), fmt::format("{} has one of eta and k, expected both", describe(p.object())));
+    b.eta = p.color("eta", metal->eta);
+    b.k = p.color("k", metal->k);
+    // 3.x indices are against vacuum.
+    if (!document_.new_dialect || p.has("ext_eta")) {
+      b.eta /= outside;
+      b.k /= outside;
+    }
+    for (int i = 0; i < 3; ++i)
+      if (given && b.eta[i] == 0 && b.k[i] == 0)
+        fail(p.element("eta"), "eta and k are both 0, expected a metal or material \"none\"");
+  }
+
+  double ior(Properties& p, const std::string& name, const std::string& otherwise) {
+    if (p.has(name) && !p.is_text(name)) {
+      const double value = p.number(name, 0);
+      if (!(value > 0))
+        fail(p.element(name),
+             fmt::format("the index of refraction is {}, expected more than 0", value));
+      return value;
+    }
+    const std::string medium = p.text(name, otherwise);
+    const auto value = named_ior(medium);
+    if (!value)
+      fail(p.element(name), fmt::format("medium '{}' is unknown, expected a number or one of: {}",
+                                        medium, known_iors()));
+    return *value;
+  }
+
+  void dielectric(Properties& p, Bsdf& b) {
+    b.kind = BsdfKind::kDielectric;
+    b.specular = p.color("specular_reflectance", Rgb(1));
+    b.transmission = p.color("specular_transmittance", Rgb(1));
+    conserve(p, b.specular, nullptr);
+    conserve(p, b.transmission, nullptr);
+    const double inside = ior(p, "int_ior", "bk7");
+    b.ior = inside / ior(p, "ext_ior", "air");
+  }
+
+  Sides two_sided(Properties& p, int level) {
+    std::vector<Sides> nested;
+    for (const auto& child : p.children()) {
+      if (child.object->tag != "bsdf")
+        fail(*child.place, fmt::format("{} is not supported in {}, expected bsdf",
+                                       describe(*child.object), describe(p.object())));
+      const Sides sides = bsdf(*child.object, level + 1);
+      if (scene_.bsdfs[static_cast<size_t>(sides.front)].kind == BsdfKind::kDielectric)
+        fail(*child.place,
+             "a dielectric in <bsdf type=\"twosided\">: it transmits, expected BSDFs "
+             "that only reflect");
+      nested.push_back(sides);
+    }
+    p.ignore({"ensure_energy_conservation"});
+    if (nested.empty() || nested.size() > 2)
+      fail(p.object(), fmt::format("{} has {} BSDFs, expected one or two", describe(p.object()),
+                                   nested.size()));
+    Sides sides;
+    if (nested.size() == 2) {
+      sides.front = nested[0].front;
+      sides.back = nested[1].front;
+      return sides;
+    }
+    Bsdf copy = scene_.bsdfs[static_cast<size_t>(nested[0].front)];
+    copy.two_sided = true;
+    if (!p.object()["id"].empty()) copy.id = p.object()["id"];
+    sides.front = sides.back = add_bsdf(copy);
+    return sides;
+  }
+
+  void shape(const Element& e) {
+    Properties p(document_, e);
+    Shape s;
+    s.id = e["id"];
+    const Mat4 to_world = p.transform("to_world");
+    s.flip_normals = p.boolean("flip_normals", false);
+    if (p.type() == "rectangle" || p.type() == "cube") {
+      s.kind = p.type() == "cube" ? ShapeKind::kCube : ShapeKind::kRectangle;
+      s.mesh = p.type() == "cube" ? cube_mesh() : rectangle_mesh();
+      place_mesh(s.mesh, {to_world, s.flip_normals, true, true}, place(e));
+    } else if (p.type() == "disk") {
+      s.kind = ShapeKind::kDisk;
+      s.to_world = to_world;
+    } else if (p.type() == "sphere") {
+      sphere(p, s, to_world);
+    } else if (p.type() == "obj" || p.type() == "ply") {
+      mesh(p, s, to_world);
+    } else {
+      unknown_type(e, "rectangle, cube, sphere, disk, obj or ply");
+    }
+    p.finish();
+
+    std::optional<Sides> sides;
+    for (const auto& child : p.children()) {
+      const Element& object = *child.object;
+      if (object.tag == "bsdf") {
+        if (sides) fail(*child.place, fmt::format("{} has two BSDFs, expected one", describe(e)));
+        sides = bsdf(object, 0);
+      } else if (object.tag == "emitter") {
+        if (s.radiance)
+          fail(*child.place, fmt::format("{} has two emitters, expected one", describe(e)));
+        area_light(object, s);
+      } else {
+        fail(*child.place, fmt::format("{} is not supported in {}, expected bsdf or emitter",
+                                       describe(object), describe(e)));
+      }
+    }
+    if (!sides) {
+      int& shared = s.radiance ? black_ : grey_;
+      if (shared < 0) {
+        Bsdf b;
+        b.diffuse = Rgb(s.radiance ? 0 : 0.5);
+        shared = add_bsdf(b);
+      }
+      sides = Sides{shared, -1};
+    }
+    s.bsdf = sides->front;
+    s.back_bsdf = sides->back;
+    scene_.shapes.push_back(std::move(s));
+  }
+
+  static std::string place(const Element& e) { return fmt::format("{}:{}", *e.file, e.line); }
+
+  static void sphere(Properties& p, Shape& s, const Mat4& to_world) {
+    s.kind = ShapeKind::kSphere;
+    const Vec3 center = p.vector("center", Vec3(0));
+    const double radius = p.number("radius", 1);
+    if (!(radius > 0))
+      fail(p.element("radius"), fmt::format("radius is {}, expected more than 0", radius));
+    s.to_world = to_world * Mat4(glm::dvec4(radius, 0, 0, 0), glm::dvec4(0, radius, 0, 0),
+                                 glm::dvec4(0, 0, radius, 0), glm::dvec4(center, 1));
+    // Rotations and uniform scales, up to the rounding of a matrix written with six digits.
+    const glm::dmat3 m(s.to_world);
+    const double size = glm::dot(m[0], m[0]);
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j)
+        if (std::fabs(glm::dot(m[i], m[j]) - (i == j ? size : 0)) > 1e-5 * size)
+          fail(p.element("to_world"),
+               "the sphere's transform makes an ellipsoid, expected equal scales and no shear");
+  }
+
+  void mesh(Properties& p, Shape& s, const Mat4& to_world) {
+    s.kind = ShapeKind::kMesh;
+    if (!p.has("filename"))
+      fail(p.object(), fmt::format("{} has no filename", describe(p.object())));
+    const std::string file = document_.find_file(p.element("filename"), p.text("filename", ""));
+    const bool faceted = p.boolean("face_normals", false);
+    if (p.number("max_smooth_angle", 0) != 0)
+      fail(p.element("max_smooth_angle"), "maxSmoothAngle is not supported");
+    if (p.has("shape_index") && p.integer("shape_index", -1) != -1)
+      fail(p.element("shape_index"), "shapeIndex is not supported");
+    const bool load_materials = p.boolean("load_materials", true);
+    // Colors and texture coordinates have no use without textures.
+    p.ignore({"srgb", "flip_tex_coords", "collapse"});
+    MeshFile read = p.type() == "obj" ? read_obj(file) : read_ply_mesh(file);
+    if (read.names_materials && load_materials && !document_.new_dialect &&
+        std::none_of(p.children().begin(), p.children().end(),
+                     [](const auto& c) { return c.object->tag == "bsdf"; }))
+      fail(p.object(),
+           fmt::format("{} has no BSDF and its file uses materials of its own, which are "
+                       "not supported; expected a <bsdf> or loadMaterials false",
+                       describe(p.object())));
+    s.mesh = std::move(read.mesh);
+    place_mesh(s.mesh, {to_world, s.flip_normals, false, faceted}, place(p.object()));
+  }
+
+  Rgb emitted(Properties& p, const std::string& name) {
+    const Rgb value = p.color(name, Rgb(1));
+    if (p.number("sampling_weight", 1) < 0)
+      fail(p.element("sampling_weight"), "samplingWeight is negative");
+    has_light_ = has_light_ || !is_black(value);
+    return value;
+  }
+
+  void area_light(const Element& e, Shape& s) {
+    Properties p(document_, e);
+    if (p.type() != "area") unknown_type(e, "area in a shape");
+    s.radiance = emitted(p, "radiance");
+    p.finish();
+    no_children(p);
+  }
+
+  void light(const Element& e) {
+    Properties p(document_, e);
+    Light l;
+    const char* key = "intensity";
+    if (p.type() == "area") {
+      // A definition for shapes to refer to.
+      if (!e.find("id")) fail(e, fmt::format("{} has no place outside a shape", describe(e)));
+      return;
+    }
+    if (p.type() == "point") {
+      l.kind = LightKind::kPoint;
+      one_of(p, "position", "to_world");
+      l.position = p.vector("position", Vec3(0));
+    } else if (p.type() == "spot") {
+      l.kind = LightKind::kSpot;
+      const double cutoff = p.number("cutoff_angle", 20);
+      const double beam = p.number("beam_width", cutoff * 0.75);
+      if (!(cutoff > 0 && cutoff < 180))
+        fail(p.element("cutoff_angle"),
+             fmt::format("cutoffAngle is {}, expected more than 0 and less than 180", cutoff));
+      if (!(beam >= 0 && beam <= cutoff))
+        fail(p.element("beam_width"),
+             fmt::format("beamWidth is {}, expected 0 to cutoffAngle ({})", beam, cutoff));
+      l.cutoff_angle = cutoff * kPi / 180;
+      l.beam_angle = beam * kPi / 180;
+      l.cutoff_cos = cos_sin_turns(cutoff / 360).x;
+      l.beam_cos = cos_sin_turns(beam / 360).x;
+    } else if (p.type() == "directional") {
+      l.kind = LightKind::kDirectional;
+      key = "irradiance";
+      one_of(p, "direction", "to_world");
+    } else {
+      unknown_type(e, "point, spot, directional, or area in a shape");
+    }
+    const Mat4 to_world = p.transform("to_world");
+    if (p.has("to_world") || l.kind == LightKind::kSpot) {
+      l.position = Vec3(to_world[3]);
+      l.direction = unit(p.element("to_world"), Vec3(to_world[2]));
+    }
+    if (l.kind == LightKind::kDirectional && p.has("direction"))
+      l.direction = unit(p.element("direction"), p.vector("direction", Vec3(0)));
+    l.intensity = emitted(p, key);
+    p.finish();
+    no_children(p);
+    scene_.lights.push_back(l);
+  }
+
+  static void one_of(const Properties& p, const char* a, const char* b) {
+    if (p.has(a) && p.has(b))
+      fail(p.element(b), fmt::format("{} has both {} and {}, expected one", describe(p.object()),
+                                     p.element(a)["name"], p.element(b)["name"]));
+  }
+
+  static Vec3 unit(const Element& e, Vec3 v) {
+    const double largest = max_component(glm::abs(v));
+    if (!(largest > 0)) fail(e, fmt::format("{} gives no direction", describe(e)));
+    v /= largest;
+    return v / glm::length(v);
+  }
+
+  const std::string path_;
+  Document document_;
+  Scene scene_;
+  std::map<const Element*, Sides> bsdfs_;
+  const Element *integrator_ = nullptr, *sensor_ = nullptr;
+  int black_ = -1, grey_ = -1;
+  bool has_light_ = false;
+};
+
+}  // namespace
+
+Scene load_scene(const std::string& path, const Parameters& parameters) {
+  return Loader(path, parameters).load();
+}
+
+}  // namespace photonloom

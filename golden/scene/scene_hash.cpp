@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <bit>
+
+#include "golden/numeric/random.hpp"
+#include "golden/scene/scene.hpp"
+
+namespace photonloom {
+namespace {
+
+// A chain of mixed words: order counts.
+class Hasher {
+ public:
+  void add(uint64_t word) { state_ = mix64(state_ * 0x9e3779b97f4a7c15ull + word + 1); }
+  void add(int value) { add(static_cast<uint64_t>(static_cast<int64_t>(value))); }
+  void add(double value) { add(std::bit_cast<uint64_t>(value == 0 ? 0.0 : value)); }  // -0 is 0
+  void add(const Vec3& v) {
+    for (int i = 0; i < 3; ++i) add(v[i]);
+  }
+  void add(const Mat4& m) {
+    for (int i = 0; i < 4; ++i)
+      for (int j = 0; j < 4; ++j) add(m[i][j]);
+  }
+  template <class Enum>
+  requires std::is_enum_v<Enum>
+  void add(Enum e) { add(static_cast<int>(e)); }
+  uint64_t value() const { return state_; }
+
+ private:
+  uint64_t state_ = 0x70686f746f6e6c6full;
+};
+
+}  // namespace
+
+uint64_t scene_hash(const Scene& scene) {
+  Hasher h;
+  h.add(scene.camera.to_world);
+  h.add(scene.camera.fov);
+  h.add(scene.camera.fov_axis);
+  h.add(scene.camera.near_clip);
+  h.add(scene.camera.far_clip);
+  h.add(scene.film.width);
+  h.add(scene.film.height);
+  h.add(scene.max_depth);
+  h.add(scene.rr_depth);
+  const auto add_bsdf = [&](int index) {
+    if (index < 0) {
+      h.add(-1);
+      return;
+    }
+    const Bsdf& b = scene.bsdfs[static_cast<size_t>(index)];
+    h.add(b.kind);
+    for (const Rgb& c : {b.diffuse, b.specular, b.transmission, b.eta, b.k}) h.add(c);
+    h.add(b.exponent);
+    h.add(b.ior);
+  };
+  h.add(static_cast<uint64_t>(scene.shapes.size()));
+  for (const Shape& s : scene.shapes) {
+    const bool is_mesh = s.kind != ShapeKind::kSphere && s.kind != ShapeKind::kDisk;
+    h.add(is_mesh ? ShapeKind::kMesh : s.kind);
+    h.add(s.to_world);
+    if (!is_mesh) h.add(static_cast<int>(s.flip_normals));  // in a mesh it is applied
+    h.add(static_cast<uint64_t>(s.mesh.positions.size()));
+    for (const Vec3& p : s.mesh.positions) h.add(p);
+    h.add(static_cast<uint64_t>(s.mesh.normals.size()));
+    for (const Vec3& n : s.mesh.normals) h.add(n);
+    h.add(static_cast<uint64_t>(s.mesh.triangles.size()));
+    for (const auto& t : s.mesh.triangles)
+      for (const uint32_t v : t) h.add(static_cast<uint64_t>(v));
+    add_bsdf(s.bsdf);
+    add_bsdf(s.back_bsdf);
+    h.add(static_cast<int>(s.radiance.has_value()));
+    if (s.radiance) h.add(*s.radiance);
+  }
+  h.add(static_cast<uint64_t>(scene.lights.size()));
+  for (const Light& l : scene.lights) {
+    h.add(l.kind);
+    h.add(l.position);
+    h.add(l.direction);
+    h.add(l.intensity);
+    h.add(l.cutoff_angle);
+    h.add(l.beam_angle);
+  }
+  return h.value();
+}
+
+}  // namespace photonloom

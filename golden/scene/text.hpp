@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+// Numbers and words in text files, read the same in every locale and rounded exactly.
+#pragma once
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace photonloom {
+
+// A decimal number that fills the whole text ("1", "+.5", "1e-3"). Also accepts "nan" and "inf":
+// whoever needs a finite number must say so. Nothing where the text is not a number or too large.
+std::optional<double> parse_double(std::string_view text);
+
+// A decimal integer that fills the whole text.
+std::optional<int64_t> parse_integer(std::string_view text);
+
+// Text between separators; no empty words.
+std::vector<std::string_view> split(std::string_view text, std::string_view separators);
+
+// Bytes of a file; throws SceneError that names the file where it cannot be read.
+std::string read_whole_file(const std::string& path);
+
+// Folder of a path with its final '/', "" for a bare file name.
+std::string folder_of(const std::string& path);
+
+}  // namespace photonloom
