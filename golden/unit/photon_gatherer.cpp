@@ -103,6 +103,30 @@ class Search {
   SearchCounts counts_;
 };
 
+// `kth` is the d^2 of the last of `count` photons; looked at only if there are k.
+GatherResult finish_result(const Plan& plan, const GatherQuery& query, uint32_t count, uint64_t kth,
+                           const Channels64& flux, const SearchCounts& counts) {
+  GatherResult result{};
+  result.pixel = query.pixel;
+  result.sample = query.sample;
+  result.tag = query.tag;
+  result.map = query.map;
+  result.count = count;
+  result.full = count == static_cast<uint32_t>(plan.k) ? 1 : 0;
+  result.r2 = result.full ? kth : plan.map(query.map != 0).r2_max;
+  result.flux = flux;
+  result.clamped = result.r2 < plan.r2_floor ? 1 : 0;
+  if (plan.reciprocal_bits != 0) {
+    const Reciprocal inverse = reciprocal(std::max(result.r2, plan.r2_floor), plan.reciprocal_bits);
+    result.reciprocal = inverse.mantissa;
+    result.reciprocal_exponent = inverse.exponent;
+  }
+  result.nodes = counts.nodes;
+  result.leaves = counts.leaves;
+  result.insertions = counts.insertions;
+  return result;
+}
+
 GatherResult flush_result(const GatherQuery& query) {
   GatherResult result{};
   result.pixel = query.pixel;
@@ -112,13 +136,12 @@ GatherResult flush_result(const GatherQuery& query) {
   return result;
 }
 
-constexpr size_t kBlock = 4096;  // queries whose photons are held at a time
+constexpr size_t kQueries = 4096;  // whose photons are held at a time
 
-// Answers queries in parallel; `find` is (map, query, found) -> counts.
-template <class Find>
-class ParallelGatherer final : public PhotonGatherer {
+// What both units do around the search: blocks of queries, answered in parallel, leave in order.
+class ParallelGatherer : public PhotonGatherer {
  public:
-  ParallelGatherer(const Plan& plan, Find find) : plan_(plan), find_(std::move(find)) {}
+  explicit ParallelGatherer(const Plan& plan) : plan_(plan) {}
 
   void load(const PhotonMap& global, const PhotonMap& caustic) override {
     maps_[0] = &global;
@@ -127,11 +150,23 @@ class ParallelGatherer final : public PhotonGatherer {
 
   void process(std::span<const GatherQuery> in, std::vector<GatherResult>& results,
                std::vector<GatherPhoton>& photons) override {
-    for (; !in.empty(); in = in.subspan(std::min(kBlock, in.size())))
-      process_block(in.first(std::min(kBlock, in.size())), results, photons);
+    for (; !in.empty(); in = in.subspan(std::min(kQueries, in.size())))
+      process_block(in.first(std::min(kQueries, in.size())), results, photons);
   }
 
-  Counters counters() const override { return counters_; }
+  Counters counters() const override {
+    return {{"queries", queries_}, {"flushes", flushes_},      {"photons out", photons_out_},
+            {"nodes", nodes_},     {"leaves", leaves_},        {"clamped", clamped_},
+            {"full", full_},       {"insertions", insertions_}};
+  }
+
+ protected:
+  // The result of a query that is not a flush; its photons are appended to `photons` if wanted.
+  virtual GatherResult answer(const GatherQuery& query,
+                              std::vector<GatherPhoton>& photons) const = 0;
+
+  const Plan& plan() const { return plan_; }
+  const PhotonMap& map(const GatherQuery& query) const { return *maps_[query.map]; }
 
  private:
   void process_block(std::span<const GatherQuery> in, std::vector<GatherResult>& results,
@@ -140,41 +175,106 @@ class ParallelGatherer final : public PhotonGatherer {
     results.resize(base + in.size());
     std::vector<std::vector<GatherPhoton>> wanted(in.size());
     tbb::parallel_for(tbb::blocked_range<size_t>(0, in.size(), 16), [&](const auto& range) {
-      std::vector<Neighbour> found;
-      for (size_t i = range.begin(); i < range.end(); ++i) {
-        const GatherQuery& query = in[i];
-        if (query.flush) {
-          results[base + i] = flush_result(query);
-          continue;
-        }
-        const PhotonMap& map = *maps_[query.map];
-        const SearchCounts counts = find_(map, query, found);
-        results[base + i] = make_gather_result(plan_, map, query, found, counts);
-        if (query.want_photons) append_gather_photons(map, found, wanted[i]);
-      }
+      for (size_t i = range.begin(); i < range.end(); ++i)
+        results[base + i] = in[i].flush ? flush_result(in[i]) : answer(in[i], wanted[i]);
     });
     for (size_t i = 0; i < in.size(); ++i) {
       photons.insert(photons.end(), wanted[i].begin(), wanted[i].end());
       const GatherResult& result = results[base + i];
-      counters_[in[i].flush ? "flushes" : "queries"] += 1;
-      counters_["photons out"] += wanted[i].size();
-      counters_["nodes"] += result.nodes;
-      counters_["leaves"] += result.leaves;
-      counters_["insertions"] += result.insertions;
-      counters_["clamped"] += result.clamped;
+      (in[i].flush ? flushes_ : queries_) += 1;
+      photons_out_ += wanted[i].size();
+      nodes_ += result.nodes;
+      leaves_ += result.leaves;
+      insertions_ += result.insertions;
+      clamped_ += result.clamped;
+      full_ += result.full;
     }
   }
 
   Plan plan_;
-  Find find_;
   const PhotonMap* maps_[2] = {nullptr, nullptr};
-  Counters counters_;
+  uint64_t queries_ = 0, flushes_ = 0, photons_out_ = 0, nodes_ = 0, leaves_ = 0, insertions_ = 0,
+           clamped_ = 0, full_ = 0;
 };
 
-template <class Find>
-std::unique_ptr<PhotonGatherer> make_parallel_gatherer(const Plan& plan, Find find) {
-  return std::make_unique<ParallelGatherer<Find>>(plan, std::move(find));
-}
+class BruteGatherer final : public ParallelGatherer {
+ public:
+  using ParallelGatherer::ParallelGatherer;
+
+ private:
+  GatherResult answer(const GatherQuery& query, std::vector<GatherPhoton>& photons) const override {
+    const std::vector<Neighbour> found = brute_force_gather(plan(), map(query), query);
+    if (query.want_photons) append_gather_photons(map(query), found, photons);
+    return make_gather_result(plan(), map(query), query, found, {});
+  }
+};
+
+// The search with vectors where its keys hold the map's candidates, else search_gather; they give
+// the same packets.
+class GoldenGatherer final : public ParallelGatherer {
+ public:
+  GoldenGatherer(const Plan& plan, const search::Level& level)
+      : ParallelGatherer(plan),
+        level_(level),
+        epsilon_(plan.epsilon_factor != uint32_t{1} << plan.epsilon_shift) {
+    settings_.k = static_cast<uint32_t>(plan.k);
+    settings_.leaf_limit = plan.leaf_limit == 0 ? ~0u : plan.leaf_limit;
+    settings_.epsilon_factor = plan.epsilon_factor;
+    settings_.epsilon_shift = plan.epsilon_shift;
+  }
+
+  void load(const PhotonMap& global, const PhotonMap& caustic) override {
+    ParallelGatherer::load(global, caustic);
+    const PhotonMap* const maps[2] = {&global, &caustic};
+    for (size_t m = 0; m < 2; ++m) {
+      const MapPlan& map_plan = plan().map(m != 0);
+      fast_[m].reset();
+      if (search::Map::fits(*maps[m], map_plan) && settings_.k <= search::kMaxK)
+        fast_[m] = std::make_unique<search::Map>(*maps[m], plan(), map_plan);
+    }
+  }
+
+ private:
+  GatherResult answer(const GatherQuery& query, std::vector<GatherPhoton>& photons) const override {
+    const search::Map* const fast = fast_[query.map].get();
+    if (!fast) return answer_step_by_step(query, photons);
+
+    const IVec3 normal = oct_decode({query.normal[0], query.normal[1]}, plan().normal_bits);
+    search::QueryView view;
+    for (size_t c = 0; c < 3; ++c) {
+      view.position[c] = query.position[c];
+      view.normal[c] = static_cast<int16_t>(normal[c]);
+    }
+    alignas(64) uint64_t keys[search::kKeys];
+    const search::Outcome outcome =
+        level_.search[fast->wide()][1][epsilon_](fast->view(), settings_, view, keys);
+    const int index_bits = fast->view().index_bits;
+    Channels64 flux;
+    level_.flux(fast->view(), keys, outcome.count, flux.data());
+    if (query.want_photons) {
+      std::vector<Neighbour> found(outcome.count);
+      for (uint32_t i = 0; i < outcome.count; ++i)
+        found[i] = {keys[i] >> index_bits, static_cast<uint32_t>(keys[i] & ones(index_bits))};
+      append_gather_photons(map(query), found, photons);
+    }
+    const uint64_t kth = outcome.count == settings_.k ? keys[settings_.k - 1] >> index_bits : 0;
+    return finish_result(plan(), query, outcome.count, kth, flux,
+                         {outcome.nodes, outcome.leaves, outcome.insertions});
+  }
+
+  GatherResult answer_step_by_step(const GatherQuery& query,
+                                   std::vector<GatherPhoton>& photons) const {
+    std::vector<Neighbour> found;
+    const SearchCounts counts = search_gather(plan(), map(query), query, found);
+    if (query.want_photons) append_gather_photons(map(query), found, photons);
+    return make_gather_result(plan(), map(query), query, found, counts);
+  }
+
+  const search::Level& level_;
+  bool epsilon_;
+  search::Settings settings_;
+  std::unique_ptr<search::Map> fast_[2];
+};
 
 }  // namespace
 
@@ -204,27 +304,12 @@ SearchCounts search_gather(const Plan& plan, const PhotonMap& map, const GatherQ
 
 GatherResult make_gather_result(const Plan& plan, const PhotonMap& map, const GatherQuery& query,
                                 std::span<const Neighbour> found, const SearchCounts& counts) {
-  GatherResult result{};
-  result.pixel = query.pixel;
-  result.sample = query.sample;
-  result.tag = query.tag;
-  result.map = query.map;
-  result.count = static_cast<uint32_t>(found.size());
-  result.full = found.size() == static_cast<size_t>(plan.k) ? 1 : 0;
-  result.r2 = result.full ? found.back().d2 : plan.map(query.map != 0).r2_max;
+  Channels64 flux{};
   for (const Neighbour& n : found)
     for (int c = 0; c < plan.channels; ++c)
-      result.flux[static_cast<size_t>(c)] += power_value(map.slots[n.index].power, c);
-  result.clamped = result.r2 < plan.r2_floor ? 1 : 0;
-  if (plan.reciprocal_bits != 0) {
-    const Reciprocal inverse = reciprocal(std::max(result.r2, plan.r2_floor), plan.reciprocal_bits);
-    result.reciprocal = inverse.mantissa;
-    result.reciprocal_exponent = inverse.exponent;
-  }
-  result.nodes = counts.nodes;
-  result.leaves = counts.leaves;
-  result.insertions = counts.insertions;
-  return result;
+      flux[static_cast<size_t>(c)] += power_value(map.slots[n.index].power, c);
+  return finish_result(plan, query, static_cast<uint32_t>(found.size()),
+                       found.empty() ? 0 : found.back().d2, flux, counts);
 }
 
 void append_gather_photons(const PhotonMap& map, std::span<const Neighbour> found,
@@ -241,18 +326,16 @@ void append_gather_photons(const PhotonMap& map, std::span<const Neighbour> foun
 }
 
 std::unique_ptr<PhotonGatherer> make_golden_photon_gatherer(const Plan& plan) {
-  return make_parallel_gatherer(
-      plan, [plan](const PhotonMap& map, const GatherQuery& query, std::vector<Neighbour>& found) {
-        return search_gather(plan, map, query, found);
-      });
+  return make_golden_photon_gatherer(plan, search::chosen_level());
+}
+
+std::unique_ptr<PhotonGatherer> make_golden_photon_gatherer(const Plan& plan,
+                                                            const search::Level& level) {
+  return std::make_unique<GoldenGatherer>(plan, level);
 }
 
 std::unique_ptr<PhotonGatherer> make_brute_photon_gatherer(const Plan& plan) {
-  return make_parallel_gatherer(
-      plan, [plan](const PhotonMap& map, const GatherQuery& query, std::vector<Neighbour>& found) {
-        found = brute_force_gather(plan, map, query);
-        return SearchCounts{};
-      });
+  return std::make_unique<BruteGatherer>(plan);
 }
 
 }  // namespace photonloom

@@ -10,6 +10,7 @@
 
 #include "golden/packet/packet.hpp"
 #include "golden/unit/backend.hpp"
+#include "golden/unit/gather_search.hpp"
 #include "golden/unit/photon_map.hpp"
 
 namespace photonloom {
@@ -49,6 +50,11 @@ GatherResult make_gather_result(const Plan& plan, const PhotonMap& map, const Ga
 // Appends the packets that follow the result of a query with want_photons.
 void append_gather_photons(const PhotonMap& map, std::span<const Neighbour> found,
                            std::vector<GatherPhoton>& photons);
+
+// The golden unit at one level of vector instructions; all give the same packets.
+// make_golden_photon_gatherer(plan) takes search::chosen_level().
+std::unique_ptr<PhotonGatherer> make_golden_photon_gatherer(const Plan& plan,
+                                                            const search::Level& level);
 
 // A unit that answers by brute force; nodes, leaves and insertions of its results are 0.
 std::unique_ptr<PhotonGatherer> make_brute_photon_gatherer(const Plan& plan);
