@@ -127,10 +127,6 @@ Map::Map(const PhotonMap& map, const Plan& plan, const MapPlan& map_plan)
   view_.powers = powers_.get();
 }
 
-uint64_t Map::bytes() const {
-  return view_.lines * sizeof(uint32_t) + coordinate_bytes_ +
-         uint64_t{view_.lines} * view_.blocks * 4 * kBlock * sizeof(int16_t) +
-         uint64_t{view_.lines} * view_.bucket * sizeof(uint64_t);
-}
+uint64_t Map::search_bytes() const { return view_.lines * sizeof(uint32_t) + coordinate_bytes_; }
 
 }  // namespace photonloom::search

@@ -88,7 +88,8 @@ class Map {
   Map(const PhotonMap& map, const Plan& plan, const MapPlan& map_plan);
   const MapView& view() const { return view_; }
   bool wide() const { return wide_; }
-  uint64_t bytes() const;  // all of it
+  // Nodes and coordinates: what a search reads that does not look at directions.
+  uint64_t search_bytes() const;
 
  private:
   struct Free {

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+// What every searcher of the benchmark offers.
+#pragma once
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "golden/numeric/vec.hpp"
+
+namespace photonloom::bench {
+
+// Where the k nearest points of each query are written: k places a query, `count` of them used.
+struct Found {
+  uint32_t k = 0;
+  std::vector<uint32_t> index;  // into the points given
+  std::vector<float> d2;        // libraries; golden writes exact ones instead
+  std::vector<uint64_t> exact_d2;
+  std::vector<uint32_t> count;
+  std::vector<double> r2;  // d^2 of the k-th where there are k, else r2_max
+};
+
+// One searcher in one configuration, built over its points. Searches are exact.
+class Contender {
+ public:
+  virtual ~Contender() = default;
+  virtual std::string library() const = 0;
+  virtual std::string configuration() const = 0;
+  virtual double build_seconds() const = 0;
+  // Of everything a search reads, the points included.
+  virtual double bytes_per_point() const = 0;
+  // Answers queries [begin, end), one after the other, in one thread. r2_max < 0: no radius.
+  virtual void search(const std::vector<UVec3>& queries, size_t begin, size_t end, int64_t r2_max,
+                      Found& found) const = 0;
+};
+
+using Contenders = std::vector<std::unique_ptr<Contender>>;
+
+// Each takes a configuration for each leaf size and result set of its library.
+void add_photonloom(const std::vector<UVec3>& points, Contenders& to);
+void add_nanoflann(const std::vector<UVec3>& points, Contenders& to);
+void add_flann(const std::vector<UVec3>& points, Contenders& to);
+void add_cgal(const std::vector<UVec3>& points, Contenders& to);
+
+// Seconds of a steady clock.
+double now();
+
+// Bytes that the heap holds now.
+double heap_bytes();
+
+}  // namespace photonloom::bench
