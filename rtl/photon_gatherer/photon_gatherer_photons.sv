@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: Apache-2.0
+// The photons of queries that want them, in the order of those queries and in (d2, index) order within each. Waits for
+// the oldest such query to finish, takes a snapshot of its list's places (a token through the candidates' pipeline),
+// reads them from the slot store whenever the sum does not, and gives the context free. One photon a cycle at best.
+module photon_gatherer_photons #(
+    parameter int unsigned K = 16,
+    parameter int unsigned Contexts = 16,
+    parameter int unsigned StoreBits = 98,
+    localparam int unsigned ContextBits = Contexts > 1 ? $clog2(Contexts) : 1,
+    localparam int unsigned PlaceBits = K > 1 ? $clog2(K) : 1,
+    localparam int unsigned CountBits = $clog2(K + 1)
+) (
+    input  logic                   clk_i,
+    input  logic                   rst_i,
+    // queries that want photons, in order
+    input  logic                   start_i,
+    input  logic [ContextBits-1:0] start_context_i,
+    // a query finished (of any kind)
+    input  logic                   done_i,
+    input  logic [ContextBits-1:0] done_context_i,
+    // snapshot
+    output logic                   snapshot_valid_o,
+    input  logic                   snapshot_ready_i,
+    output logic [ContextBits-1:0] snapshot_context_o,
+    input  logic                   snapshot_i,
+    input  logic [  CountBits-1:0] snapshot_count_i,
+    input  logic [K*PlaceBits-1:0] snapshot_places_i,
+    // slot store: data a cycle after the address
+    output logic                   read_valid_o,
+    input  logic                   read_ready_i,
+    output logic [ContextBits-1:0] read_context_o,
+    output logic [  PlaceBits-1:0] read_place_o,
+    input  logic [  StoreBits-1:0] read_data_i,
+    // context free
+    output logic                   free_o,
+    output logic [ContextBits-1:0] free_context_o,
+    // photons
+    output logic                   out_valid_o,
+    input  logic                   out_ready_i,
+    output logic [  StoreBits-1:0] out_data_o,
+    output logic                   out_last_o
+);
+  localparam int unsigned OrderDepth = Contexts > 2 ? (1 << $clog2(Contexts)) : 2;
+  localparam int unsigned OutDepth = 8;
+  localparam int unsigned RoomBits = $clog2(OutDepth + 1);
+  localparam logic [1:0] Idle = 2'd0, Ask = 2'd1, Wait = 2'd2, Stream = 2'd3;
+
+  logic [1:0] state_q;
+  logic [Contexts-1:0] done_q;
+  logic head_valid, head_taken, read, last, out_push_q, last_1_q, last_2_q;
+  logic [ContextBits-1:0] head;
+  logic [CountBits-1:0] left_q;
+  logic [K*PlaceBits-1:0] places_q;
+  logic [RoomBits-1:0] room_q;
+  logic read_1_q;
+  logic [StoreBits-1:0] data_q;
+  /* verilator lint_off UNUSEDSIGNAL */  // both FIFOs hold all that can come
+  logic order_ready, out_ready;
+  /* verilator lint_on UNUSEDSIGNAL */
+
+  fifo #(
+      .Width(ContextBits),
+      .Depth(OrderDepth)
+  ) order (
+      .clk_i(clk_i),
+      .rst_i(rst_i),
+      .in_valid_i(start_i),
+      .in_ready_o(order_ready),
+      .in_i(start_context_i),
+      .out_valid_o(head_valid),
+      .out_ready_i(head_taken),
+      .out_o(head)
+  );
+
+  assign snapshot_valid_o = state_q == Ask;
+  assign snapshot_context_o = head;
+  assign read_valid_o = state_q == Stream && left_q != '0 && room_q != '0;
+  assign read_context_o = head;
+  assign read_place_o = places_q[0+:PlaceBits];
+  assign read = read_valid_o && read_ready_i;
+  assign last = left_q == CountBits'(1);
+  assign head_taken = state_q == Stream && (left_q == '0 || (read && last));
+  assign free_o = head_taken;
+  assign free_context_o = head;
+
+  always_ff @(posedge clk_i) begin
+    unique case (state_q)
+      Idle: if (head_valid && done_q[head]) state_q <= Ask;
+      Ask: if (snapshot_ready_i) state_q <= Wait;
+      Wait: if (snapshot_i) state_q <= Stream;
+      default: if (head_taken) state_q <= Idle;
+    endcase
+    if (snapshot_i) begin
+      left_q <= snapshot_count_i;
+      places_q <= snapshot_places_i;
+    end else if (read) begin
+      left_q <= left_q - 1'b1;
+      places_q <= places_q >> PlaceBits;
+    end
+    if (start_i) done_q[start_context_i] <= 1'b0;
+    if (done_i) done_q[done_context_i] <= 1'b1;
+
+    read_1_q <= read;
+    last_1_q <= last;
+    out_push_q <= read_1_q;
+    last_2_q <= last_1_q;
+    data_q <= read_data_i;
+    room_q <= room_q - RoomBits'(read) + RoomBits'(out_valid_o && out_ready_i);
+    if (rst_i) begin
+      state_q <= Idle;
+      read_1_q <= 1'b0;
+      out_push_q <= 1'b0;
+      room_q <= RoomBits'(OutDepth);
+    end
+  end
+
+  fifo #(
+      .Width(StoreBits + 1),
+      .Depth(OutDepth)
+  ) photons (
+      .clk_i(clk_i),
+      .rst_i(rst_i),
+      .in_valid_i(out_push_q),
+      .in_ready_o(out_ready),
+      .in_i({last_2_q, data_q}),
+      .out_valid_o(out_valid_o),
+      .out_ready_i(out_ready_i),
+      .out_o({out_last_o, out_data_o})
+  );
+endmodule

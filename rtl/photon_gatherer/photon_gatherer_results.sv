@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: Apache-2.0
+// Results leave in the order of their queries although queries finish in any. Every query takes a slot when it starts;
+// its numbers are written when its sum is done, its reciprocal when that is; the head slot leaves when it is complete.
+// There are Slots of them, more than contexts, so a slow query does not stop those behind it. A flush takes a slot and
+// is complete at once. take_i holds one of the reciprocal's places for a query whose sum begins.
+// Latency from finish to output 3 cycles, with a reciprocal ceil((W+1)/2) + 8; one result each 3 cycles at best.
+module photon_gatherer_results #(
+    parameter int unsigned Slots = 64,
+    localparam int unsigned SlotBits = $clog2(Slots)
+) (
+    input  logic                                                            clk_i,
+    input  logic                                                            rst_i,
+    // a query starts
+    output logic                                                            start_ready_o,
+    input  logic                                                            start_i,
+    input  logic                                                            start_flush_i,
+    input  logic                                                            start_map_i,
+    input  logic [                              photonloom_pkg::TagBits-1:0] start_tag_i,
+    input  logic [                           photonloom_pkg::SampleBits-1:0] start_sample_i,
+    input  logic [                            photonloom_pkg::PixelBits-1:0] start_pixel_i,
+    output logic [                                            SlotBits-1:0] start_slot_o,
+    // its sum begins, and is done
+    output logic                                                            take_ready_o,
+    input  logic                                                            take_i,
+    input  logic                                                            finish_i,
+    input  logic [                                            SlotBits-1:0] finish_slot_i,
+    input  logic [                           photonloom_pkg::CountBits-1:0] finish_count_i,
+    input  logic [                              photonloom_pkg::R2Bits-1:0] finish_r2_i,
+    input  logic [photonloom_pkg::Channels*photonloom_pkg::FluxBits-1:0] finish_flux_i,
+    input  logic [                              photonloom_pkg::LineBits:0] finish_nodes_i,
+    input  logic [                              photonloom_pkg::LineBits:0] finish_leaves_i,
+    input  logic [                             photonloom_pkg::IndexBits:0] finish_insertions_i,
+    // results
+    output logic                                                            result_valid_o,
+    input  logic                                                            result_ready_i,
+    output photonloom_pkg::gather_result_t                                  result_o
+);
+  localparam int unsigned R2Bits = photonloom_pkg::R2Bits;
+  localparam int unsigned CountBits = photonloom_pkg::CountBits;
+  localparam int unsigned FluxBits = photonloom_pkg::Channels * photonloom_pkg::FluxBits;
+  localparam int unsigned NodeBits = photonloom_pkg::LineBits + 1;
+  localparam int unsigned InsertBits = photonloom_pkg::IndexBits + 1;
+  localparam int unsigned HeadBits = photonloom_pkg::PixelBits + photonloom_pkg::SampleBits + photonloom_pkg::TagBits + 2;
+  localparam int unsigned BodyBits = CountBits + R2Bits + FluxBits + 2 * NodeBits + InsertBits;
+  localparam bit HasReciprocal = photonloom_pkg::ReciprocalBits != 0;
+  localparam logic [1:0] Look = 2'd0, Read = 2'd1, Out = 2'd2;
+
+  logic [SlotBits:0] head_q, tail_q;
+  logic [Slots-1:0] complete_q;
+  logic [1:0] state_q;
+  logic [HeadBits-1:0] head_word;
+  logic [BodyBits-1:0] body_word;
+  logic done;
+  logic [SlotBits-1:0] done_slot;
+
+  assign start_ready_o = tail_q != {~head_q[SlotBits], head_q[SlotBits-1:0]};
+  assign start_slot_o = tail_q[SlotBits-1:0];
+
+  block_ram #(
+      .Width(HeadBits),
+      .Depth(Slots)
+  ) heads (
+      .clk_i(clk_i),
+      .write_i(start_i),
+      .write_address_i(tail_q[SlotBits-1:0]),
+      .write_data_i({start_pixel_i, start_sample_i, start_tag_i, start_map_i, start_flush_i}),
+      .read_i(1'b1),
+      .read_address_i(head_q[SlotBits-1:0]),
+      .read_data_o(head_word)
+  );
+
+  block_ram #(
+      .Width(BodyBits),
+      .Depth(Slots)
+  ) bodies (
+      .clk_i(clk_i),
+      .write_i(finish_i),
+      .write_address_i(finish_slot_i),
+      .write_data_i({finish_count_i, finish_r2_i, finish_flux_i, finish_nodes_i, finish_leaves_i,
+                     finish_insertions_i}),
+      .read_i(1'b1),
+      .read_address_i(head_q[SlotBits-1:0]),
+      .read_data_o(body_word)
+  );
+
+  // ---- the head slot ----
+  logic [photonloom_pkg::PixelBits-1:0] pixel;
+  logic [photonloom_pkg::SampleBits-1:0] sample;
+  logic [photonloom_pkg::TagBits-1:0] tag;
+  logic map, flush;
+  logic [CountBits-1:0] count;
+  logic [R2Bits-1:0] r2;
+  logic [FluxBits-1:0] flux;
+  logic [NodeBits-1:0] nodes, leaves;
+  logic [InsertBits-1:0] insertions;
+  photonloom_pkg::gather_result_t result;
+
+  assign {pixel, sample, tag, map, flush} = head_word;
+  assign {count, r2, flux, nodes, leaves, insertions} = flush ? '0 : body_word;
+
+  if (HasReciprocal) begin : gen_reciprocal
+    localparam int unsigned MantissaBits = photonloom_pkg::ReciprocalBits + 1;
+    localparam int unsigned ExponentBits = photonloom_pkg::ReciprocalExponentBits;
+    localparam int unsigned Places = 8;
+    localparam int unsigned PlacesBits = $clog2(Places + 1);
+    logic [PlacesBits-1:0] places_q;
+    logic wait_valid, unit_ready, unit_done;
+    logic [SlotBits-1:0] wait_slot, unit_slot_q;
+    logic [R2Bits-1:0] wait_r2;
+    logic [MantissaBits-1:0] mantissa;
+    logic [ExponentBits-1:0] exponent;
+    logic [MantissaBits+ExponentBits-1:0] word;
+    /* verilator lint_off UNUSEDSIGNAL */  // a place was taken
+    logic wait_ready;
+    /* verilator lint_on UNUSEDSIGNAL */
+
+    assign take_ready_o = places_q != '0;
+
+    fifo #(
+        .Width(SlotBits + R2Bits),
+        .Depth(Places)
+    ) waiting (
+        .clk_i(clk_i),
+        .rst_i(rst_i),
+        .in_valid_i(finish_i),
+        .in_ready_o(wait_ready),
+        .in_i({finish_slot_i, finish_r2_i < photonloom_pkg::R2Floor ? photonloom_pkg::R2Floor : finish_r2_i}),
+        .out_valid_o(wait_valid),
+        .out_ready_i(unit_ready),
+        .out_o({wait_slot, wait_r2})
+    );
+
+    reciprocal #(
+        .XBits(R2Bits),
+        .W(photonloom_pkg::ReciprocalBits)
+    ) unit (
+        .clk_i(clk_i),
+        .rst_i(rst_i),
+        .in_valid_i(wait_valid),
+        .in_ready_o(unit_ready),
+        .in_i(wait_r2),
+        .out_valid_o(unit_done),
+        .mantissa_o(mantissa),
+        .exponent_o(exponent)
+    );
+
+    block_ram #(
+        .Width(MantissaBits + ExponentBits),
+        .Depth(Slots)
+    ) reciprocals (
+        .clk_i(clk_i),
+        .write_i(unit_done),
+        .write_address_i(unit_slot_q),
+        .write_data_i({mantissa, exponent}),
+        .read_i(1'b1),
+        .read_address_i(head_q[SlotBits-1:0]),
+        .read_data_o(word)
+    );
+
+    always_ff @(posedge clk_i) begin
+      if (unit_ready) unit_slot_q <= wait_slot;
+      places_q <= places_q - PlacesBits'(take_i) + PlacesBits'(unit_done);
+      if (rst_i) places_q <= PlacesBits'(Places);
+    end
+
+    assign done = unit_done;
+    assign done_slot = unit_slot_q;
+
+    always_comb begin
+      result.reciprocal = flush ? '0 : word[ExponentBits+:MantissaBits];
+      result.reciprocal_exponent = flush ? '0 : word[ExponentBits-1:0];
+    end
+  end else begin : gen_no_reciprocal
+    /* verilator lint_off UNUSEDSIGNAL */  // nothing to hold places for
+    logic take;
+    /* verilator lint_on UNUSEDSIGNAL */
+    assign take = take_i;
+    assign take_ready_o = 1'b1;
+    assign done = finish_i;
+    assign done_slot = finish_slot_i;
+  end
+
+  always_comb begin
+    result.pixel = pixel;
+    result.sample = sample;
+    result.tag = tag;
+    result.map = map && !flush;
+    result.flush = flush;
+    result.count = count;
+    result.r2 = r2;
+    result.flux = flux;
+    result.full = count == CountBits'(photonloom_pkg::K);
+    result.clamped = !flush && r2 < photonloom_pkg::R2Floor;
+    result.nodes = nodes;
+    result.leaves = leaves;
+    result.insertions = insertions;
+  end
+
+  assign result_valid_o = state_q == Out;
+
+  always_ff @(posedge clk_i) begin
+    unique case (state_q)
+      Look: if (complete_q[head_q[SlotBits-1:0]]) state_q <= Read;
+      Read: begin
+        result_o <= result;
+        state_q <= Out;
+      end
+      default:
+      if (result_ready_i) begin
+        state_q <= Look;
+        head_q <= head_q + 1'b1;
+        complete_q[head_q[SlotBits-1:0]] <= 1'b0;
+      end
+    endcase
+    if (start_i) begin
+      tail_q <= tail_q + 1'b1;
+      if (start_flush_i) complete_q[tail_q[SlotBits-1:0]] <= 1'b1;
+    end
+    if (done) complete_q[done_slot] <= 1'b1;
+    if (rst_i) begin
+      state_q <= Look;
+      head_q <= '0;
+      tail_q <= '0;
+      complete_q <= '0;
+    end
+  end
+endmodule
