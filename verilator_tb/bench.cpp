@@ -80,9 +80,14 @@ void run_case(const Plan& plan, const StreamCase<SamplerInput>& c, const RunOpti
   totals.cycles += rtl->cycles();
 }
 
-void run_case(const Plan& plan, const GatherCase& c, const RunOptions& options,
+void run_case(const Plan& bench_plan, const GatherCase& c, const RunOptions& options,
               const CompareContext& context, BenchRandom& random, Totals& totals) {
-  const GatherStimulus in = c.make(plan, random);
+  const GatherStimulus in = c.make(bench_plan, random);
+  Plan plan = bench_plan;
+  if (in.r2_max) {
+    plan.global.r2_max = (*in.r2_max)[0];
+    plan.caustic.r2_max = (*in.r2_max)[1];
+  }
   const PhotonMap global = build_photon_map(in.global, plan);
   const PhotonMap caustic = build_photon_map(in.caustic, plan);
   const auto golden = make_golden_photon_gatherer(plan);

@@ -6,7 +6,9 @@
 // --policy N, and the rig's flags, which replace the list of policies when --stall* or --latency is
 // given. Exit status 0 when packets were checked and all were equal.
 #pragma once
+#include <array>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -31,6 +33,7 @@ struct StreamCase {
 struct GatherStimulus {
   std::vector<PackedPhoton> global, caustic;
   std::vector<GatherQuery> queries;
+  std::optional<std::array<uint64_t, 2>> r2_max;  // of the maps, instead of the plan's
 };
 
 struct GatherCase {
