@@ -45,23 +45,34 @@ struct Shear {
   }
 };
 
-// Edges belong to both of their triangles: no ray passes between neighbours.
-inline bool meet_triangle(const Vec3& va, const Vec3& vb, const Vec3& vc, const Vec3& origin,
-                          const Shear& s, Meeting& m) {
+// Where the ray meets the triangle's plane; coordinates are not normalised. False: nowhere.
+struct Crossing {
+  double u, v, w, t;
+};
+inline bool cross_plane(const Vec3& va, const Vec3& vb, const Vec3& vc, const Vec3& origin,
+                        const Shear& s, Crossing& out) {
   const Vec3 a = va - origin, b = vb - origin, c = vc - origin;
   const double ax = a[s.kx] - s.sx * a[s.kz], ay = a[s.ky] - s.sy * a[s.kz];
   const double bx = b[s.kx] - s.sx * b[s.kz], by = b[s.ky] - s.sy * b[s.kz];
   const double cx = c[s.kx] - s.sx * c[s.kz], cy = c[s.ky] - s.sy * c[s.kz];
-  const double u = cx * by - cy * bx;
-  const double v = ax * cy - ay * cx;
-  const double w = bx * ay - by * ax;
-  if ((u < 0 || v < 0 || w < 0) && (u > 0 || v > 0 || w > 0)) return false;
-  const double det = u + v + w;
+  out.u = cx * by - cy * bx;
+  out.v = ax * cy - ay * cx;
+  out.w = bx * ay - by * ax;
+  const double det = out.u + out.v + out.w;
   if (det == 0) return false;
-  const double t = (u * a[s.kz] + v * b[s.kz] + w * c[s.kz]) * s.sz / det;
-  if (!(t > 0)) return false;
-  m.t = t;
-  m.coordinates = Vec3(u, v, w) / det;
+  out.t = (out.u * a[s.kz] + out.v * b[s.kz] + out.w * c[s.kz]) * s.sz / det;
+  return true;
+}
+
+// Edges belong to both of their triangles: no ray passes between neighbours.
+inline bool meet_triangle(const Vec3& va, const Vec3& vb, const Vec3& vc, const Vec3& origin,
+                          const Shear& s, Meeting& m) {
+  Crossing c;
+  if (!cross_plane(va, vb, vc, origin, s, c)) return false;
+  if ((c.u < 0 || c.v < 0 || c.w < 0) && (c.u > 0 || c.v > 0 || c.w > 0)) return false;
+  if (!(c.t > 0)) return false;
+  m.t = c.t;
+  m.coordinates = Vec3(c.u, c.v, c.w) / (c.u + c.v + c.w);
   return true;
 }
 

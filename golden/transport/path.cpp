@@ -1,0 +1,200 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "golden/transport/path.hpp"
+
+#include <tbb/parallel_for.h>
+
+#include <array>
+#include <cmath>
+
+#include "golden/transport/camera.hpp"
+#include "golden/transport/direct.hpp"
+#include "golden/transport/roulette.hpp"
+#include "golden/transport/sampling.hpp"
+
+namespace photonloom {
+namespace {
+
+constexpr int kTile = 8;  // edge in pixels
+
+// Dimensions of one bounce.
+enum Dimension : uint64_t { kLobe, kDirection, kChoice, kPoint, kRoulette };
+
+// One path's light, by layer.
+struct PathSample {
+  Rgb emission{0}, direct{0}, caustic{0}, indirect{0};
+  Rgb albedo{0};
+  Vec3 normal{0};
+  double depth = 0;
+};
+
+// How the ray under way left its last non-delta surface.
+struct LobeRay {
+  bool exists = false;
+  bool diffuse = false;
+  bool from_first = false;     // the surface was the first non-delta hit
+  bool through_delta = false;  // delta surfaces since
+  ShadingPoint x;
+  double pdf = 0;  // lobe probability included
+};
+
+// The layer of an emitter that this ray finds.
+Rgb& layer_of(const LobeRay& lobe, PathSample& out) {
+  if (!lobe.exists) return out.emission;
+  if (!lobe.from_first) return out.indirect;
+  if (!lobe.through_delta) return out.direct;
+  return lobe.diffuse ? out.caustic : out.indirect;
+}
+
+// Leaves a non-delta surface by one of its lobes; false: absorbed.
+bool leave_by_lobe(const Hit& hit, const Surface& s, double choice, const Vec2& u, Vec3& direction,
+                   Rgb& throughput, LobeRay& lobe) {
+  const double p = s.diffuse_probability();
+  lobe.diffuse = choice < p;
+  lobe.exists = true;
+  lobe.through_delta = false;
+  lobe.x = shading_point(hit, s);
+  direction = lobe.diffuse ? sample_diffuse(s, u) : sample_glossy(s, u);
+  lobe.pdf = lobe.diffuse ? p * diffuse_pdf(s, direction) : (1 - p) * glossy_pdf(s, direction);
+  if (!(lobe.pdf > 0)) return false;
+  throughput *=
+      (lobe.diffuse ? diffuse_times_cosine(s, direction) : glossy_times_cosine(s, direction)) /
+      lobe.pdf;
+  return !is_black(throughput);
+}
+
+PathSample trace_sample(const World& world, const RayCaster& caster, const Lens& lens, int px,
+                        int py, const PixelNumbers& numbers) {
+  const Scene& scene = world.scene();
+  const Vec2 jitter = numbers.pair(0, 0);
+  const CameraRay camera = lens.through(px + jitter.x, py + jitter.y);
+  PathSample out;
+  Ray ray = camera.ray;
+  Hit hit = first_hit(caster, camera);
+  if (hit.valid()) {
+    out.normal = hit.shading_normal;
+    out.depth = hit.distance;
+    if (const Bsdf* b = world.bsdf(hit, ray.direction)) out.albedo = b->diffuse + b->specular;
+  }
+  Rgb throughput(1);
+  double ior2 = 1;
+  LobeRay lobe;
+  for (uint64_t segment = 1; hit.valid(); ++segment) {
+    const Rgb radiance = world.emission(hit, ray.direction);
+    if (!is_black(radiance)) {
+      const bool shared = lobe.exists && !lobe.through_delta;
+      const double w = shared ? found_weight(world, lobe.x, lobe.pdf, hit, ray.direction) : 1.0;
+      layer_of(lobe, out) += throughput * radiance * w;
+    }
+    if (scene.max_depth >= 0 && segment >= static_cast<uint64_t>(scene.max_depth)) break;
+    const Surface s = make_surface(world, hit, ray.direction);
+    if (s.black()) break;
+    if (s.is_delta()) {
+      Rgb weight;
+      double factor;
+      if (!sample_delta(s, numbers.unit(segment, kLobe), Carried::kRadiance, ray.direction, weight,
+                        factor))
+        break;
+      throughput *= weight;
+      ior2 *= factor;
+      lobe.through_delta = true;
+    } else {
+      const double p = s.diffuse_probability();
+      const DirectLight light = direct_light(world, caster, hit, s, numbers.unit(segment, kChoice),
+                                             numbers.pair(segment, kPoint), {p, 1 - p});
+      (lobe.exists ? out.indirect : out.direct) += throughput * (light.diffuse + light.glossy);
+      const bool first = !lobe.exists;
+      if (!leave_by_lobe(hit, s, numbers.unit(segment, kLobe), numbers.pair(segment, kDirection),
+                         ray.direction, throughput, lobe))
+        break;
+      lobe.from_first = first;
+    }
+    if (!survives(throughput, segment, scene.rr_depth, numbers.unit(segment, kRoulette), ior2))
+      break;
+    ray.origin = hit.position;
+    hit = caster.closest(ray, &hit);
+  }
+  return out;
+}
+
+// Sums of one pixel.
+struct PixelSum {
+  PathSample sum;
+  Rgb square{0};
+  void add(const PathSample& s) {
+    sum.emission += s.emission;
+    sum.direct += s.direct;
+    sum.caustic += s.caustic;
+    sum.indirect += s.indirect;
+    sum.albedo += s.albedo;
+    sum.normal += s.normal;
+    sum.depth += s.depth;
+    const Rgb total = s.emission + s.direct + s.caustic + s.indirect;
+    square += total * total;
+  }
+};
+
+const char* const kColour[3] = {".R", ".G", ".B"};
+const char* const kAxis[3] = {".X", ".Y", ".Z"};
+
+// Channels in the order in which write_pixel fills them.
+void add_channels(Image& image) {
+  for (const char* c : {"R", "G", "B"}) image.add(c);
+  for (const char* layer : {"emission", "direct", "caustic", "indirect", "albedo", "error"})
+    for (const char* c : kColour) image.add(std::string(layer) + c);
+  for (const char* c : kAxis) image.add(std::string("N") + c);
+  image.add("Z");
+}
+
+void write_pixel(Image& image, size_t pixel, const PixelSum& p, double n) {
+  const auto put = [&](size_t channel, double value) {
+    image.channels[channel].pixels[pixel] = static_cast<float>(value);
+  };
+  const Rgb total = p.sum.emission + p.sum.direct + p.sum.caustic + p.sum.indirect;
+  for (int c = 0; c < 3; ++c) {
+    const size_t i = static_cast<size_t>(c);
+    const double mean = total[c] / n;
+    put(i, mean);
+    put(3 + i, p.sum.emission[c] / n);
+    put(6 + i, p.sum.direct[c] / n);
+    put(9 + i, p.sum.caustic[c] / n);
+    put(12 + i, p.sum.indirect[c] / n);
+    put(15 + i, p.sum.albedo[c] / n);
+    const double variance = std::max(0.0, p.square[c] / n - mean * mean);
+    put(18 + i, n > 1 ? std::sqrt(variance / (n - 1)) : 0);
+    put(21 + i, p.sum.normal[c] / n);
+  }
+  put(24, p.sum.depth / n);
+}
+
+}  // namespace
+
+Image render_path(const World& world, const RayCaster& caster, const PathOptions& options) {
+  const Film film = world.scene().film;
+  Image image;
+  image.width = film.width;
+  image.height = film.height;
+  add_channels(image);
+  const Lens lens(world.scene());
+  const int tiles_x = (film.width + kTile - 1) / kTile, tiles_y = (film.height + kTile - 1) / kTile;
+  const uint64_t pixels = static_cast<uint64_t>(film.width) * static_cast<uint64_t>(film.height);
+  const ProgressPhase phase(options.progress, "path tracing",
+                            pixels * static_cast<uint64_t>(options.spp), "samples");
+  tbb::parallel_for(0, tiles_x * tiles_y, [&](int tile) {
+    const int x0 = tile % tiles_x * kTile, y0 = tile / tiles_x * kTile;
+    for (int y = y0; y < std::min(y0 + kTile, film.height); ++y)
+      for (int x = x0; x < std::min(x0 + kTile, film.width); ++x) {
+        const uint64_t pixel =
+            static_cast<uint64_t>(y) * static_cast<uint64_t>(film.width) + static_cast<uint64_t>(x);
+        PixelSum sum;
+        for (int i = 0; i < options.spp; ++i)
+          sum.add(trace_sample(
+              world, caster, lens, x, y,
+              PixelNumbers(options.seed, Phase::kPath, pixel, static_cast<uint64_t>(i))));
+        write_pixel(image, pixel, sum, options.spp);
+        phase.advance(static_cast<uint64_t>(options.spp));
+      }
+  });
+  return image;
+}
+
+}  // namespace photonloom
