@@ -127,10 +127,6 @@ Plan with_radius(Plan plan) {
   return plan;
 }
 
-void derive(Plan& plan) {
-  for (MapPlan* m : {&plan.global, &plan.caustic}) m->r2_max = radius_to_r2_max(plan, m->radius);
-}
-
 bool power_of_two(int64_t x) { return x > 0 && (x & (x - 1)) == 0; }
 
 // Takes a TOML value into a line; false if type or range is wrong.
@@ -187,6 +183,10 @@ std::string section_meaning(const std::string& section) {
 }
 
 }  // namespace
+
+void derive_plan(Plan& plan) {
+  for (MapPlan* m : {&plan.global, &plan.caustic}) m->r2_max = radius_to_r2_max(plan, m->radius);
+}
 
 double radius_for_r2_max(const Plan& plan, uint64_t r2_max) {
   if (r2_max >= plan.r2_limit()) return 0;
@@ -415,7 +415,7 @@ Plan parse_plan(const std::string& text, const std::string& file) {
                                   range.expected(value)));
     }
   });
-  derive(plan);
+  derive_plan(plan);
   if (const auto problem = find_problem(plan))
     throw PlanError(
         fmt::format("{}:{}: {} {}", file, lines[problem->line], problem->line, problem->what));
@@ -460,7 +460,7 @@ void set_plan_line(Plan& plan, const std::string& assignment) {
                                   range.expected(value)));
   });
   if (!found) throw PlanError(fmt::format("'{}': the plan has no line {}", assignment, line));
-  derive(plan);
+  derive_plan(plan);
 }
 
 }  // namespace photonloom

@@ -52,6 +52,9 @@ void write_plan(const Plan& plan, const std::string& path, const PlanReasons& re
 // what follows from it is derived again. Checks the value's type and range, not the whole plan.
 void set_plan_line(Plan& plan, const std::string& assignment);
 
+// Sets what is no line of the file but follows from the lines: r2_max of both maps.
+void derive_plan(Plan& plan);
+
 // A radius in scene units that radius_to_r2_max turns into exactly this squared distance.
 double radius_for_r2_max(const Plan& plan, uint64_t r2_max);
 

@@ -286,7 +286,6 @@ PlannedFrame make_plan(const World& world, const PlanRequest& request, const Pho
   why["reorder.packets"] = "a pool of some tens of kilobytes";
   why["reorder.bins"] = "a bin a cell";
   why["reorder.cell_bits"] = "8 cells an axis; finer ones do not fill";
-  why["reorder.lag"] = "none is needed";
   why["sampler.cell_bits"] = fmt::format("{0} x {0} cells over the sphere", 1 << plan.cell_bits);
   why["sampler.probability_bits"] = "empty cells keep a floor of one part in 2^this";
   plan.u_bits = std::max(plan.u_bits, plan.total_bits() + 8);
@@ -309,6 +308,7 @@ PlannedFrame make_plan(const World& world, const PlanRequest& request, const Pho
                                  : "about a million samples at a time in the host's memory";
   choose_pixel(plan, world, request, why);
   set_by_hand();
+  derive_plan(plan);
   check_plan(plan);
   if (plan.k == 1 && ((plan.global.present && plan.global.radius == 0) ||
                       (plan.caustic.present && plan.caustic.radius == 0)))

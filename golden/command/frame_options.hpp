@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+// The options of every command that prepares a frame, and what they say on stderr.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "golden/command/command.hpp"
+#include "golden/pipeline/prepare.hpp"
+
+namespace photonloom {
+
+class FrameOptions {
+ public:
+  // SCENE and all that chooses photons, plan and samples.
+  void add_to(CLI::App& command);
+
+  // Checked; throws UsageError for options that exclude each other.
+  FrameRequest request() const;
+
+  // Options given that only the photon mapper reads.
+  std::vector<std::string> photon_options() const;
+
+ private:
+  CLI::App* command_ = nullptr;
+  FrameRequest request_;
+  std::string size_;
+  std::vector<std::string> parameters_;
+};
+
+// "WxH" -> pixels; throws UsageError.
+std::pair<int, int> parse_size(const std::string& text);
+
+void print_warnings(const std::vector<std::string>& warnings);
+
+}  // namespace photonloom

@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "golden/pipeline/prepare.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+namespace photonloom {
+namespace {
+
+// spp x final gather rays unless asked for otherwise.
+constexpr int kRaysPerPixel = 256;
+
+PhotonPass photons_of(const World& world, const RayCaster& caster, bool is_caustic, uint64_t stored,
+                      uint64_t seed, Progress* progress) {
+  return is_caustic ? trace_caustic_photons(world, caster, stored, seed, progress)
+                    : trace_global_photons(world, caster, stored, seed, progress);
+}
+
+Plan plan_from_file(const FrameRequest& request) {
+  Plan plan = read_plan(request.plan_file);
+  for (const std::string& line : request.set) set_plan_line(plan, line);
+  check_plan(plan);
+  return plan;
+}
+
+// A plan from a file must fit the scene that it is used for.
+void check_plan_fits(const PreparedFrame& frame, const std::string& file) {
+  const Plan& plan = frame.plan;
+  const World& world = *frame.world;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double lower = plan.origin[static_cast<size_t>(axis)];
+    if (world.lower()[axis] < lower || world.upper()[axis] > lower + plan.extent)
+      throw PlanError(fmt::format(
+          "{}: the cube of scene.origin and scene.extent does not hold the scene; expected a plan "
+          "made for it",
+          file));
+  }
+  for (const bool is_caustic : {false, true}) {
+    const PhotonPass& pass = is_caustic ? frame.caustic_pass : frame.global_pass;
+    const uint64_t room = (uint64_t{1} << plan.line_bits()) * static_cast<uint64_t>(plan.bucket);
+    if (pass.photons.size() > room)
+      throw PlanError(fmt::format("{}: {}.photons gives addresses for {} photons, but there are {}",
+                                  file, is_caustic ? "caustic" : "global", room,
+                                  pass.photons.size()));
+    if (plan.channels == 1) {
+      const auto& c = plan.channel_color;
+      const double brightest = std::max({c[0], c[1], c[2]});
+      for (const Photon& p : pass.photons) {
+        const double power = max_component(p.power);
+        for (int i = 0; i < 3; ++i)
+          if (std::fabs(p.power[i] * brightest - c[static_cast<size_t>(i)] * power) >
+              0x1p-30 * power * brightest)
+            throw PlanError(fmt::format(
+                "{}: photon.channels is 1, but the scene's photons have other colours than "
+                "photon.channel_color; expected 3",
+                file));
+      }
+    }
+  }
+}
+
+}  // namespace
+
+int samples_per_pixel(const FrameRequest& request, const Scene& scene) {
+  if (request.spp) return *request.spp;
+  return scene.sample_count > 0 ? scene.sample_count : 16;
+}
+
+std::unique_ptr<World> load_world(const FrameRequest& request) {
+  Scene scene = load_scene(request.scene_file, request.parameters);
+  if (request.size) {
+    scene.film.width = request.size->first;
+    scene.film.height = request.size->second;
+  }
+  return std::make_unique<World>(std::move(scene));
+}
+
+FrameInput PreparedFrame::input(Arithmetic arithmetic) const {
+  return {.world = *world,
+          .caster = *caster,
+          .plan = plan,
+          .global = global,
+          .caustic = caustic,
+          .reference_global = reference_global.get(),
+          .reference_caustic = reference_caustic.get(),
+          .seed = seed,
+          .arithmetic = arithmetic};
+}
+
+PreparedFrame prepare_frame(const FrameRequest& request, Arithmetic arithmetic, Progress* progress,
+                            bool only_plan) {
+  FrameRequest sized = request;
+  if (!request.plan_file.empty()) {
+    const Plan plan = plan_from_file(request);
+    sized.size = {plan.width, plan.height};
+  }
+  std::unique_ptr<World> world;
+  {
+    const ProgressPhase phase(progress, "scene", 0, "");
+    world = load_world(sized);
+  }
+  return prepare_frame(std::move(world), sized, arithmetic, progress, only_plan);
+}
+
+PreparedFrame prepare_frame(std::unique_ptr<World> world, const FrameRequest& request,
+                            Arithmetic arithmetic, Progress* progress, bool only_plan) {
+  PreparedFrame frame;
+  const bool from_file = !request.plan_file.empty();
+  if (from_file) frame.plan = plan_from_file(request);
+  frame.seed = request.seed;
+  frame.world = std::move(world);
+  frame.caster = make_double_bvh(*frame.world);
+  const Scene& scene = frame.world->scene();
+  frame.warnings = scene.warnings;
+
+  PlanRequest plan_request;
+  plan_request.spp = samples_per_pixel(request, scene);
+  plan_request.gather_rays = request.gather_rays.value_or(std::max(
+      1, static_cast<int>(std::lround(static_cast<double>(kRaysPerPixel) / plan_request.spp))));
+  plan_request.photons = request.photons.value_or(plan_request.photons);
+  plan_request.caustic_photons = request.caustic_photons.value_or(plan_request.caustic_photons);
+  plan_request.k = request.k.value_or(plan_request.k);
+  plan_request.radius = request.radius;
+  plan_request.error = request.error;
+  plan_request.set = request.set;
+
+  // With a plan from a file its maps decide; the photons are counted as stored, so that the same
+  // seed gives the same paths.
+  const MapsNeeded needed = maps_needed(*frame.world, plan_request.gather_rays);
+  for (const bool is_caustic : {false, true}) {
+    PhotonPass& pass = is_caustic ? frame.caustic_pass : frame.global_pass;
+    const bool wanted = from_file ? frame.plan.map(is_caustic).present
+                                  : (is_caustic ? needed.caustic : needed.global);
+    const uint64_t stored =
+        from_file ? frame.plan.map(is_caustic).photons
+                  : (is_caustic ? plan_request.caustic_photons : plan_request.photons);
+    if (!wanted || stored == 0) continue;
+    pass = photons_of(*frame.world, *frame.caster, is_caustic, stored, request.seed, progress);
+    if (pass.short_of_request)
+      frame.warnings.push_back(
+          fmt::format("{}: only {} of {} {} photons were stored after {} paths", request.scene_file,
+                      pass.photons.size(), stored, is_caustic ? "caustic" : "global", pass.paths));
+  }
+
+  if (from_file) {
+    check_plan_fits(frame, request.plan_file);
+  } else {
+    PlannedFrame planned =
+        make_plan(*frame.world, plan_request, frame.global_pass, frame.caustic_pass);
+    frame.plan = planned.plan;
+    frame.reasons = std::move(planned.reasons);
+  }
+  if (only_plan) return frame;
+
+  const ProgressPhase phase(progress, "photon maps",
+                            frame.global_pass.photons.size() + frame.caustic_pass.photons.size(),
+                            "photons");
+  for (const bool is_caustic : {false, true}) {
+    const PhotonPass& pass = is_caustic ? frame.caustic_pass : frame.global_pass;
+    PackCounts& counts = is_caustic ? frame.caustic_counts : frame.global_counts;
+    const std::vector<PackedPhoton> packed =
+        pack_photons(pass.photons, frame.plan, frame.plan.map(is_caustic), &counts);
+    (is_caustic ? frame.caustic : frame.global) = build_photon_map(packed, frame.plan);
+    if (counts.zeroed > 0 || counts.saturated > 0)
+      frame.warnings.push_back(fmt::format(
+          "{} map: the power format makes {} photons zero and clips {} of {}",
+          is_caustic ? "caustic" : "global", counts.zeroed, counts.saturated, pass.photons.size()));
+    if (arithmetic == Arithmetic::kReference)
+      (is_caustic ? frame.reference_caustic : frame.reference_global) =
+          std::make_unique<ReferenceGather>(
+              in_map_order(pass.photons, is_caustic ? frame.caustic : frame.global));
+    phase.advance(pass.photons.size());
+  }
+  return frame;
+}
+
+}  // namespace photonloom

@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: Apache-2.0
+// The frame: exact sums, one image whatever the threads, batches and orders; golden near reference.
+#include "golden/pipeline/frame.hpp"
+
+#include <oneapi/tbb/global_control.h>
+
+#include <cmath>
+#include <functional>
+
+#include "golden/pipeline/prepare.hpp"
+#include "tests/catch.hpp"
+#include "tests/oracles/scenes.hpp"
+
+using namespace photonloom;
+using namespace photonloom::oracle;
+
+namespace {
+
+// A room `edge` wide with a lamp below the ceiling, a red wall, a mirror ball and a glass ball.
+Scene room(double edge, bool balls, bool colour = true) {
+  Scene s;
+  s.name = "room";
+  const int white = add_diffuse(s, Rgb(0.7));
+  const int red = colour ? add_diffuse(s, Rgb(0.6, 0.1, 0.1)) : white;
+  add_room(s, white, Vec3(0), Vec3(edge));
+  add_quad(s, red, Vec3(1e-3 * edge, 0, 0), Vec3(0, edge, 0), Vec3(0, 0, edge));
+  // Emits downwards.
+  add_quad(s, white, Vec3(0.35, 0.999, 0.35) * edge, Vec3(0.3, 0, 0) * edge, Vec3(0, 0, 0.3) * edge)
+      .radiance = Rgb(10);
+  if (balls) {
+    add_sphere(s, add_mirror(s), Vec3(0.3, 0.2, 0.6) * edge, 0.2 * edge);
+    add_sphere(s, add_glass(s, 1.5), Vec3(0.7, 0.2, 0.4) * edge, 0.2 * edge);
+  }
+  set_camera(s, Vec3(0.5, 0.5, 0.02) * edge, Vec3(0.5, 0.45, 1) * edge, Vec3(0, 1, 0), 80, 24, 24);
+  return s;
+}
+
+FrameRequest small_request() {
+  FrameRequest r;
+  r.photons = 20000;
+  r.caustic_photons = 10000;
+  r.k = 20;
+  r.spp = 4;
+  r.gather_rays = 4;
+  return r;
+}
+
+Image rendered(const PreparedFrame& frame, Arithmetic arithmetic = Arithmetic::kGolden,
+               FrameCounts* counts = nullptr) {
+  FrameUnits units = make_golden_units(frame.plan);
+  FrameCounts own;
+  return render_frame(frame.input(arithmetic), units, counts ? *counts : own);
+}
+
+PreparedFrame prepared(const Scene& scene, const FrameRequest& request,
+                       Arithmetic arithmetic = Arithmetic::kGolden) {
+  return prepare_frame(std::make_unique<World>(scene), request, arithmetic, nullptr);
+}
+
+bool same_bytes(const Image& a, const Image& b) {
+  if (a.channels.size() != b.channels.size()) return false;
+  for (size_t i = 0; i < a.channels.size(); ++i)
+    if (a.channels[i].name != b.channels[i].name || a.channels[i].pixels != b.channels[i].pixels)
+      return false;
+  return true;
+}
+
+}  // namespace
+
+TEST_CASE("layers add up to the image and every layer has light") {
+  FrameCounts counts;
+  const PreparedFrame frame = prepared(room(1, true), small_request());
+  const Image image = rendered(frame, Arithmetic::kGolden, &counts);
+  for (const char* c : {"R", "G", "B"}) {
+    double worst = 0;
+    for (size_t i = 0; i < image.find(c)->pixels.size(); ++i) {
+      double sum = 0;
+      for (const char* layer : {"direct.", "caustic.", "indirect.", "emission."})
+        sum += static_cast<double>(image.find(std::string(layer) + c)->pixels[i]);
+      const double total = static_cast<double>(image.find(c)->pixels[i]);
+      worst = std::max(worst, std::fabs(sum - total) / std::max(total, 1e-30));
+    }
+    CHECK(worst < 4e-7);  // four roundings to float
+  }
+  for (const char* name : {"direct.R", "caustic.R", "indirect.R", "emission.R", "albedo.G", "Z",
+                           "photonDensity.Y", "error.R"})
+    CHECK(channel_mean(image, name) > 0);
+  CHECK(counts.camera_samples == 24 * 24 * 4);
+  CHECK(counts.table_gathers > 0);
+  CHECK(counts.table_gathers == counts.caustic_queries);
+  CHECK(counts.directions == 4 * counts.table_gathers);
+  CHECK(counts.final_gathers > counts.directions / 2);
+  CHECK(counts.unmatched == 0);
+  CHECK(counts.unanswered == 0);
+  CHECK(counts.shader.weights == 0);
+  CHECK(counts.shader.direct == 0);
+}
+
+TEST_CASE(
+    "the image is the same with any number of threads, batch, order, pool and chunk of cache") {
+  PreparedFrame frame = prepared(room(1, true), small_request());
+  Image one;
+  {
+    const tbb::global_control single(tbb::global_control::max_allowed_parallelism, 1);
+    const PreparedFrame alone = prepared(room(1, true), small_request());
+    one = rendered(alone);
+    CHECK(plan_text(alone.plan) == plan_text(frame.plan));
+  }
+  CHECK(same_bytes(rendered(frame), one));
+  for (const char* line :
+       {"frame.batch_tiles=1", "frame.tile=5", "reorder.key=none", "reorder.key=hash",
+        "reorder.drain=fullest", "reorder.packets=1", "gatherer.contexts=1"}) {
+    INFO(line);
+    set_plan_line(frame.plan, line);
+    CHECK(same_bytes(rendered(frame), one));
+  }
+}
+
+TEST_CASE("another seed gives another image, the same one the same") {
+  FrameRequest request = small_request();
+  const Image a = rendered(prepared(room(1, false), request));
+  CHECK(same_bytes(a, rendered(prepared(room(1, false), request))));
+  request.seed = 2;
+  CHECK(!same_bytes(a, rendered(prepared(room(1, false), request))));
+}
+
+TEST_CASE("golden is near reference on the same photons, queries and directions") {
+  for (const bool balls : {false, true}) {
+    const PreparedFrame frame = prepared(room(1, balls), small_request(), Arithmetic::kReference);
+    const Image golden = rendered(frame), reference = rendered(frame, Arithmetic::kReference);
+    for (const char* name : {"R", "G", "B", "indirect.R", "indirect.G"}) {
+      const double g = channel_mean(golden, name), r = channel_mean(reference, name);
+      INFO(name << ": golden " << g << ", reference " << r);
+      // 16-bit positions, 9-bit mantissas: a relative error of some 2^-9 of a pixel, no bias.
+      CHECK(std::fabs(g / r - 1) < 2e-3);
+    }
+    CHECK(golden.find("direct.R")->pixels == reference.find("direct.R")->pixels);
+    CHECK(golden.find("photonDensity.Y")->pixels == reference.find("photonDensity.Y")->pixels);
+  }
+}
+
+TEST_CASE("a scene scaled by 1e-3 or 1e3 gives the same image") {
+  const Image one = rendered(prepared(room(1, true), small_request()));
+  for (const double scale : {1e-3, 1e3}) {
+    const Image other = rendered(prepared(room(scale, true), small_request()));
+    for (const char* name : {"R", "direct.G", "indirect.B", "caustic.R"}) {
+      INFO(name << " at scale " << scale);
+      // The same random numbers: only paths that roundings turn away differ.
+      CHECK(channel_mean(other, name) == Approx(channel_mean(one, name)).epsilon(0.01));
+    }
+    CHECK(channel_mean(other, "Z") == Approx(scale * channel_mean(one, "Z")).epsilon(1e-3));
+    CHECK(channel_mean(other, "photonDensity.Y") * scale * scale ==
+          Approx(channel_mean(one, "photonDensity.Y")).epsilon(0.01));
+  }
+}
+
+TEST_CASE("one light colour takes one channel") {
+  FrameRequest request = small_request();
+  const PreparedFrame grey = prepared(room(1, true, false), request);
+  CHECK(grey.plan.channels == 1);
+  const Image image = rendered(grey);
+  CHECK(image.find("R")->pixels == image.find("G")->pixels);
+  // Three channels of the same photons see the same; only the sampler's table, which adds the
+  // channels, rounds otherwise.
+  request.set = {"photon.channels=3", "photon.channel_color=[1, 1, 1]"};
+  const PreparedFrame three = prepared(room(1, true, false), request);
+  CHECK(three.plan.channels == 3);
+  const Image coloured = rendered(three);
+  CHECK(coloured.find("R")->pixels == coloured.find("B")->pixels);
+  CHECK(channel_mean(coloured, "R") == Approx(channel_mean(image, "R")).epsilon(0.01));
+  CHECK(prepared(room(1, true), small_request()).plan.channels == 3);
+}
+
+TEST_CASE("only what the scene needs is planned") {
+  const Plan plain = prepared(room(1, false), small_request()).plan;
+  CHECK(!plain.caustic.present);
+  CHECK(plain.global.present);
+  CHECK(plain.line_bits() == 12);  // 20,000 photons in lines of 8
+  FrameRequest request = small_request();
+  request.gather_rays = 0;
+  const PreparedFrame direct = prepared(room(1, false), request);
+  CHECK(!direct.plan.global.present);
+  CHECK(channel_mean(rendered(direct), "indirect.R") == 0);
+  Scene shallow = room(1, true);
+  shallow.max_depth = 2;
+  const PreparedFrame two = prepared(shallow, small_request());
+  CHECK(!two.plan.global.present);
+  CHECK(!two.plan.caustic.present);
+  CHECK(channel_mean(rendered(two), "direct.R") > 0);
+}
+
+TEST_CASE("k = 1 makes an image with a radius and is refused without") {
+  FrameRequest request = small_request();
+  request.k = 1;
+  CHECK_NOTHROW(prepared(room(1, false), request));
+  request.radius = 0;
+  CHECK_THROWS_AS(prepared(room(1, false), request), PlanError);
+}
