@@ -167,9 +167,10 @@ class Builder {
         const std::string_view text = child.value();
         const size_t at = text.find_first_not_of(" \t\r\n");
         if (at != std::string_view::npos)
-          throw SceneError(fmt::format("{}:{}: text '{}' between elements", *file.path,
-                                       file.line_of(child.offset_debug()),
-                                       std::string(text.substr(at, 20))));
+          throw SceneError(
+              fmt::format("{}:{}: text '{}' between elements", *file.path,
+                          file.line_of(child.offset_debug() + static_cast<ptrdiff_t>(at)),
+                          std::string(text.substr(at, 20))));
         continue;
       }
       if (child.type() != pugi::node_element) continue;

@@ -1,0 +1,205 @@
+// SPDX-License-Identifier: Apache-2.0
+// Each bad scene or mesh is one clear error that names file and place.
+#include <cmath>
+
+#include "golden/scene/ply.hpp"
+#include "tests/catch.hpp"
+#include "tests/scene_files.hpp"
+
+using namespace photonloom;
+using Catch::Matchers::Contains;
+
+namespace {
+
+std::string mesh_error(const std::string& name, const std::string& bytes) {
+  const TestFolder folder;
+  folder.write(name, bytes);
+  const std::string type = name.substr(name.rfind('.') + 1);
+  try {
+    load_scene(folder.write(
+        "scene.xml", scene_text("<shape type=\"" + type + "\"><string name=\"filename\" value=\"" +
+                                name + "\"/></shape>" + kSensor + kLamp)));
+  } catch (const SceneError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+std::string ply(const std::string& vertices, const std::string& faces, int vertex_count = 3,
+                int face_count = 1) {
+  return "ply\nformat ascii 1.0\nelement vertex " + std::to_string(vertex_count) +
+         "\nproperty float x\nproperty float y\nproperty float z\nelement face " +
+         std::to_string(face_count) + "\nproperty list uchar int vertex_indices\nend_header\n" +
+         vertices + faces;
+}
+
+constexpr const char* kThree = "0 0 0\n1 0 0\n0 1 0\n";
+
+}  // namespace
+
+TEST_CASE("files that are no scene") {
+  CHECK_THAT(load_error(""), Contains("scene.xml:1: not an XML file"));
+  CHECK_THAT(load_error(std::string("\x89PNG\r\n\x1a\n\0\0\0\rIHDR", 16)),
+             Contains("scene.xml:1: not an XML file"));
+  CHECK_THAT(load_error(std::string("<scene version=\"0.6.0\">\0</scene>", 33)),
+             Contains("not an XML file"));
+  CHECK_THAT(load_error("<scene version=\"0.6.0\">\n<shape type=\"cube\">\n"),
+             Contains("not well-formed XML: the file ends"));
+  CHECK_THAT(load_error("<scene version=\"0.6.0\">\n<shape type=\"cu"),
+             Contains("not well-formed"));
+  CHECK_THAT(load_error("<scene version=\"0.6.0\"/><scene version=\"0.6.0\"/>"),
+             Contains("second top-level element"));
+  CHECK_THAT(load_error("<html/>"), Contains("<html>, expected <scene>"));
+  CHECK_THAT(load_error(scene_text("words")), Contains("scene.xml:2: text 'words"));
+  CHECK_THROWS_WITH(load_scene("/nowhere/scene.xml"),
+                    Contains("/nowhere/scene.xml: cannot be read"));
+  const TestFolder folder;
+  CHECK_THROWS_WITH(load_scene(folder / ""), Contains("is a folder"));
+}
+
+TEST_CASE("elements a million deep") {
+  std::string text = "<scene version=\"0.6.0\">\n";
+  for (int i = 0; i < 1000000; ++i) text += "<bsdf type=\"twosided\">";
+  CHECK_THAT(load_error(text), Contains("not well-formed"));
+  for (int i = 0; i < 1000000; ++i) text += "</bsdf>";
+  CHECK_THAT(load_error(text + "</scene>"),
+             Contains("scene.xml:2: elements are nested more than 64 deep"));
+}
+
+TEST_CASE("long chains of references and growing parameters") {
+  std::string chain;
+  for (int i = 0; i < 5000; ++i)
+    chain += "<bsdf type=\"twosided\" id=\"b" + std::to_string(i) + "\"><ref id=\"b" +
+             std::to_string(i + 1) + "\"/></bsdf>";
+  CHECK_THAT(body_error(chain + "<bsdf type=\"diffuse\" id=\"b5000\"/>"),
+             Contains("more than 64 deep"));
+  std::string doubling = "<default name=\"a0\" value=\"xx\"/>";
+  for (int i = 0; i < 60; ++i)
+    doubling += "<default name=\"a" + std::to_string(i + 1) + "\" value=\"$a" + std::to_string(i) +
+                "$a" + std::to_string(i) + "\"/>";
+  CHECK_THAT(body_error(doubling), Contains("longer than 65536"));
+}
+
+TEST_CASE("no light, no camera, no shape, two cameras") {
+  CHECK_THAT(load_error(scene_text(std::string(kSensor) + "<shape type=\"cube\"/>")),
+             Contains("no light"));
+  CHECK_THAT(load_error(scene_text(std::string(kSensor) +
+                                   "<shape type=\"cube\"><emitter type=\"area\"><rgb "
+                                   "name=\"radiance\" value=\"0\"/></emitter></shape>")),
+             Contains("no light"));
+  CHECK_THAT(load_error(scene_text(kLamp)), Contains("no camera"));
+  CHECK_THAT(load_error(scene_text(std::string(kSensor) + "<emitter type=\"point\"/>")),
+             Contains("no shape"));
+  CHECK_THAT(body_error(kSensor), Contains("second <sensor>"));
+}
+
+TEST_CASE("numbers that are none") {
+  const auto radiance = [](const std::string& value) {
+    return body_error(
+        "<shape type=\"disk\"><emitter type=\"area\"><rgb name=\"radiance\" value=\"" + value +
+        "\"/></emitter></shape>");
+  };
+  CHECK_THAT(radiance("1, -2, 3"), Contains("scene.xml:2") && Contains("negative"));
+  CHECK_THAT(radiance("nan"), Contains("not a finite number"));
+  CHECK_THAT(radiance("1 inf 1"), Contains("not a finite number"));
+  CHECK_THAT(radiance("1e999"), Contains("not a finite number"));
+  CHECK_THAT(radiance("1 2"), Contains("has 2 numbers, expected 1 or 3"));
+  CHECK_THAT(radiance("#12345"), Contains("expected #rrggbb"));
+  CHECK_THAT(radiance("one"), Contains("not a finite number"));
+  CHECK_THAT(body_error("<integrator type=\"path\"><integer name=\"maxDepth\" value=\"2.5\"/>"
+                        "</integrator>"),
+             Contains("not an integer"));
+  CHECK_THAT(
+      body_error("<shape type=\"disk\"><boolean name=\"flipNormals\" value=\"yes\"/></shape>"),
+      Contains("neither true nor false"));
+  for (const char* scale : {"0", "1e-200", "1e200"})
+    CHECK_THAT(body_error(std::string("<shape type=\"cube\"><transform name=\"toWorld\"><scale "
+                                      "value=\"") +
+                          scale + "\"/></transform></shape>"),
+               Contains("scene.xml:2"));
+}
+
+TEST_CASE("meshes that are missing, empty or not meshes") {
+  CHECK_THAT(
+      body_error("<shape type=\"obj\"><string name=\"filename\" value=\"none.obj\"/></shape>"),
+      Contains("scene.xml:2") && Contains("none.obj' does not exist"));
+  CHECK_THAT(body_error("<shape type=\"ply\"/>"), Contains("has no filename"));
+  CHECK_THAT(mesh_error("a.obj", ""), Contains("a.obj: the file has no faces"));
+  CHECK_THAT(mesh_error("a.obj", "\x89PNG\r\n\x1a\n"),
+             Contains("a.obj:1") && Contains("not supported"));
+  CHECK_THAT(mesh_error("a.obj", "v 0 0\n"), Contains("a.obj:1: 'v' has 2 numbers"));
+  CHECK_THAT(mesh_error("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n"),
+             Contains("a.obj:4: '4' is not the number of a vertex"));
+  CHECK_THAT(mesh_error("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 0\n"), Contains("a.obj:4: '0'"));
+  CHECK_THAT(mesh_error("a.obj", "v 0 0 0\nv 1 0 0\nf 1 2\n"), Contains("a.obj:3: the face has 2"));
+  CHECK_THAT(mesh_error("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1/1/1/1 2 3\n"),
+             Contains("a.obj:4"));
+  CHECK_THAT(mesh_error("a.ply", "plz\n"), Contains("a.ply:1: not a PLY file"));
+  CHECK_THAT(mesh_error("a.ply", ply(kThree, "", 3, 0)), Contains("no faces"));
+  CHECK_THAT(mesh_error("a.ply", ply(kThree, "3 0 1 3\n")), Contains("face 0: vertex number 3"));
+  CHECK_THAT(mesh_error("a.ply", ply(kThree, "3 0 1 -1\n")), Contains("vertex number -1"));
+  CHECK_THAT(mesh_error("a.ply", ply(kThree, "2 0 1\n")), Contains("the face has 2 vertices"));
+  CHECK_THAT(mesh_error("a.ply", ply("0 0 0\n1 0\n", "", 2, 1)), Contains("ends early"));
+}
+
+TEST_CASE("NaN and infinite vertices") {
+  for (const char* bad : {"nan", "inf", "-inf", "1e400"}) {
+    CHECK_THAT(mesh_error("a.obj", std::string("v 0 0 0\nv 1 ") + bad + " 0\nv 0 1 0\nf 1 2 3\n"),
+               Contains("a.obj:2") && Contains("not a finite number"));
+    CHECK_THAT(
+        mesh_error("a.ply", ply(std::string("0 0 0\n1 ") + bad + " 0\n0 1 0\n", "3 0 1 2\n")),
+        Contains("a.ply"));
+  }
+  PlyTable table;
+  PlyElement vertex;
+  vertex.name = "vertex";
+  vertex.rows = 3;
+  vertex.add("x", PlyType::kFloat).values = {0, 1, 0};
+  vertex.add("y", PlyType::kFloat).values = {0, std::nan(""), 1};
+  vertex.add("z", PlyType::kFloat).values = {0, 0, 0};
+  PlyElement face;
+  face.name = "face";
+  face.rows = 1;
+  PlyColumn& list = face.add("vertex_indices", PlyType::kInt32);
+  list.is_list = true;
+  list.values = {0, 1, 2};
+  list.starts = {0, 3};
+  table.elements = {vertex, face};
+  const TestFolder folder;
+  write_ply(table, folder / "a.ply");
+  CHECK_THROWS_WITH(
+      load_scene(folder.write("s.xml", scene_text(std::string("<shape type=\"ply\"><string "
+                                                              "name=\"filename\" value=\"a.ply\"/>"
+                                                              "</shape>") +
+                                                  kSensor + kLamp))),
+      Contains("a.ply: vertex 1 is not finite"));
+}
+
+TEST_CASE("triangles without area") {
+  CHECK_THAT(mesh_error("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 2 0 0\nf 1 2 3\nf 1 2 4\n"),
+             Contains("a.obj:6: the face has no area"));
+  CHECK_THAT(mesh_error("a.obj", "v 0.1 0.1 0.1\nv 0.2 0.2 0.2\nv 0.7 0.7 0.7\nf 1 2 3\n"),
+             Contains("no area"));
+  CHECK_THAT(mesh_error("a.ply", ply(kThree, "3 0 1 1\n")),
+             Contains("face 0: the face has no area"));
+  // Small is not degenerate, wherever it stands.
+  CHECK(mesh_error("a.obj", "v 0 0 0\nv 1e-9 0 0\nv 0 1e-9 0\nf 1 2 3\n") == "");
+  CHECK(mesh_error("a.obj", "v 1000 0 0\nv 1000.000001 0 0\nv 1000 0.000001 0\nf 1 2 3\n") == "");
+  // A quad with a corner on its edge has area.
+  CHECK(mesh_error("a.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nv 2 1 0\nf 1 2 3 4\n") == "");
+}
+
+TEST_CASE("PLY counts larger than the file are refused before anything is reserved") {
+  const std::string head = "ply\nformat binary_little_endian 1.0\nelement vertex ";
+  const std::string tail =
+      "\nproperty float x\nproperty float y\nproperty float z\nelement face 1\n"
+      "property list uint int vertex_indices\nend_header\n";
+  CHECK_THAT(mesh_error("a.ply", head + "4000000000000" + tail), Contains("ends early"));
+  CHECK_THAT(mesh_error("a.ply", head + "9223372036854775807" + tail), Contains("ends early"));
+  CHECK_THAT(mesh_error("a.ply", head + "-1" + tail), Contains("count of at least 0"));
+  CHECK_THAT(mesh_error("a.ply", head + "0" + tail + "\xff\xff\xff\xff"), Contains("does not fit"));
+  CHECK_THAT(mesh_error("a.ply",
+                        "ply\nformat binary_little_endian 1.0\nelement vertex 3\nproperty "
+                        "half x\nend_header\n"),
+             Contains("a.ply:4: property type 'half'"));
+}

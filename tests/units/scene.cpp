@@ -1,0 +1,502 @@
+// SPDX-License-Identifier: Apache-2.0
+// What scene files mean, sentence by sentence: see docs/scene.md.
+#include "golden/scene/scene.hpp"
+
+#include <cmath>
+
+#include "golden/numeric/elementary.hpp"
+#include "tests/catch.hpp"
+#include "tests/scene_files.hpp"
+
+using namespace photonloom;
+using Catch::Matchers::Contains;
+
+namespace {
+
+bool near(const Vec3& a, const Vec3& b) {
+  return glm::length(a - b) <= 1e-12 * (1 + glm::length(b));
+}
+
+Vec3 apply(const Mat4& m, const Vec3& p) { return Vec3(m * glm::dvec4(p, 1)); }
+
+// toWorld of a disk with the given steps.
+Mat4 transform(const std::string& steps, const std::string& version = "0.6.0") {
+  return load_body(
+             "<shape type=\"disk\"><transform name=\"toWorld\">" + steps + "</transform></shape>",
+             version)
+      .shapes[0]
+      .to_world;
+}
+
+Bsdf bsdf(const std::string& text, const std::string& version = "0.6.0") {
+  const Scene s = load_body("<shape type=\"disk\">" + text + "</shape>", version);
+  return s.bsdfs[static_cast<size_t>(s.shapes[0].bsdf)];
+}
+
+Vec3 face_normal(const Mesh& mesh, size_t triangle) {
+  const auto& t = mesh.triangles[triangle];
+  return glm::normalize(glm::cross(mesh.positions[t[1]] - mesh.positions[t[0]],
+                                   mesh.positions[t[2]] - mesh.positions[t[0]]));
+}
+
+// Six times the volume that the triangles enclose: positive where they face outward.
+// outward.
+double volume(const Mesh& mesh) {
+  double sum = 0;
+  for (const auto& t : mesh.triangles)
+    sum += glm::dot(mesh.positions[t[0]], glm::cross(mesh.positions[t[1]], mesh.positions[t[2]]));
+  return sum;
+}
+
+Scene with_mesh(const std::string& name, const std::string& file, const std::string& properties,
+                const std::string& version = "0.6.0") {
+  const TestFolder folder;
+  folder.write(name, file);
+  const std::string type = name.substr(name.rfind('.') + 1);
+  return load_scene(folder.write(
+      "scene.xml", scene_text("<shape type=\"" + type + "\"><string name=\"filename\" value=\"" +
+                                  name + "\"/>" + properties + "</shape>" + kSensor + kLamp,
+                              version)));
+}
+
+constexpr const char* kTriangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+
+}  // namespace
+
+TEST_CASE("integrators and samplers of any type are accepted") {
+  const Scene s = load_body(
+      "<integrator type=\"whatever\"><integer name=\"directSamples\" value=\"3\"/>"
+      "<integrator type=\"inner\"><integer name=\"maxDepth\" value=\"7\"/>"
+      "<integer name=\"rrDepth\" value=\"3\"/></integrator></integrator>");
+  CHECK(s.max_depth == 7);
+  CHECK(s.rr_depth == 3);
+  CHECK_THAT(body_error("<integrator type=\"path\"><boolean name=\"hideEmitters\" value=\"true\"/>"
+                        "</integrator>"),
+             Contains("scene.xml:2") && Contains("hidden emitters"));
+}
+
+TEST_CASE("depths in both spellings, no limit by default") {
+  CHECK(load_body("").max_depth == -1);
+  CHECK(load_body("").rr_depth == 5);
+  const Scene s = load_body(
+      "<integrator type=\"path\"><integer name=\"max_depth\" value=\"4\"/>"
+      "<integer name=\"rr_depth\" value=\"9\"/></integrator>",
+      "3.0.0");
+  CHECK(s.max_depth == 4);
+  CHECK(s.rr_depth == 9);
+  CHECK_THAT(body_error("<integrator type=\"path\"><integer name=\"maxDepth\" value=\"0\"/>"
+                        "</integrator>"),
+             Contains("expected -1 for no limit or at least 1"));
+}
+
+TEST_CASE("film size, sample count, and keys that do not change pixels") {
+  const auto sensor = [](const std::string& inside) {
+    return "<sensor type=\"perspective\">" + inside + "</sensor>" + kLamp;
+  };
+  const TestFolder folder;
+  const Scene s = load_scene(folder.write(
+      "a.xml", scene_text(sensor("<sampler type=\"ldsampler\"><integer name=\"sampleCount\" "
+                                 "value=\"36\"/></sampler><film type=\"ldrfilm\">"
+                                 "<integer name=\"width\" value=\"30\"/>"
+                                 "<integer name=\"height\" value=\"20\"/>"
+                                 "<integer name=\"cropWidth\" value=\"30\"/>"
+                                 "<string name=\"pixelFormat\" value=\"rgb\"/>"
+                                 "<string name=\"label[10, 10]\" value=\"x\"/>"
+                                 "<boolean name=\"banner\" value=\"true\"/>"
+                                 "<rfilter type=\"box\"/></film>"))));
+  CHECK(s.film.width == 30);
+  CHECK(s.film.height == 20);
+  CHECK(s.sample_count == 36);
+  CHECK(s.warnings.empty());
+  CHECK(load_body("").film.width == 768);
+  CHECK(load_body("").film.height == 576);
+  CHECK_THAT(load_error(scene_text(sensor("<film type=\"hdrfilm\"><rfilter type=\"gaussian\"/>"
+                                          "</film>"))),
+             Contains("scene.xml:2") && Contains("<rfilter type=\"gaussian\">") && Contains("box"));
+  CHECK_THAT(load_error(scene_text(sensor("<film type=\"hdrfilm\"><integer name=\"cropOffsetX\" "
+                                          "value=\"3\"/></film>"))),
+             Contains("crop windows"));
+  const Scene unfiltered =
+      load_scene(folder.write("b.xml", scene_text(sensor("<film type=\"hdrfilm\"/>"))));
+  REQUIRE(unfiltered.warnings.size() == 1);
+  CHECK_THAT(unfiltered.warnings[0], Contains("b.xml:2") && Contains("no rfilter"));
+}
+
+TEST_CASE("parameters: defaults, -D, substitution everywhere") {
+  const std::string body =
+      "<default name=\"r\" value=\"2\"/><default name=\"radius\" value=\"$r.5\"/>"
+      "<shape type=\"sphere\" id=\"s$r\"><float name=\"radius\" value=\"$radius\"/></shape>";
+  const Scene s = load_body(body);
+  CHECK(s.shapes[0].to_world[0][0] == 2.5);
+  CHECK(s.shapes[0].id == "s2");
+  CHECK(load_body(body, "0.6.0", {{"r", "3"}}).shapes[0].to_world[0][0] == 3.5);
+  CHECK_THAT(load_error(scene_text(body + kSensor + kLamp), {{"size", "3"}}),
+             Contains("'size'") && Contains("not used") && Contains("r, radius"));
+  CHECK_THAT(body_error("<shape type=\"sphere\"><float name=\"radius\" value=\"$x\"/></shape>"),
+             Contains("'$x' is not defined"));
+  CHECK_THAT(load_error(scene_text(body + kSensor + kLamp), {{"r", "3"}, {"r", "4"}}),
+             Contains("given twice"));
+}
+
+TEST_CASE("files are found from the scene file, includes too") {
+  const TestFolder folder;
+  folder.write("meshes/a.obj", kTriangle);
+  folder.write("parts/more.xml",
+               scene_text("<shape type=\"obj\"><string name=\"filename\" value=\"meshes/a.obj\"/>"
+                          "<ref id=\"b\"/></shape>"));
+  const Scene s = load_scene(
+      folder.write("scene.xml", scene_text(std::string("<include filename=\"parts/more.xml\"/>") +
+                                           "<bsdf type=\"diffuse\" id=\"b\"/>" + kSensor + kLamp)));
+  CHECK(s.shapes.size() == 2);
+  CHECK(s.shapes[0].mesh.triangles.size() == 1);
+  folder.write("loop.xml", scene_text("<include filename=\"loop.xml\"/>"));
+  CHECK_THROWS_WITH(load_scene(folder / "loop.xml"), Contains("loop.xml:2: cyclic include"));
+  CHECK_THROWS_WITH(
+      load_scene(folder.write("missing.xml", scene_text("<include filename=\"none.xml\"/>"))),
+      Contains("missing.xml:2") && Contains("none.xml' does not exist"));
+}
+
+TEST_CASE("transforms apply in document order") {
+  const Mat4 m = transform("<scale value=\"2\"/><translate x=\"1\"/>");
+  CHECK(apply(m, {1, 0, 0}) == Vec3(3, 0, 0));
+  const Mat4 n = transform("<translate x=\"1\"/><scale value=\"2\"/>");
+  CHECK(apply(n, {1, 0, 0}) == Vec3(4, 0, 0));
+}
+
+TEST_CASE("rotations are in degrees, counter-clockwise about the axis") {
+  CHECK(near(apply(transform("<rotate z=\"1\" angle=\"90\"/>"), {1, 0, 0}), {0, 1, 0}));
+  CHECK(near(apply(transform("<rotate value=\"0, 2 0\" angle=\"-90\"/>", "3.0.0"), {1, 0, 0}),
+             {0, 0, 1}));
+  CHECK(near(apply(transform("<rotate x=\"1\" y=\"1\" z=\"1\" angle=\"120\"/>"), {1, 0, 0}),
+             {0, 1, 0}));
+}
+
+TEST_CASE("matrices are row-major, vectors separated by commas, blanks or both") {
+  const Mat4 m = transform("<matrix value=\"1 2, 3 4  0 5 6 7 0,0,8,9 0 0 0 1\"/>");
+  CHECK(apply(m, {0, 0, 0}) == Vec3(4, 7, 9));
+  CHECK(apply(m, {0, 1, 0}) == Vec3(6, 12, 9));
+  CHECK_THAT(body_error("<shape type=\"disk\"><transform name=\"toWorld\">"
+                        "<matrix value=\"1 0 0 0 0 1 0 0 0 0 0 0 0 0 0 1\"/></transform></shape>"),
+             Contains("singular"));
+}
+
+TEST_CASE("scale and translate as x, y, z or value") {
+  CHECK(apply(transform("<scale x=\"2\" z=\"3\"/>"), {1, 1, 1}) == Vec3(2, 1, 3));
+  CHECK(apply(transform("<scale value=\"2, 4 8\"/>", "3.0.0"), {1, 1, 1}) == Vec3(2, 4, 8));
+  CHECK(apply(transform("<translate value=\"2,4,8\"/>", "3.0.0"), {0, 0, 0}) == Vec3(2, 4, 8));
+}
+
+TEST_CASE("lookat, lookAt and look_at: z forward, y up, x to the image's left") {
+  for (const char* tag : {"lookat", "lookAt", "look_at"}) {
+    const Mat4 m =
+        transform(std::string("<") + tag + " origin=\"1,2,3\" target=\"1 2 -7\" up=\"0, 5, 0\"/>");
+    CHECK(near(Vec3(m[2]), {0, 0, -1}));
+    CHECK(near(Vec3(m[1]), {0, 1, 0}));
+    // Looking along -z with y up, the viewer's left is -x: not mirrored.
+    CHECK(near(Vec3(m[0]), {-1, 0, 0}));
+    CHECK(apply(m, {0, 0, 0}) == Vec3(1, 2, 3));
+  }
+  CHECK_THAT(body_error("<shape type=\"disk\"><transform name=\"toWorld\"><lookat origin=\"0,0,0\" "
+                        "target=\"0,2,0\" up=\"0,1,0\"/></transform></shape>"),
+             Contains("parallel"));
+}
+
+TEST_CASE("the camera's field of view and its axis") {
+  const auto camera = [](const std::string& inside) {
+    const TestFolder folder;
+    return load_scene(folder.write("scene.xml", scene_text("<sensor type=\"perspective\">" +
+                                                           inside + "</sensor>" + kLamp)))
+        .camera;
+  };
+  CHECK(camera("<float name=\"fov\" value=\"30\"/>").fov == 30);
+  CHECK(camera("<float name=\"fov\" value=\"30\"/>").fov_axis == FovAxis::kX);
+  for (const auto& [name, axis] :
+       {std::pair("x", FovAxis::kX), std::pair("y", FovAxis::kY),
+        std::pair("diagonal", FovAxis::kDiagonal), std::pair("smaller", FovAxis::kSmaller),
+        std::pair("larger", FovAxis::kLarger)})
+    CHECK(
+        camera(std::string("<float name=\"fov\" value=\"30\"/><string name=\"fovAxis\" value=\"") +
+               name + "\"/>")
+            .fov_axis == axis);
+  // 50 mm on 36 by 24 mm film: 2 atan(sqrt(36^2 + 24^2) / 100) = 46.7930 degrees along the
+  // diagonal.
+  CHECK(camera("").fov == Approx(46.7930).epsilon(1e-5));
+  CHECK(camera("").fov_axis == FovAxis::kDiagonal);
+  CHECK(camera("<string name=\"focalLength\" value=\"21.6333mm\"/>").fov ==
+        Approx(90).epsilon(1e-5));
+  CHECK(camera("").near_clip == 0);
+  CHECK(std::isinf(camera("").far_clip));
+  CHECK(camera("<float name=\"nearClip\" value=\"2\"/>").near_clip == 2);
+  CHECK_THAT(load_error(scene_text(std::string("<sensor type=\"thinlens\"/>") + kLamp)),
+             Contains("<sensor type=\"thinlens\">") && Contains("perspective"));
+  CHECK_THAT(load_error(scene_text(std::string("<sensor type=\"perspective\"><float name=\"fov\" "
+                                               "value=\"180\"/></sensor>") +
+                                   kLamp)),
+             Contains("fov is 180"));
+}
+
+TEST_CASE("rectangle: [-1,1]^2, normal +z; cube: [-1,1]^3, normals outward") {
+  const Scene s = load_body("<shape type=\"rectangle\"/><shape type=\"cube\"/>");
+  CHECK(face_normal(s.shapes[0].mesh, 0) == Vec3(0, 0, 1));
+  CHECK(face_normal(s.shapes[0].mesh, 1) == Vec3(0, 0, 1));
+  CHECK(s.shapes[0].mesh.normals.empty());
+  CHECK(s.shapes[1].mesh.triangles.size() == 12);
+  CHECK(volume(s.shapes[1].mesh) == Approx(6 * 8));
+  for (const Vec3& p : s.shapes[1].mesh.positions) CHECK(glm::abs(p) == Vec3(1));
+}
+
+TEST_CASE("a reflection keeps rectangles' and cubes' sides") {
+  const std::string mirror = "<transform name=\"toWorld\"><scale x=\"-1\"/></transform>";
+  const Scene s = load_body("<shape type=\"rectangle\">" + mirror +
+                            "</shape><shape type=\"cube\">" + mirror + "</shape>");
+  CHECK(face_normal(s.shapes[0].mesh, 0) == Vec3(0, 0, 1));
+  CHECK(volume(s.shapes[1].mesh) == Approx(6 * 8));
+}
+
+TEST_CASE("sphere: center and radius, then toWorld") {
+  const Scene s = load_body(
+      "<shape type=\"sphere\"><point name=\"center\" x=\"1\" y=\"2\" z=\"3\"/>"
+      "<float name=\"radius\" value=\"0.5\"/><transform name=\"toWorld\"><scale value=\"2\"/>"
+      "<translate x=\"10\"/></transform></shape>"
+      "<shape type=\"sphere\"><point name=\"center\" value=\"1 2 3\"/></shape>");
+  CHECK(apply(s.shapes[0].to_world, {0, 0, 0}) == Vec3(12, 4, 6));
+  CHECK(apply(s.shapes[0].to_world, {1, 0, 0}) == Vec3(13, 4, 6));
+  CHECK(apply(s.shapes[1].to_world, {0, 0, 0}) == Vec3(1, 2, 3));
+  CHECK_THAT(body_error("<shape type=\"sphere\"><transform name=\"toWorld\"><scale x=\"2\"/>"
+                        "</transform></shape>"),
+             Contains("ellipsoid"));
+  CHECK_THAT(body_error("<shape type=\"sphere\"><float name=\"radius\" value=\"0\"/></shape>"),
+             Contains("radius is 0"));
+}
+
+TEST_CASE("flipNormals turns every shape") {
+  const std::string flip = "<boolean name=\"flipNormals\" value=\"true\"/>";
+  const Scene s = load_body("<shape type=\"rectangle\">" + flip + "</shape><shape type=\"cube\">" +
+                            flip + "</shape><shape type=\"sphere\">" + flip + "</shape>");
+  CHECK(face_normal(s.shapes[0].mesh, 0) == Vec3(0, 0, -1));
+  CHECK(volume(s.shapes[1].mesh) == Approx(-6 * 8));
+  CHECK(s.shapes[2].flip_normals);
+  const Scene m =
+      with_mesh("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nf 1//1 2//1 3//1\n", flip);
+  CHECK(face_normal(m.shapes[0].mesh, 0) == Vec3(0, 0, -1));
+  CHECK(m.shapes[0].mesh.normals[0] == Vec3(0, 0, -1));
+}
+
+TEST_CASE("mesh normals follow winding; missing ones are smooth; faceNormals discards them") {
+  CHECK(face_normal(with_mesh("a.obj", kTriangle, "").shapes[0].mesh, 0) == Vec3(0, 0, 1));
+  // Two triangles at a right angle over the edge from (0,0,0) to (0,1,0).
+  const std::string bent = "v 0 0 0\nv 0 1 0\nv 1 0 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\n";
+  const Mesh smooth = with_mesh("a.obj", bent, "").shapes[0].mesh;
+  REQUIRE(smooth.normals.size() == 4);
+  // Angles at the first vertex are equal, 90 degrees each.
+  for (size_t i = 0; i < 4; ++i)
+    if (smooth.positions[i] == Vec3(0))
+      CHECK(near(smooth.normals[i], glm::normalize(Vec3(1, 0, 1))));
+  const std::string faceted = "<boolean name=\"faceNormals\" value=\"true\"/>";
+  CHECK(with_mesh("a.obj", bent, faceted).shapes[0].mesh.normals.empty());
+  const std::string tilted = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 3 4\nf 1//1 2//1 3//1\n";
+  CHECK(near(with_mesh("a.obj", tilted, "").shapes[0].mesh.normals[0], {0, 0.6, 0.8}));
+  CHECK(with_mesh("a.obj", tilted, faceted).shapes[0].mesh.normals.empty());
+  // Normals of the file say which side is outside, as in Mitsuba, also where the winding disagrees.
+  const std::string against = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 -1\nf 1//1 2//1 3//1\n";
+  CHECK(face_normal(with_mesh("a.obj", against, "").shapes[0].mesh, 0) == Vec3(0, 0, -1));
+  CHECK(face_normal(with_mesh("a.obj", against, faceted).shapes[0].mesh, 0) == Vec3(0, 0, 1));
+}
+
+TEST_CASE("normals go by the inverse transpose") {
+  const Mesh m =
+      with_mesh("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 1 0 1\nf 1//1 2//1 3//1\n",
+                "<transform name=\"toWorld\"><scale x=\"2\" y=\"1\" z=\"1\"/></transform>")
+          .shapes[0]
+          .mesh;
+  CHECK(near(m.normals[0], glm::normalize(Vec3(0.5, 0, 1))));
+}
+
+TEST_CASE("area emitters radiate from the normal side, and are black without a BSDF") {
+  const Scene s = load_body(
+      "<shape type=\"rectangle\"><emitter type=\"area\"><rgb name=\"radiance\" value=\"1, 2 3\"/>"
+      "</emitter></shape><shape type=\"rectangle\"/>"
+      "<shape type=\"cube\"><ref id=\"later\"/><ref id=\"glow\"/></shape>"
+      "<bsdf type=\"diffuse\" id=\"later\"><rgb name=\"reflectance\" value=\"#ff0000\"/></bsdf>"
+      "<emitter type=\"area\" id=\"glow\"><spectrum name=\"radiance\" value=\"4\"/></emitter>");
+  CHECK(*s.shapes[0].radiance == Rgb(1, 2, 3));
+  CHECK(s.bsdfs[static_cast<size_t>(s.shapes[0].bsdf)].diffuse == Rgb(0));
+  CHECK(!s.shapes[1].radiance);
+  CHECK(s.bsdfs[static_cast<size_t>(s.shapes[1].bsdf)].diffuse == Rgb(0.5));
+  CHECK(*s.shapes[2].radiance == Rgb(4));
+  CHECK(s.bsdfs[static_cast<size_t>(s.shapes[2].bsdf)].diffuse == Rgb(1, 0, 0));
+}
+
+TEST_CASE("black from behind unless inside twosided") {
+  const Scene s = load_body(
+      "<bsdf type=\"twosided\" id=\"both\"><ref id=\"r\"/></bsdf>"
+      "<bsdf type=\"diffuse\" id=\"r\"/>"
+      "<bsdf type=\"twosided\" id=\"two\"><ref id=\"r\"/><bsdf type=\"conductor\">"
+      "<string name=\"material\" value=\"none\"/></bsdf></bsdf>"
+      "<shape type=\"disk\"><ref id=\"r\"/></shape><shape type=\"disk\"><ref id=\"both\"/></shape>"
+      "<shape type=\"disk\"><ref id=\"two\"/></shape>"
+      "<shape type=\"disk\"><bsdf type=\"dielectric\"/></shape>");
+  CHECK(s.shapes[0].back_bsdf == -1);
+  CHECK(s.shapes[1].back_bsdf == s.shapes[1].bsdf);
+  CHECK(s.bsdfs[static_cast<size_t>(s.shapes[1].bsdf)].two_sided);
+  CHECK(s.bsdfs[static_cast<size_t>(s.shapes[2].bsdf)].kind == BsdfKind::kDiffuse);
+  CHECK(s.bsdfs[static_cast<size_t>(s.shapes[2].back_bsdf)].kind == BsdfKind::kConductor);
+  CHECK(s.shapes[3].back_bsdf == s.shapes[3].bsdf);
+  CHECK_THAT(body_error("<bsdf type=\"twosided\" id=\"x\"><bsdf type=\"dielectric\"/></bsdf>"),
+             Contains("dielectric in <bsdf type=\"twosided\">"));
+}
+
+TEST_CASE("point, spot and directional emitters") {
+  const Scene s = load_body(
+      "<emitter type=\"point\"><point name=\"position\" x=\"1\" y=\"2\" z=\"3\"/>"
+      "<rgb name=\"intensity\" value=\"5\"/></emitter>"
+      "<emitter type=\"point\"><transform name=\"toWorld\"><translate "
+      "y=\"4\"/></transform></emitter>"
+      "<emitter type=\"spot\"><transform name=\"toWorld\"><lookat origin=\"0,5,0\" "
+      "target=\"0,0,0\" up=\"0,0,1\"/></transform></emitter>"
+      "<emitter type=\"spot\"><float name=\"cutoffAngle\" value=\"60\"/>"
+      "<float name=\"beamWidth\" value=\"30\"/></emitter>"
+      "<emitter type=\"directional\"><vector name=\"direction\" x=\"0\" y=\"-2\" z=\"0\"/>"
+      "<spectrum name=\"irradiance\" value=\"1 2 3\"/></emitter>");
+  REQUIRE(s.lights.size() == 5);
+  CHECK(s.lights[0].position == Vec3(1, 2, 3));
+  CHECK(s.lights[0].intensity == Rgb(5));
+  CHECK(s.lights[1].position == Vec3(0, 4, 0));
+  CHECK(s.lights[1].intensity == Rgb(1));
+  CHECK(near(s.lights[2].position, {0, 5, 0}));
+  CHECK(near(s.lights[2].direction, {0, -1, 0}));
+  CHECK(s.lights[2].cutoff_angle == Approx(20 * kPi / 180));
+  CHECK(s.lights[2].beam_angle == Approx(15 * kPi / 180));
+  CHECK(s.lights[3].direction == Vec3(0, 0, 1));
+  CHECK(s.lights[3].cutoff_cos == Approx(0.5));
+  CHECK(s.lights[3].beam_cos == Approx(std::sqrt(0.75)));
+  CHECK(s.lights[4].direction == Vec3(0, -1, 0));
+  CHECK(s.lights[4].intensity == Rgb(1, 2, 3));
+  CHECK_THAT(body_error("<emitter type=\"constant\"/>"), Contains("<emitter type=\"constant\">"));
+}
+
+TEST_CASE("dielectric: indices as numbers or names") {
+  CHECK(bsdf("<bsdf type=\"dielectric\"/>").ior == Approx(1.5046 / 1.000277).epsilon(1e-15));
+  CHECK(bsdf("<bsdf type=\"dielectric\"><float name=\"intIOR\" value=\"1.6\"/><string "
+             "name=\"extIOR\" value=\"vacuum\"/></bsdf>")
+            .ior == 1.6);
+  CHECK(bsdf("<bsdf type=\"dielectric\"><string name=\"int_ior\" value=\"Water\"/><float "
+             "name=\"ext_ior\" value=\"1\"/></bsdf>",
+             "3.0.0")
+            .ior == 1.333);
+  CHECK_THAT(
+      body_error("<bsdf type=\"dielectric\"><string name=\"intIOR\" value=\"jelly\"/></bsdf>"),
+      Contains("'jelly' is unknown") && Contains("diamond"));
+}
+
+TEST_CASE("conductor: Cu by default in 0.x files, an ideal mirror in 3.x") {
+  const Bsdf copper = bsdf("<bsdf type=\"conductor\"/>");
+  CHECK(copper.eta.x == Approx(0.2004376970 / 1.000277));
+  CHECK(copper.k.z == Approx(2.1421879552 / 1.000277));
+  CHECK(is_black(bsdf("<bsdf type=\"conductor\"/>", "3.0.0").eta));
+  CHECK(is_black(
+      bsdf("<bsdf type=\"conductor\"><string name=\"material\" value=\"none\"/></bsdf>").k));
+  const Bsdf given = bsdf(
+      "<bsdf type=\"conductor\"><spectrum name=\"eta\" value=\"1,2,3\"/><rgb name=\"k\" "
+      "value=\"4\"/>"
+      "<float name=\"extEta\" value=\"1\"/><rgb name=\"specularReflectance\" "
+      "value=\"0.9\"/></bsdf>");
+  CHECK(given.eta == Rgb(1, 2, 3));
+  CHECK(given.k == Rgb(4));
+  CHECK(given.specular == Rgb(0.9));
+  CHECK_THAT(body_error("<bsdf type=\"conductor\"><string name=\"material\" value=\"Xx\"/></bsdf>"),
+             Contains("'Xx' is unknown") && Contains("Au"));
+}
+
+TEST_CASE("phong defaults 0.5, 0.2, n = 30") {
+  const Bsdf b = bsdf("<bsdf type=\"phong\"/>");
+  CHECK(b.diffuse == Rgb(0.5));
+  CHECK(b.specular == Rgb(0.2));
+  CHECK(b.exponent == 30);
+}
+
+TEST_CASE("colors: rgb is linear, #rrggbb, spectrum as triple or scalar, srgb decoded") {
+  const auto diffuse = [](const std::string& color) {
+    return bsdf("<bsdf type=\"diffuse\">" + color + "</bsdf>").diffuse;
+  };
+  CHECK(diffuse("<rgb name=\"reflectance\" value=\"0.1, 0.2 0.3\"/>") == Rgb(0.1, 0.2, 0.3));
+  CHECK(diffuse("<rgb name=\"reflectance\" value=\"#3300FF\"/>") == Rgb(0.2, 0, 1));
+  CHECK(diffuse("<spectrum name=\"reflectance\" value=\"0.1 0.2 0.3\"/>") == Rgb(0.1, 0.2, 0.3));
+  CHECK(diffuse("<spectrum name=\"reflectance\" value=\"0.4\"/>") == Rgb(0.4));
+  CHECK(diffuse("<srgb name=\"reflectance\" value=\"#808080\"/>").x ==
+        Approx(0.2158605).epsilon(1e-6));
+  CHECK(diffuse("<rgb name=\"diffuseReflectance\" value=\"0.1\"/>") == Rgb(0.1));
+  CHECK_THAT(body_error("<bsdf type=\"diffuse\"><spectrum name=\"reflectance\" value=\"400:0.1, "
+                        "700:0.2\"/></bsdf>"),
+             Contains("wavelengths"));
+}
+
+TEST_CASE("a BSDF that reflects more than arrives is scaled in 0.x files and refused in 3.x") {
+  const Bsdf b = bsdf(
+      "<bsdf type=\"phong\"><rgb name=\"diffuseReflectance\" value=\"0.9\"/>"
+      "<rgb name=\"specularReflectance\" value=\"0.6\"/></bsdf>");
+  CHECK(b.diffuse.x == Approx(0.9 * 0.99 / 1.5));
+  CHECK(b.specular.x == Approx(0.6 * 0.99 / 1.5));
+  CHECK(bsdf("<bsdf type=\"diffuse\"><rgb name=\"reflectance\" value=\"1\"/></bsdf>").diffuse ==
+        Rgb(1));
+  CHECK_THAT(body_error("<bsdf type=\"diffuse\"><rgb name=\"reflectance\" value=\"1.5\"/></bsdf>",
+                        "3.0.0"),
+             Contains("1.5 times the light"));
+}
+
+TEST_CASE("what is not supported is an error with file, line and name") {
+  CHECK_THAT(body_error("\n<bsdf type=\"roughplastic\" id=\"p\"/>"),
+             Contains("scene.xml:3: <bsdf type=\"roughplastic\" id=\"p\">"));
+  CHECK_THAT(body_error("<texture type=\"bitmap\" id=\"t\"/>"),
+             Contains("<texture type=\"bitmap\""));
+  CHECK_THAT(body_error("<shape type=\"cylinder\"/>"), Contains("<shape type=\"cylinder\">"));
+  CHECK_THAT(body_error("<shape type=\"disk\"><medium type=\"x\"/></shape>"), Contains("<medium"));
+  CHECK_THAT(body_error("<bsdf type=\"diffuse\"><float name=\"glow\" value=\"1\"/></bsdf>"),
+             Contains("<float name=\"glow\">") && Contains("reflectance"));
+  CHECK_THAT(
+      body_error("<bsdf type=\"diffuse\"><float name=\"reflectance\" value=\"1\" extra=\"2\"/>"
+                 "</bsdf>"),
+      Contains("attribute 'extra'"));
+  CHECK_THAT(
+      body_error("<bsdf type=\"diffuse\"><texture name=\"reflectance\" type=\"checkerboard\"/>"
+                 "</bsdf>"),
+      Contains("<texture type=\"checkerboard\""));
+  CHECK_THAT(
+      body_error("<bsdf type=\"diffuse\"><string name=\"reflectance\" value=\"red\"/></bsdf>"),
+      Contains("expected <rgb> or <spectrum>"));
+  CHECK_THAT(load_error("<scene>" + std::string(kSensor) + kLamp + "</scene>"),
+             Contains("no version"));
+  CHECK_THAT(load_error(scene_text(std::string(kSensor) + kLamp, "0.4.1")), Contains("'0.4.1'"));
+}
+
+TEST_CASE("references, aliases and identifiers") {
+  CHECK_THAT(body_error("<shape type=\"disk\"><ref id=\"nobody\"/></shape>"),
+             Contains("scene.xml:2") && Contains("'nobody'"));
+  CHECK_THAT(body_error("<bsdf type=\"diffuse\" id=\"a\"/><bsdf type=\"diffuse\" id=\"a\"/>"),
+             Contains("'a' is used twice"));
+  CHECK_THAT(body_error("<bsdf type=\"twosided\" id=\"a\"><ref id=\"a\"/></bsdf>"),
+             Contains("cyclic reference"));
+  CHECK_THAT(body_error("<bsdf type=\"twosided\" id=\"a\"><ref id=\"b\"/></bsdf>"
+                        "<bsdf type=\"twosided\" id=\"b\"><ref id=\"a\"/></bsdf>"),
+             Contains("cyclic reference"));
+  const Scene s = load_body(
+      "<bsdf type=\"phong\" id=\"a\"/><alias id=\"a\" as=\"b\"/>"
+      "<shape type=\"disk\"><ref id=\"b\"/></shape>");
+  CHECK(s.bsdfs[static_cast<size_t>(s.shapes[0].bsdf)].kind == BsdfKind::kPhong);
+}
+
+TEST_CASE("the hash is of what touches the image, not of how the file is written") {
+  const std::string body = "<shape type=\"sphere\"><float name=\"radius\" value=\"2\"/></shape>";
+  const uint64_t hash = load_body(body).hash;
+  CHECK(load_body("<!-- text -->\n" + body).hash == hash);
+  CHECK(load_body("<bsdf type=\"phong\" id=\"unused\"/>" + body).hash == hash);
+  CHECK(load_body("<default name=\"r\" value=\"2\"/><shape type=\"sphere\" id=\"x\"><float "
+                  "name=\"radius\" value=\"$r\"/></shape>")
+            .hash == hash);
+  CHECK(load_body("<shape type=\"sphere\"><float name=\"radius\" value=\"2.0000001\"/></shape>")
+            .hash != hash);
+  CHECK(load_body(body + "<integrator type=\"path\"><integer name=\"maxDepth\" value=\"3\"/>"
+                         "</integrator>")
+            .hash != hash);
+  CHECK(load_body(body + "<emitter type=\"point\"/>").hash != hash);
+}
