@@ -10,7 +10,7 @@ help: ## this list
 build: ## build/photonloom (the default)
 	@scripts/setup build
 	@cmake --preset release
-	@cmake --build build --target photonloom
+	@cmake --build build --target photonloom scenes
 
 demo: build ## images of two scenes: reference, golden, error map, metrics; then the same through the RTL
 	@scripts/setup demo

@@ -9,6 +9,7 @@
 #include <tuple>
 
 #include "golden/numeric/elementary.hpp"
+#include "golden/numeric/output_file.hpp"
 #include "golden/scene/ply.hpp"
 #include "golden/scene/text.hpp"
 
@@ -199,7 +200,7 @@ Mesh cube_mesh() {
   return mesh;
 }
 
-MeshFile read_obj(const std::string& path) { return ObjReader(path, read_whole_file(path)).read(); }
+MeshFile read_obj(const std::string& path) { return ObjReader(path, read_file(path)).read(); }
 
 MeshFile read_ply_mesh(const std::string& path) {
   const PlyTable table = read_ply(path);

@@ -2,16 +2,13 @@
 #include "golden/scene/ply.hpp"
 
 #include <fmt/core.h>
-#include <unistd.h>
 
 #include <bit>
-#include <cerrno>
 #include <cmath>
-#include <cstdio>
 #include <cstring>
 #include <limits>
-#include <memory>
 
+#include "golden/numeric/output_file.hpp"
 #include "golden/scene/scene.hpp"
 #include "golden/scene/text.hpp"
 
@@ -305,7 +302,7 @@ PlyTable parse_ply(std::string_view bytes, const std::string& path) {
   return Reader(bytes, path).read();
 }
 
-PlyTable read_ply(const std::string& path) { return parse_ply(read_whole_file(path), path); }
+PlyTable read_ply(const std::string& path) { return parse_ply(read_file(path), path); }
 
 void write_ply(const PlyTable& table, const std::string& path) {
   std::string out = "ply\nformat ";
@@ -326,49 +323,26 @@ void write_ply(const PlyTable& table, const std::string& path) {
   }
   out += "end_header\n";
 
-  // Beside the target, so that the rename stays in one file system.
-  const std::string temporary = fmt::format("{}.{}.part", path, getpid());
-  const auto fail = [&] {
-    const int reason = errno;
-    std::remove(temporary.c_str());
-    throw SceneError(fmt::format("{}: cannot be written: {}", path, std::strerror(reason)));
-  };
-  std::FILE* file = std::fopen(temporary.c_str(), "wb");
-  if (!file) fail();
-  const auto flush = [&] {
-    if (std::fwrite(out.data(), 1, out.size(), file) != out.size()) {
-      const int reason = errno;
-      std::fclose(file);
-      errno = reason;
-      fail();
-    }
-    out.clear();
-  };
-  try {
-    for (const PlyElement& element : table.elements) {
-      for (uint64_t row = 0; row < element.rows && !element.columns.empty(); ++row) {
-        for (const PlyColumn& c : element.columns) {
-          if (!c.is_list) {
-            append_value(out, c.values[row], c.type, table.format, c, path);
-            continue;
-          }
-          append_value(out, static_cast<double>(c.starts[row + 1] - c.starts[row]), c.size_type,
-                       table.format, c, path);
-          for (uint64_t i = c.starts[row]; i < c.starts[row + 1]; ++i)
-            append_value(out, c.values[i], c.type, table.format, c, path);
+  OutputFile file(path);
+  for (const PlyElement& element : table.elements) {
+    for (uint64_t row = 0; row < element.rows && !element.columns.empty(); ++row) {
+      for (const PlyColumn& c : element.columns) {
+        if (!c.is_list) {
+          append_value(out, c.values[row], c.type, table.format, c, path);
+          continue;
         }
-        if (table.format == PlyFormat::kAscii) out.back() = '\n';
-        if (out.size() > (1u << 20)) flush();
+        append_value(out, static_cast<double>(c.starts[row + 1] - c.starts[row]), c.size_type,
+                     table.format, c, path);
+        for (uint64_t i = c.starts[row]; i < c.starts[row + 1]; ++i)
+          append_value(out, c.values[i], c.type, table.format, c, path);
       }
+      if (table.format == PlyFormat::kAscii) out.back() = '\n';
+      file.write(out);
+      out.clear();
     }
-  } catch (...) {
-    std::fclose(file);
-    std::remove(temporary.c_str());
-    throw;
   }
-  flush();
-  if (std::fclose(file) != 0) fail();
-  if (std::rename(temporary.c_str(), path.c_str()) != 0) fail();
+  file.write(out);
+  file.commit();
 }
 
 }  // namespace photonloom

@@ -46,8 +46,7 @@ struct PlyTable {
 PlyTable read_ply(const std::string& path);
 PlyTable parse_ply(std::string_view bytes, const std::string& path);
 
-// The file appears whole or not at all: it is written beside `path` and renamed. Values that their
-// type cannot hold are an error.
+// The file appears whole or not at all. Values that their type cannot hold are an error.
 void write_ply(const PlyTable& table, const std::string& path);
 
 }  // namespace photonloom

@@ -1,16 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "golden/scene/text.hpp"
 
-#include <fmt/core.h>
-
-#include <cerrno>
+#include <algorithm>
 #include <charconv>
-#include <cstdio>
-#include <cstring>
-#include <filesystem>
-#include <memory>
-
-#include "golden/scene/scene.hpp"
 
 namespace photonloom {
 namespace {
@@ -38,21 +30,6 @@ std::vector<std::string_view> split(std::string_view text, std::string_view sepa
     at = end;
   }
   return words;
-}
-
-std::string read_whole_file(const std::string& path) {
-  std::error_code ignored;
-  if (std::filesystem::is_directory(path, ignored))
-    throw SceneError(fmt::format("{}: is a folder, expected a file", path));
-  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"),
-                                                             &std::fclose);
-  if (!file) throw SceneError(fmt::format("{}: cannot be read: {}", path, std::strerror(errno)));
-  std::string bytes;
-  char buffer[1 << 16];
-  while (const size_t n = std::fread(buffer, 1, sizeof buffer, file.get())) bytes.append(buffer, n);
-  if (std::ferror(file.get()))
-    throw SceneError(fmt::format("{}: cannot be read: {}", path, std::strerror(errno)));
-  return bytes;
 }
 
 std::string folder_of(const std::string& path) {

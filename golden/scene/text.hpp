@@ -19,9 +19,6 @@ std::optional<int64_t> parse_integer(std::string_view text);
 // Text between separators; no empty words.
 std::vector<std::string_view> split(std::string_view text, std::string_view separators);
 
-// Bytes of a file; throws SceneError that names the file where it cannot be read.
-std::string read_whole_file(const std::string& path);
-
 // Folder of a path with its final '/', "" for a bare file name.
 std::string folder_of(const std::string& path);
 

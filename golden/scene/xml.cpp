@@ -9,6 +9,7 @@
 #include <pugixml.hpp>
 #include <set>
 
+#include "golden/numeric/output_file.hpp"
 #include "golden/scene/text.hpp"
 
 namespace photonloom {
@@ -45,7 +46,7 @@ class Builder {
   Document build(const std::string& path) {
     document_.folders.push_back(folder_of(path));
     document_.root = std::make_unique<Element>();
-    read_file(path, *document_.root, nullptr, 0);
+    add_file(path, *document_.root, nullptr, 0);
     for (const auto& [name, parameter] : parameters_)
       if (parameter.given && !parameter.used)
         throw SceneError(fmt::format("{}: parameter '{}' given with -D is not used, expected {}",
@@ -71,7 +72,7 @@ class Builder {
   }
 
   // Reads a file into `root` (the scene file) or its children into `root` (an included one).
-  void read_file(const std::string& path, Element& root, const Element* include, int depth) {
+  void add_file(const std::string& path, Element& root, const Element* include, int depth) {
     std::error_code error;
     const std::string canonical = std::filesystem::weakly_canonical(path, error).string();
     if (std::find(open_.begin(), open_.end(), canonical) != open_.end())
@@ -81,7 +82,7 @@ class Builder {
     document_.files.push_back(path);
     File file;
     file.path = &document_.files.back();
-    const std::string text = read_whole_file(path);
+    const std::string text = read_file(path);
     file.lines.push_back(0);
     for (size_t i = 0; i < text.size(); ++i)
       if (text[i] == '\n') file.lines.push_back(i + 1);
@@ -183,7 +184,7 @@ class Builder {
       } else if (element->tag == "include") {
         if (!top) fail(*element, "<include> is allowed at the top level only");
         only_attributes(*element, {"filename"});
-        read_file(document_.find_file(*element, (*element)["filename"]), out, element.get(), depth);
+        add_file(document_.find_file(*element, (*element)["filename"]), out, element.get(), depth);
       } else if (element->tag == "alias") {
         if (!top) fail(*element, "<alias> is allowed at the top level only");
         only_attributes(*element, {"id", "as"});

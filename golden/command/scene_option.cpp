@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "golden/command/scene_option.hpp"
+
+#include <fmt/core.h>
+
+namespace photonloom {
+
+void SceneOption::add_to(CLI::App& command) {
+  command.add_option("scene", path_, "Mitsuba XML file (docs/scene.md says which elements)")
+      ->required()
+      ->type_name("SCENE");
+  command
+      .add_option("-D", definitions_, "Value of a $NAME in the scene file; wins over its <default>")
+      ->type_name("NAME=VALUE")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+}
+
+Scene SceneOption::load() const {
+  Parameters parameters;
+  for (const std::string& definition : definitions_) {
+    const size_t at = definition.find('=');
+    if (at == 0 || at == std::string::npos)
+      throw UsageError(fmt::format("-D {}: expected NAME=VALUE", definition));
+    parameters.emplace_back(definition.substr(0, at), definition.substr(at + 1));
+  }
+  return load_scene(path_, parameters);
+}
+
+}  // namespace photonloom

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+// The scene file and its -D parameters, for every command that takes a scene.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "golden/command/command.hpp"
+#include "golden/scene/scene.hpp"
+
+namespace photonloom {
+
+class SceneOption {
+ public:
+  void add_to(CLI::App& command);
+  // Throws UsageError for a malformed -D, SceneError for a bad scene.
+  Scene load() const;
+  const std::string& path() const { return path_; }
+
+ private:
+  std::string path_;
+  std::vector<std::string> definitions_;
+};
+
+}  // namespace photonloom
