@@ -2,7 +2,7 @@
 # The daily workflow. Each verb first installs its own missing packages (scripts/setup), and only those.
 JOBS := $(shell nproc)
 .DEFAULT_GOAL := build
-.PHONY: help build demo test test-full asan format clean
+.PHONY: help build demo test test-full gallery asan format clean
 
 help: ## this list
 	@sed -n 's/^\([a-z-]*\):[^#]*## \(.*\)/  make \1\t\2/p' Makefile | expand -t 24
@@ -27,6 +27,9 @@ test-full: ## all tests, the slow ones too
 	@cmake --preset release -DBUILD_TESTING=ON
 	@cmake --build build
 	@ctest --test-dir build --output-on-failure -j $(JOBS)
+
+gallery: build ## all scenes by both integrators, with metrics: docs/gallery.md and its contact sheet
+	@scripts/gallery
 
 asan: ## the quick tests under AddressSanitizer and UndefinedBehaviorSanitizer
 	@scripts/setup asan

@@ -29,3 +29,20 @@ TEST_CASE("unfinished files and folders are removed, finished ones stay") {
   CHECK(read_file(s / "finished") == "x");
   CHECK(s.entries() == 1);
 }
+
+TEST_CASE("an interrupted render leaves no file and says so by its status") {
+  for (const auto& [signal, expected] : {std::pair{"INT", 130}, {"TERM", 143}}) {
+    const Scratch s;
+    // Far more samples than fit into the time until the signal.
+    const std::string command = std::string("timeout --preserve-status -s ") + signal + " 1 '" +
+                                photonloom::test::environment("PHOTONLOOM") + "' render '" +
+                                photonloom::test::source("scenes/cornell_balls.xml") +
+                                "' --integrator path --spp 100000 -o '" + s / "a.exr" +
+                                "' --threads 1 2>/dev/null";
+    INFO(command);
+    const int status = std::system(command.c_str());
+    REQUIRE(WIFEXITED(status));
+    CHECK(WEXITSTATUS(status) == expected);
+    CHECK(s.entries() == 0);
+  }
+}
