@@ -1,0 +1,275 @@
+// SPDX-License-Identifier: Apache-2.0
+// Gather queries in, the same queries out in a coherent order: a pool of Packets packets linked into Bins bins, drained
+// by a sweep or fullest bin first; or a plain register (Key 0). Nothing leaves until Packets are held or a flush has come;
+// then one leaves for each that comes. Golden: golden/unit/reorder_buffer.cpp; definition: docs/reorder_buffer.md.
+//
+// Throughput, once full: sweep one packet a cycle but for 4 cycles once a pass through the bins; fullest n packets in
+// n + 2 cycles, n the length of the bin, and no choice sooner than Levels + 2 cycles after the last; pass-through one
+// packet a cycle. Latency from the packet that lets it go to out_valid_o: key (CellBits or 3) + 13 cycles. After reset
+// no packet is processed for 4 * Bins cycles.
+module reorder_buffer #(
+    parameter int unsigned Key = photonloom_pkg::ReorderKey,  // 0 pass-through, 1 Hilbert, 2 hash
+    parameter int unsigned Drain = photonloom_pkg::ReorderDrain,  // 0 sweep, 1 fullest
+    parameter int unsigned Packets = photonloom_pkg::ReorderPackets,
+    parameter int unsigned Bins = photonloom_pkg::ReorderBins,
+    parameter int unsigned CellBits = photonloom_pkg::ReorderCellBits,
+    parameter int unsigned PositionBits = photonloom_pkg::PositionBits
+) (
+    input  logic clk_i,
+    input  logic rst_i,
+    input  logic in_valid_i,
+    output logic in_ready_o,
+    input  photonloom_pkg::gather_query_t in_i,
+    output logic out_valid_o,
+    input  logic out_ready_i,
+    output photonloom_pkg::gather_query_t out_o,
+    output logic [31:0] count_packets_o,  // packets taken in, flushes included
+    output logic [31:0] count_flushes_o,  // flushes taken in
+    output logic [31:0] count_cycles_busy_o,  // cycles in which a packet came or went
+    output logic [31:0] count_choice_waits_o  // cycles in which a packet had to leave and its bin was not known yet
+);
+  localparam int unsigned Width = photonloom_pkg::GatherQueryPacketBits;
+
+  logic in_taken, out_taken;
+  assign in_taken  = in_valid_i && in_ready_o;
+  assign out_taken = out_valid_o && out_ready_i;
+
+  counter packets (
+      .clk_i(clk_i),
+      .rst_i(rst_i),
+      .event_i(in_taken),
+      .count_o(count_packets_o)
+  );
+  counter flushes (
+      .clk_i(clk_i),
+      .rst_i(rst_i),
+      .event_i(in_taken && in_i.flush),
+      .count_o(count_flushes_o)
+  );
+  counter cycles_busy (
+      .clk_i(clk_i),
+      .rst_i(rst_i),
+      .event_i(in_taken || out_taken),
+      .count_o(count_cycles_busy_o)
+  );
+
+  if (Key == 0) begin : gen_pass_through
+    skid_buffer #(
+        .Width(Width)
+    ) register (
+        .clk_i(clk_i),
+        .rst_i(rst_i),
+        .in_valid_i(in_valid_i),
+        .in_ready_o(in_ready_o),
+        .in_i(in_i),
+        .out_valid_o(out_valid_o),
+        .out_ready_i(out_ready_i),
+        .out_o(out_o)
+    );
+    assign count_choice_waits_o = '0;
+  end else begin : gen_reorder
+    // Binary searches want at least two bits.
+    localparam int unsigned BinBits = $clog2(Bins) > 2 ? $clog2(Bins) : 2;
+    localparam int unsigned CountBits = $clog2(Packets + 1);
+    localparam int unsigned KeyLatency = Key == 1 ? CellBits : 3;
+    localparam int unsigned KeyDepth = 16;  // packets whose key is under way, above KeyLatency + 4
+    localparam int unsigned OutDepth = 16;  // above the removal's latency
+
+    // Packets wait in one FIFO while the key pipeline, which never stalls, fills another.
+    logic [BinBits-1:0] key_bin, head_bin, bin;
+    logic [KeyLatency-1:0] key_valid_q;
+    logic wait_ready, wait_valid, head_valid, key_valid, key_ready, join_ready, join_ok;
+    logic [Width-1:0] wait_packet;
+    photonloom_pkg::gather_query_t packet;
+    logic packet_valid, packet_ready;
+
+    assign in_ready_o = wait_ready;
+
+    fifo #(
+        .Width(Width),
+        .Depth(KeyDepth)
+    ) waiting (
+        .clk_i(clk_i),
+        .rst_i(rst_i),
+        .in_valid_i(in_valid_i),
+        .in_ready_o(wait_ready),
+        .in_i(in_i),
+        .out_valid_o(wait_valid),
+        .out_ready_i(join_ok),
+        .out_o(wait_packet)
+    );
+
+    reorder_key #(
+        .Key(Key),
+        .PositionBits(PositionBits),
+        .CellBits(CellBits),
+        .Bins(Bins),
+        .BinBits(BinBits)
+    ) key (
+        .clk_i(clk_i),
+        .position_i(in_i.position),
+        .bin_o(key_bin)
+    );
+    always_ff @(posedge clk_i) begin
+      key_valid_q <= KeyLatency'({key_valid_q, in_taken});
+      if (rst_i) key_valid_q <= '0;
+    end
+    assign key_valid = key_valid_q[KeyLatency-1];
+
+    fifo #(
+        .Width(BinBits),
+        .Depth(KeyDepth)
+    ) keys (
+        .clk_i(clk_i),
+        .rst_i(rst_i),
+        .in_valid_i(key_valid),
+        .in_ready_o(key_ready),
+        .in_i(key_bin),
+        .out_valid_o(head_valid),
+        .out_ready_i(join_ok),
+        .out_o(head_bin)
+    );
+    assign join_ok = head_valid && wait_valid && join_ready;
+
+    skid_buffer #(
+        .Width(BinBits + Width)
+    ) joined (
+        .clk_i(clk_i),
+        .rst_i(rst_i),
+        .in_valid_i(head_valid && wait_valid),
+        .in_ready_o(join_ready),
+        .in_i({head_bin, wait_packet}),
+        .out_valid_o(packet_valid),
+        .out_ready_i(packet_ready),
+        .out_o({bin, packet})
+    );
+
+    // One operation a cycle: an insertion, a removal, or both.
+    logic [CountBits-1:0] held_q;
+    logic [$clog2(OutDepth+1)-1:0] credit_q;  // places in the output FIFO that no removal has claimed
+    logic pending_q;  // a packet came in, the one it lets go has not left yet
+    logic flushing_q;  // a flush is on its way out
+    logic insert, take_wanted, take_ready, take, flush, operate, lists_ready, choice_ready;
+    logic [BinBits-1:0] take_bin;
+
+    assign operate = lists_ready && choice_ready && credit_q != '0 && !flushing_q;
+    assign insert = operate && packet_valid && !packet.flush && !pending_q;
+    assign take_wanted = operate && (pending_q || (packet_valid &&
+        (packet.flush ? held_q != '0 : held_q == CountBits'(Packets - 1))));
+    assign take = take_wanted && take_ready;
+    assign flush = operate && packet_valid && packet.flush && held_q == '0 && !pending_q;
+    assign packet_ready = insert || flush;
+
+    if (Drain == 0) begin : gen_sweep
+      reorder_sweep #(
+          .BinBits(BinBits),
+          .CountBits(CountBits)
+      ) choice (
+          .clk_i(clk_i),
+          .rst_i(rst_i),
+          .clear_i(flush),
+          .ready_o(choice_ready),
+          .insert_i(insert),
+          .insert_bin_i(bin),
+          .take_i(take_wanted),
+          .take_ready_o(take_ready),
+          .bin_o(take_bin)
+      );
+    end else begin : gen_fullest
+      reorder_fullest #(
+          .BinBits(BinBits),
+          .CountBits(CountBits)
+      ) choice (
+          .clk_i(clk_i),
+          .rst_i(rst_i),
+          .clear_i(flush),
+          .ready_o(choice_ready),
+          .insert_i(insert),
+          .insert_bin_i(bin),
+          .take_i(take_wanted),
+          .take_ready_o(take_ready),
+          .bin_o(take_bin)
+      );
+    end
+
+    counter choice_waits (
+        .clk_i(clk_i),
+        .rst_i(rst_i),
+        .event_i(take_wanted && !take_ready),
+        .count_o(count_choice_waits_o)
+    );
+
+    logic insert_q, take_q, flush_q;
+    logic [BinBits-1:0] insert_bin_q, take_bin_q;
+    logic [Width-1:0] insert_packet_q, flush_packet_q, leaving;
+    logic leaving_valid, leaving_flush, out_ready;
+
+    always_ff @(posedge clk_i) begin
+      insert_q <= insert;
+      insert_bin_q <= bin;
+      insert_packet_q <= packet;
+      take_q <= take;
+      take_bin_q <= take_bin;
+      flush_q <= flush;
+      if (flush) flush_packet_q <= packet;
+
+      held_q <= held_q + CountBits'(insert) - CountBits'(take);
+      if (take) pending_q <= 1'b0;
+      else if (insert && take_wanted) pending_q <= 1'b1;
+      if (flush) flushing_q <= 1'b1;
+      else if (leaving_valid && leaving_flush) flushing_q <= 1'b0;
+      if ((take || flush) && !out_taken) credit_q <= credit_q - 1'b1;
+      else if (!(take || flush) && out_taken) credit_q <= credit_q + 1'b1;
+      if (rst_i) begin
+        insert_q <= 1'b0;
+        take_q <= 1'b0;
+        flush_q <= 1'b0;
+        held_q <= '0;
+        pending_q <= 1'b0;
+        flushing_q <= 1'b0;
+        credit_q <= ($clog2(OutDepth + 1))'(OutDepth);
+      end
+    end
+
+    reorder_lists #(
+        .Width(Width),
+        .Packets(Packets),
+        .Bins(Bins),
+        .BinBits(BinBits)
+    ) lists (
+        .clk_i(clk_i),
+        .rst_i(rst_i),
+        .ready_o(lists_ready),
+        .insert_i(insert_q),
+        .insert_bin_i(insert_bin_q),
+        .insert_packet_i(insert_packet_q),
+        .remove_i(take_q),
+        .remove_bin_i(take_bin_q),
+        .other_valid_i(flush_q),
+        .other_i(flush_packet_q),
+        .out_valid_o(leaving_valid),
+        .out_other_o(leaving_flush),
+        .out_o(leaving)
+    );
+
+    fifo #(
+        .Width(Width),
+        .Depth(OutDepth)
+    ) outgoing (
+        .clk_i(clk_i),
+        .rst_i(rst_i),
+        .in_valid_i(leaving_valid),
+        .in_ready_o(out_ready),
+        .in_i(leaving),
+        .out_valid_o(out_valid_o),
+        .out_ready_i(out_ready_i),
+        .out_o(out_o)
+    );
+
+    // The key FIFO has a place for each packet that waits, the output FIFO for each credit.
+    always_ff @(posedge clk_i) begin
+      if (!rst_i) assert (!key_valid || key_ready);
+      if (!rst_i) assert (!leaving_valid || out_ready);
+    end
+  end
+endmodule

@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: Apache-2.0
+// Which bin the next packet leaves: fullest. Takes the fullest bin (the lowest number on a tie), fixes its length, stays
+// for exactly that many packets, chooses again. One insertion and one take a cycle; a choice needs 2 cycles without an
+// insertion, and at least Levels + 2 cycles from one choice to the next. Mirrors kFullest of
+// golden/unit/reorder_buffer.cpp.
+//
+// The lengths are the leaves of a tournament of four players a match, a level a cycle. A choice takes the better of the
+// winner at the root, which knows everything up to the last choice, and of the best of the updated that grew since: a bin
+// that grows twice beats its own older entry.
+module reorder_fullest #(
+    parameter int unsigned BinBits = 9,    // at least 2
+    parameter int unsigned CountBits = 12  // of the number of packets held
+) (
+    input  logic               clk_i,
+    input  logic               rst_i,
+    input  logic               clear_i,       // the order starts afresh; nothing is held
+    output logic               ready_o,       // 0 for 2^(BinBits-2) cycles or twice as many after reset
+    input  logic               insert_i,      // not while a take waits
+    input  logic [BinBits-1:0] insert_bin_i,
+    input  logic               take_i,        // held until taken; something is held
+    output logic               take_ready_o,
+    output logic [BinBits-1:0] bin_o
+);
+  localparam int unsigned Levels = (BinBits + 1) / 2;
+  localparam int unsigned PathBits = 2 * Levels;
+
+  logic [PathBits-2:0] walk_q;
+  logic walking;
+  assign walking = !walk_q[PathBits-2];
+  assign ready_o = !walking;
+
+  // An update: the bin that got a packet, or the one that was chosen and now counts nothing.
+  logic update_q, update_chosen_q;
+  logic [PathBits-1:0] update_bin_q;
+
+  logic [CountBits-1:0] new_count;
+
+  // The wires between levels: the updated bin, and the best of the matches below with its count.
+  localparam int unsigned EntryBits = PathBits + CountBits;
+  logic [Levels:0] valid;
+  logic [(Levels+1)*PathBits-1:0] updated;
+  logic [(Levels+1)*EntryBits-1:0] entries;  // {bin below this level, count}
+
+  assign valid[0] = update_q;
+  assign updated[0+:PathBits] = update_bin_q;
+  assign entries[0+:EntryBits] = {update_bin_q, new_count};
+
+  for (genvar l = 0; l < Levels; l++) begin : gen_level
+    localparam int unsigned Below = 2 * l;  // bits of a player's bin
+    localparam int unsigned PlayerBits = CountBits + Below;
+    localparam int unsigned Depth = 1 << (PathBits - Below - 2);
+    localparam int unsigned AddressBits = Depth > 1 ? $clog2(Depth) : 1;
+
+    logic [PathBits-1:0] bin, bin_q;
+    logic [EntryBits-1:0] entry, entry_q;
+    logic [1:0] player, winner;
+    logic [AddressBits-1:0] address;
+    logic [4*PlayerBits-1:0] word, new_word;
+    logic valid_q;
+
+    assign bin = updated[l*PathBits+:PathBits];
+    assign entry = entries[l*EntryBits+:EntryBits];
+    assign player = bin[Below+:2];
+    assign address = AddressBits'(bin >> (Below + 2));
+
+    logic unused_entry;
+    assign unused_entry = &{1'b0, entry};
+    if (l == 0) begin : gen_leaf
+      assign new_count = update_chosen_q ? '0 : word[CountBits*player+:CountBits] + 1'b1;
+    end
+
+    lut_ram #(
+        .Width(4 * PlayerBits),
+        .Depth(Depth)
+    ) level_matches (
+        .clk_i(clk_i),
+        .write_i(walking || valid[l]),
+        .write_address_i(walking ? AddressBits'(walk_q) : address),
+        .write_data_i(walking ? '0 : new_word),
+        .read_address_i(address),
+        .read_data_o(word)
+    );
+
+    always_comb begin
+      new_word = word;
+      new_word[PlayerBits*player+:PlayerBits] = entry[PlayerBits-1:0];
+    end
+
+    // All pairs at once; the lower number wins a tie.
+    logic [CountBits-1:0] c0, c1, c2, c3;
+    logic beat01, beat02, beat03, beat12, beat13, beat23;
+    assign c0 = new_word[0+:CountBits];
+    assign c1 = new_word[PlayerBits+:CountBits];
+    assign c2 = new_word[2*PlayerBits+:CountBits];
+    assign c3 = new_word[3*PlayerBits+:CountBits];
+    assign beat01 = c0 >= c1;
+    assign beat02 = c0 >= c2;
+    assign beat03 = c0 >= c3;
+    assign beat12 = c1 >= c2;
+    assign beat13 = c1 >= c3;
+    assign beat23 = c2 >= c3;
+    always_comb begin
+      if (beat01 && beat02 && beat03) winner = 2'd0;
+      else if (!beat01 && beat12 && beat13) winner = 2'd1;
+      else if (!beat02 && !beat12 && beat23) winner = 2'd2;
+      else winner = 2'd3;
+    end
+
+    always_ff @(posedge clk_i) begin
+      valid_q <= valid[l];
+      bin_q   <= bin;
+      if (valid[l]) entry_q <= EntryBits'({winner, new_word[PlayerBits*winner+:PlayerBits]});
+      if (walking) entry_q <= '0;
+      if (rst_i) valid_q <= 1'b0;
+    end
+    assign valid[l+1] = valid_q;
+    assign updated[(l+1)*PathBits+:PathBits] = bin_q;
+    assign entries[(l+1)*EntryBits+:EntryBits] = entry_q;
+  end
+
+  logic unused;
+  assign unused = &{1'b0, valid[Levels], updated[Levels*PathBits+:PathBits]};
+
+  // The choice.
+  localparam int unsigned SettleBits = $clog2(Levels + 1);
+  logic [CountBits-1:0] root_count, best_count_q, chosen_count, left_q;
+  logic [PathBits-1:0] root_bin, best_bin_q, chosen_bin;
+  logic [BinBits-1:0] current_q;
+  logic [SettleBits-1:0] settle_q;  // cycles until the root knows of the last choice
+  logic root_wins, choose;
+
+  assign {root_bin, root_count} = entries[Levels*EntryBits+:EntryBits];
+  assign root_wins = root_count > best_count_q || (root_count == best_count_q && root_bin < best_bin_q);
+  assign {chosen_bin, chosen_count} = root_wins ? {root_bin, root_count} : {best_bin_q, best_count_q};
+  assign take_ready_o = left_q != '0 || (!insert_i && !update_q && settle_q == '0 && !walking);
+  assign choose = take_i && take_ready_o && left_q == '0;
+  assign bin_o = left_q != '0 ? current_q : BinBits'(chosen_bin);
+
+  always_ff @(posedge clk_i) begin
+    update_q <= insert_i || choose;
+    update_chosen_q <= choose;
+    update_bin_q <= choose ? chosen_bin : PathBits'(insert_bin_i);
+
+    if (update_q && !update_chosen_q && (new_count > best_count_q ||
+        (new_count == best_count_q && update_bin_q < best_bin_q))) begin
+      best_count_q <= new_count;
+      best_bin_q   <= update_bin_q;
+    end
+    if (settle_q != '0) settle_q <= settle_q - 1'b1;
+    if (choose) begin
+      current_q <= BinBits'(chosen_bin);
+      left_q <= chosen_count - 1'b1;
+      best_count_q <= '0;
+      settle_q <= SettleBits'(Levels);
+    end else if (take_i && take_ready_o) begin
+      left_q <= left_q - 1'b1;
+    end
+    if (walking) walk_q <= walk_q + 1'b1;
+    if (rst_i || clear_i) begin
+      left_q <= '0;
+      best_count_q <= '0;
+    end
+    if (rst_i) begin
+      walk_q   <= '0;
+      update_q <= 1'b0;
+      settle_q <= '0;
+    end
+  end
+endmodule

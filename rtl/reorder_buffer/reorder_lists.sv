@@ -1,0 +1,239 @@
+// SPDX-License-Identifier: Apache-2.0
+// The pool: packets in block RAM, linked into one FIFO per bin. One insertion and one removal a cycle, of any bins, the
+// same included; nothing ever waits. A removal may be asked for in the cycle of the insertion of the very packet that it
+// takes. out_valid_o comes 7 cycles after remove_i; an `other` word put in with other_valid_i travels through the same
+// pipeline in a removal's place.
+//
+// A bin is four lists used in turn, so that a bin's list is touched again four operations later at the earliest and no
+// result has to be forwarded. A list always ends in an empty node that waits for its next packet: an insertion fills it
+// and links a new one, so it never looks at the head, a removal never at the tail, and neither asks whether a list is
+// empty (who removes knows that there is a packet).
+//
+//   cycle  insertion                               removal
+//     0    which of the four lists                 which of the four lists
+//     1    read tail                               read head          (at 1, so that its link is read
+//     2    -                                       -                   after the insertion's write)
+//     3    write link, packet, tail                read link of head
+//     4                                            write head, give the node back
+//     5                                            read packet, give the slot back
+//     7                                            packet at out_o
+module reorder_lists #(
+    parameter int unsigned Width = 64,
+    parameter int unsigned Packets = 2048,
+    parameter int unsigned Bins = 512,
+    parameter int unsigned BinBits = 9  // at least log2(Bins)
+) (
+    input  logic               clk_i,
+    input  logic               rst_i,
+    output logic               ready_o,        // 0 for 4 * Bins cycles after reset
+    input  logic               insert_i,
+    input  logic [BinBits-1:0] insert_bin_i,
+    input  logic [  Width-1:0] insert_packet_i,
+    input  logic               remove_i,
+    input  logic [BinBits-1:0] remove_bin_i,
+    input  logic               other_valid_i,
+    input  logic [  Width-1:0] other_i,        // held until it comes out
+    output logic               out_valid_o,
+    output logic               out_other_o,    // out_o is the other word
+    output logic [  Width-1:0] out_o
+);
+  localparam int unsigned Lists = 4;
+  localparam int unsigned ListBits = $clog2(Bins) + 2;
+  // Numbers come back some cycles after the packet has left the count of packets held.
+  localparam int unsigned Slack = 16;
+  localparam int unsigned Slots = Packets + Slack;
+  localparam int unsigned SlotBits = $clog2(Slots);
+  localparam int unsigned Nodes = Lists * Bins + Packets + Slack;
+  localparam int unsigned NodeBits = $clog2(Nodes);
+  localparam int unsigned IndexBits = ListBits - 2 > 0 ? ListBits - 2 : 1;
+
+  // After reset list l holds the empty node l alone.
+  logic [ListBits:0] walk_q;
+  logic walking;
+  assign walking = !walk_q[ListBits];
+  assign ready_o = !walking;
+
+  always_ff @(posedge clk_i) begin
+    if (walking) walk_q <= walk_q + 1'b1;
+    if (rst_i) walk_q <= '0;
+  end
+
+  // Turns: which of its lists a bin fills and empties next.
+  logic [1:0] insert_turn, remove_turn;
+  logic [IndexBits-1:0] insert_index, remove_index;
+  logic [ListBits-1:0] insert_list, remove_list;
+
+  assign insert_index = IndexBits'(insert_bin_i);
+  assign remove_index = IndexBits'(remove_bin_i);
+  if (Bins > 1) begin : gen_lists
+    assign insert_list = {insert_index, insert_turn};
+    assign remove_list = {remove_index, remove_turn};
+  end else begin : gen_list
+    assign insert_list = insert_turn;
+    assign remove_list = remove_turn;
+  end
+  if (BinBits > IndexBits) begin : gen_unused
+    logic unused;
+    assign unused = &{1'b0, insert_bin_i[BinBits-1:IndexBits], remove_bin_i[BinBits-1:IndexBits]};
+  end
+
+  lut_ram #(
+      .Width(2),
+      .Depth(Bins)
+  ) insert_turns (
+      .clk_i(clk_i),
+      .write_i(walking || insert_i),
+      .write_address_i(walking ? walk_q[IndexBits-1:0] : insert_index),
+      .write_data_i(walking ? 2'd0 : insert_turn + 2'd1),
+      .read_address_i(insert_index),
+      .read_data_o(insert_turn)
+  );
+  lut_ram #(
+      .Width(2),
+      .Depth(Bins)
+  ) remove_turns (
+      .clk_i(clk_i),
+      .write_i(walking || remove_i),
+      .write_address_i(walking ? walk_q[IndexBits-1:0] : remove_index),
+      .write_data_i(walking ? 2'd0 : remove_turn + 2'd1),
+      .read_address_i(remove_index),
+      .read_data_o(remove_turn)
+  );
+
+  // Insertion.
+  logic insert1_q, insert2_q, insert3_q;
+  logic [ListBits-1:0] insert_list1_q, insert_list2_q, insert_list3_q;
+  logic [Width-1:0] packet1_q, packet2_q, packet3_q;
+  logic [NodeBits-1:0] tail_read, tail_q, new_node;
+  logic [SlotBits-1:0] new_slot;
+
+  always_ff @(posedge clk_i) begin
+    insert1_q <= insert_i;
+    insert2_q <= insert1_q;
+    insert3_q <= insert2_q;
+    insert_list1_q <= insert_list;
+    insert_list2_q <= insert_list1_q;
+    insert_list3_q <= insert_list2_q;
+    packet1_q <= insert_packet_i;
+    packet2_q <= packet1_q;
+    packet3_q <= packet2_q;
+    tail_q <= tail_read;
+    if (rst_i) begin
+      insert1_q <= 1'b0;
+      insert2_q <= 1'b0;
+      insert3_q <= 1'b0;
+    end
+  end
+
+  block_ram #(
+      .Width(NodeBits),
+      .Depth(Lists * Bins)
+  ) tails (
+      .clk_i(clk_i),
+      .write_i(walking || insert3_q),
+      .write_address_i(walking ? walk_q[ListBits-1:0] : insert_list3_q),
+      .write_data_i(walking ? NodeBits'(walk_q) : new_node),
+      .read_i(1'b1),
+      .read_address_i(insert_list1_q),
+      .read_data_o(tail_read)
+  );
+
+  // Removal.
+  logic remove1_q, remove2_q, remove3_q, remove4_q, remove5_q, remove6_q;
+  logic other1_q, other2_q, other3_q, other4_q, other5_q, other6_q;
+  logic [ListBits-1:0] remove_list1_q, remove_list2_q, remove_list3_q, remove_list4_q;
+  logic [NodeBits-1:0] head_read, head_q, head4_q, next_read;
+  logic [SlotBits-1:0] slot_read, slot_q;
+  logic [Width-1:0] packet_read;
+
+  always_ff @(posedge clk_i) begin
+    remove1_q <= remove_i;
+    remove2_q <= remove1_q;
+    remove3_q <= remove2_q;
+    remove4_q <= remove3_q;
+    remove5_q <= remove4_q;
+    remove6_q <= remove5_q;
+    other1_q <= other_valid_i;
+    other2_q <= other1_q;
+    other3_q <= other2_q;
+    other4_q <= other3_q;
+    other5_q <= other4_q;
+    other6_q <= other5_q;
+    remove_list1_q <= remove_list;
+    remove_list2_q <= remove_list1_q;
+    remove_list3_q <= remove_list2_q;
+    remove_list4_q <= remove_list3_q;
+    head_q <= head_read;
+    head4_q <= head_q;
+    slot_q <= slot_read;
+    out_valid_o <= remove6_q || other6_q;
+    out_other_o <= other6_q;
+    out_o <= other6_q ? other_i : packet_read;
+    if (rst_i) begin
+      {remove1_q, remove2_q, remove3_q, remove4_q, remove5_q, remove6_q} <= '0;
+      {other1_q, other2_q, other3_q, other4_q, other5_q, other6_q} <= '0;
+      out_valid_o <= 1'b0;
+    end
+  end
+
+  block_ram #(
+      .Width(NodeBits),
+      .Depth(Lists * Bins)
+  ) heads (
+      .clk_i(clk_i),
+      .write_i(walking || remove4_q),
+      .write_address_i(walking ? walk_q[ListBits-1:0] : remove_list4_q),
+      .write_data_i(walking ? NodeBits'(walk_q) : next_read),
+      .read_i(1'b1),
+      .read_address_i(remove_list1_q),
+      .read_data_o(head_read)
+  );
+
+  block_ram #(
+      .Width(SlotBits + NodeBits),
+      .Depth(Nodes)
+  ) links (
+      .clk_i(clk_i),
+      .write_i(insert3_q),
+      .write_address_i(tail_q),
+      .write_data_i({new_slot, new_node}),
+      .read_i(1'b1),
+      .read_address_i(head_q),
+      .read_data_o({slot_read, next_read})
+  );
+
+  block_ram #(
+      .Width(Width),
+      .Depth(Slots)
+  ) pool (
+      .clk_i(clk_i),
+      .write_i(insert3_q),
+      .write_address_i(new_slot),
+      .write_data_i(packet3_q),
+      .read_i(1'b1),
+      .read_address_i(slot_q),
+      .read_data_o(packet_read)
+  );
+
+  free_list #(
+      .Count(Nodes - Lists * Bins),
+      .First(Lists * Bins)
+  ) free_nodes (
+      .clk_i(clk_i),
+      .rst_i(rst_i),
+      .take_i(insert1_q),
+      .number_o(new_node),
+      .give_i(remove4_q),
+      .number_i(head4_q)
+  );
+  free_list #(
+      .Count(Slots)
+  ) free_slots (
+      .clk_i(clk_i),
+      .rst_i(rst_i),
+      .take_i(insert1_q),
+      .number_o(new_slot),
+      .give_i(remove5_q),
+      .number_i(slot_q)
+  );
+endmodule
