@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The pool: packets in block RAM, linked into one FIFO per bin. One insertion and one removal a cycle, of any bins, the
 // same included; nothing ever waits. A removal may be asked for in the cycle of the insertion of the very packet that it
-// takes. out_valid_o comes 7 cycles after remove_i; an `other` word put in with other_valid_i travels through the same
+// takes. out_valid_o comes 8 cycles after remove_i; an `other` word put in with other_valid_i travels through the same
 // pipeline in a removal's place.
 //
 // A bin is four lists used in turn, so that a bin's list is touched again four operations later at the earliest and no
@@ -9,14 +9,15 @@
 // and links a new one, so it never looks at the head, a removal never at the tail, and neither asks whether a list is
 // empty (who removes knows that there is a packet).
 //
-//   cycle  insertion                               removal
-//     0    which of the four lists                 which of the four lists
-//     1    read tail                               read head          (at 1, so that its link is read
-//     2    -                                       -                   after the insertion's write)
-//     3    write link, packet, tail                read link of head
-//     4                                            write head, give the node back
-//     5                                            read packet, give the slot back
-//     7                                            packet at out_o
+//   cycle  insertion                    removal
+//     0    which of the four lists      which of the four lists
+//     1    read tail                    -
+//     2    -                            read head
+//     3    write link, packet, tail     -
+//     4                                 read link of head (the packet's own insertion wrote it in cycle 3)
+//     5                                 write head, give the node back
+//     6                                 read packet, give the slot back
+//     8                                 packet at out_o
 module reorder_lists #(
     parameter int unsigned Width = 64,
     parameter int unsigned Packets = 2048,
@@ -138,40 +139,30 @@ module reorder_lists #(
       .read_data_o(tail_read)
   );
 
-  // Removal.
-  logic remove1_q, remove2_q, remove3_q, remove4_q, remove5_q, remove6_q;
-  logic other1_q, other2_q, other3_q, other4_q, other5_q, other6_q;
-  logic [ListBits-1:0] remove_list1_q, remove_list2_q, remove_list3_q, remove_list4_q;
-  logic [NodeBits-1:0] head_read, head_q, head4_q, next_read;
-  logic [SlotBits-1:0] slot_read, slot_q;
+  // Removal. Bit n of the shift registers is cycle n + 1.
+  logic [6:0] remove_q, other_q;
+  logic [ListBits-1:0] remove_list1_q, remove_list2_q, remove_list3_q, remove_list4_q, remove_list5_q;
+  logic [NodeBits-1:0] head_read, head4_q, head5_q, next_read;
+  logic [SlotBits-1:0] slot_read, slot6_q;
   logic [Width-1:0] packet_read;
 
   always_ff @(posedge clk_i) begin
-    remove1_q <= remove_i;
-    remove2_q <= remove1_q;
-    remove3_q <= remove2_q;
-    remove4_q <= remove3_q;
-    remove5_q <= remove4_q;
-    remove6_q <= remove5_q;
-    other1_q <= other_valid_i;
-    other2_q <= other1_q;
-    other3_q <= other2_q;
-    other4_q <= other3_q;
-    other5_q <= other4_q;
-    other6_q <= other5_q;
+    remove_q <= {remove_q[5:0], remove_i};
+    other_q <= {other_q[5:0], other_valid_i};
     remove_list1_q <= remove_list;
     remove_list2_q <= remove_list1_q;
     remove_list3_q <= remove_list2_q;
     remove_list4_q <= remove_list3_q;
-    head_q <= head_read;
-    head4_q <= head_q;
-    slot_q <= slot_read;
-    out_valid_o <= remove6_q || other6_q;
-    out_other_o <= other6_q;
-    out_o <= other6_q ? other_i : packet_read;
+    remove_list5_q <= remove_list4_q;
+    head4_q <= head_read;
+    head5_q <= head4_q;
+    slot6_q <= slot_read;
+    out_valid_o <= remove_q[6] || other_q[6];
+    out_other_o <= other_q[6];
+    out_o <= other_q[6] ? other_i : packet_read;
     if (rst_i) begin
-      {remove1_q, remove2_q, remove3_q, remove4_q, remove5_q, remove6_q} <= '0;
-      {other1_q, other2_q, other3_q, other4_q, other5_q, other6_q} <= '0;
+      remove_q <= '0;
+      other_q <= '0;
       out_valid_o <= 1'b0;
     end
   end
@@ -181,11 +172,11 @@ module reorder_lists #(
       .Depth(Lists * Bins)
   ) heads (
       .clk_i(clk_i),
-      .write_i(walking || remove4_q),
-      .write_address_i(walking ? walk_q[ListBits-1:0] : remove_list4_q),
+      .write_i(walking || remove_q[4]),
+      .write_address_i(walking ? walk_q[ListBits-1:0] : remove_list5_q),
       .write_data_i(walking ? NodeBits'(walk_q) : next_read),
       .read_i(1'b1),
-      .read_address_i(remove_list1_q),
+      .read_address_i(remove_list2_q),
       .read_data_o(head_read)
   );
 
@@ -198,7 +189,7 @@ module reorder_lists #(
       .write_address_i(tail_q),
       .write_data_i({new_slot, new_node}),
       .read_i(1'b1),
-      .read_address_i(head_q),
+      .read_address_i(head4_q),
       .read_data_o({slot_read, next_read})
   );
 
@@ -211,7 +202,7 @@ module reorder_lists #(
       .write_address_i(new_slot),
       .write_data_i(packet3_q),
       .read_i(1'b1),
-      .read_address_i(slot_q),
+      .read_address_i(slot6_q),
       .read_data_o(packet_read)
   );
 
@@ -223,8 +214,8 @@ module reorder_lists #(
       .rst_i(rst_i),
       .take_i(insert1_q),
       .number_o(new_node),
-      .give_i(remove4_q),
-      .number_i(head4_q)
+      .give_i(remove_q[4]),
+      .number_i(head5_q)
   );
   free_list #(
       .Count(Slots)
@@ -233,7 +224,7 @@ module reorder_lists #(
       .rst_i(rst_i),
       .take_i(insert1_q),
       .number_o(new_slot),
-      .give_i(remove5_q),
-      .number_i(slot_q)
+      .give_i(remove_q[5]),
+      .number_i(slot6_q)
   );
 endmodule
