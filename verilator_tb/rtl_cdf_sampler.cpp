@@ -21,7 +21,8 @@ class RtlCdfSampler final : public ClockedCdfSampler {
     uint64_t owed = 0;
     for (const SamplerInput& packet : in) {
       in_.push(packet);
-      owed += packet.kind == 2;
+      open_ |= packet.kind == 0;
+      owed += open_ && packet.kind == 2;  // before the first header nothing is owed
     }
     packets_ += in.size();
     const uint64_t until = out_.stream().taken() + owed;
@@ -45,6 +46,7 @@ class RtlCdfSampler final : public ClockedCdfSampler {
 
  private:
   int latency_;
+  bool open_ = false;
   uint64_t packets_ = 0;
   Rig rig_;
   PacketSource<SamplerInput> in_;

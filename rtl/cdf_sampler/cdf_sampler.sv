@@ -1,0 +1,445 @@
+// SPDX-License-Identifier: Apache-2.0
+// Photons and sample requests in, directions with their probability out. A stream of tables: header, photons, requests.
+// Photons that come before a header, after a table's first request or beyond the K-th are ignored, so are requests
+// before the first header. Golden: golden/unit/cdf_sampler.cpp; definition: docs/cdf_sampler.md.
+//
+// Two tables alternate: while one is sampled, a sample a cycle, the next one's photons add up and its prefix sums are
+// made. A table takes at most max(photons, 2^(CellBits-1) + 1) + 4^CellBits + 16 cycles from its header; a sample takes
+// 4 * CellBits + 6 cycles from its request, and comes in order. Requests wait in a FIFO of RequestDepth while their table
+// is built; where a table has more of them, the next one begins when they have found place. No packet is taken for
+// 4^CellBits cycles after reset.
+module cdf_sampler #(
+    parameter int unsigned CellBits = photonloom_pkg::CellBits,
+    parameter int unsigned DirectionBits = photonloom_pkg::DirectionBits,
+    parameter int unsigned NormalBits = photonloom_pkg::NormalBits,
+    parameter int unsigned Channels = photonloom_pkg::Channels,
+    parameter int unsigned MantissaBits = photonloom_pkg::MantissaBits,
+    parameter int unsigned ExponentBits = photonloom_pkg::ExponentBits,
+    parameter int unsigned K = photonloom_pkg::K,
+    parameter int unsigned ProbabilityBits = photonloom_pkg::ProbabilityBits,
+    parameter int unsigned UBits = photonloom_pkg::UBits,
+    parameter int unsigned VBits = photonloom_pkg::VBits,
+    parameter int unsigned Combine = photonloom_pkg::Combine,  // 0 sum, 1 product
+    parameter int unsigned RequestDepth = 64  // a power of two
+) (
+    input  logic clk_i,
+    input  logic rst_i,
+    input  logic in_valid_i,
+    output logic in_ready_o,
+    input  photonloom_pkg::sampler_input_t in_i,
+    output logic out_valid_o,
+    input  logic out_ready_i,
+    output photonloom_pkg::sample_t out_o,
+    output logic [31:0] count_tables_o,  // headers taken in
+    output logic [31:0] count_photons_o,  // photons that counted
+    output logic [31:0] count_samples_o,  // samples given out
+    output logic [31:0] count_cycles_busy_o,  // cycles in which a table was built or a sample was under way
+    output logic [31:0] count_cycles_building_o  // cycles from header to finished table
+);
+  localparam int unsigned IndexBits = 2 * CellBits;
+  localparam int unsigned AxisBits = NormalBits + 2;
+  localparam int unsigned PowerBits = MantissaBits + $clog2(Channels) + (1 << ExponentBits) - 1;
+  localparam int unsigned PowerTotalBits = PowerBits + $clog2(K);
+  localparam int unsigned CosineTotalBits = 3 * CellBits + NormalBits + 8;
+  localparam int unsigned TotalBits = ProbabilityBits + IndexBits;
+  localparam int unsigned PixelBits = photonloom_pkg::PixelBits;
+  localparam int unsigned SampleBits = photonloom_pkg::SampleBits;
+  localparam int unsigned TagBits = photonloom_pkg::TagBits;
+  localparam int unsigned SampleWidth = photonloom_pkg::SamplePacketBits;
+  localparam int unsigned CountBits = $clog2(K + 1);
+
+  localparam logic [1:0] Header = 2'd0;
+  localparam logic [1:0] Photon = 2'd1;
+  localparam logic [1:0] Request = 2'd2;
+
+  photonloom_pkg::sampler_input_t packet;
+  logic valid, ready;
+  skid_buffer #(
+      .Width(photonloom_pkg::SamplerInputPacketBits)
+  ) incoming (
+      .clk_i(clk_i),
+      .rst_i(rst_i),
+      .in_valid_i(in_valid_i),
+      .in_ready_o(in_ready_o),
+      .in_i(in_i),
+      .out_valid_o(valid),
+      .out_ready_i(ready),
+      .out_o(packet)
+  );
+
+  // The table being built.
+  typedef enum logic [1:0] {
+    Idle,  // no table takes photons: none yet, or the last one is finished
+    Add,   // photons add up
+    Walk,  // cells are read
+    Drain  // the last weights are on their way
+  } state_t;
+  state_t state_q;
+  logic open_q;  // a header has come
+  logic table_q;  // which of the two tables
+  logic [PixelBits-1:0] header_pixel_q;
+  logic [SampleBits-1:0] header_sample_q;
+  logic [3*AxisBits-1:0] normal, normal_q;
+  logic [CountBits-1:0] photons_q;
+  logic [IndexBits-1:0] walk_cell_q;
+  logic begin_table, end_photons, add_photon, power_ready, cosine_last, last_weight;
+
+  // Both tables.
+  logic [1:0] finished_q;
+  logic [2*PixelBits-1:0] pixels_q;
+  logic [2*SampleBits-1:0] samples_q;
+  logic [2*TotalBits-1:0] totals_q;
+  logic [1:0] owing;  // samples are still owed from this table
+
+  // What becomes of the packet.
+  logic request_push, request_ready, old_samples_out;
+  assign old_samples_out = !owing[table_q];
+  assign begin_table = valid && packet.kind == Header && power_ready &&
+      (state_q == Idle || (state_q == Add && photons_q == '0));
+  assign add_photon = valid && packet.kind == Photon && state_q == Add && photons_q != CountBits'(K);
+  // The first request, or a header with no request before it, ends the photons.
+  assign end_photons = valid && state_q == Add && old_samples_out && cosine_last &&
+      (packet.kind == Request || (packet.kind == Header && photons_q != '0));
+  assign request_push = valid && packet.kind == Request && open_q && state_q != Add;
+  always_comb begin
+    unique case (packet.kind)
+      Header:  ready = begin_table;
+      Request: ready = power_ready && (!open_q || (state_q != Add && request_ready));
+      default: ready = power_ready;
+    endcase
+  end
+
+  oct_decode #(
+      .Bits(NormalBits)
+  ) normal_of_header (
+      .code_i(packet.normal),
+      .direction_o(normal)
+  );
+
+  always_ff @(posedge clk_i) begin
+    if (begin_table) begin
+      state_q <= Add;
+      open_q <= 1'b1;
+      table_q <= !table_q;
+      header_pixel_q <= packet.pixel;
+      header_sample_q <= packet.sample;
+      normal_q <= normal;
+      photons_q <= '0;
+    end
+    if (add_photon) photons_q <= photons_q + 1'b1;
+    if (end_photons) begin
+      state_q <= Walk;
+      walk_cell_q <= '0;
+    end
+    if (state_q == Walk) begin
+      walk_cell_q <= walk_cell_q + 1'b1;
+      if (walk_cell_q == '1) state_q <= Drain;
+    end
+    if (last_weight) state_q <= Idle;
+    if (rst_i) begin
+      state_q <= Idle;
+      open_q  <= 1'b0;
+      table_q <= 1'b0;
+    end
+  end
+
+  // Photons: their power in all channels, in their cell.
+  logic [MantissaBits+$clog2(Channels)-1:0] mantissas;
+  logic [IndexBits-1:0] photon_cell, add_cell_q, power_cell;
+  logic [PowerBits-1:0] add_power_q;
+  logic add_q, power_read, begin_q;
+  logic [PowerTotalBits-1:0] power, power_total;
+
+  always_comb begin
+    mantissas = '0;
+    for (int unsigned c = 0; c < Channels; c++) begin
+      mantissas = mantissas + ($clog2(Channels) + MantissaBits)'(packet.mantissa[MantissaBits*c+:MantissaBits]);
+    end
+  end
+  assign photon_cell = {packet.direction[2*DirectionBits-1-:CellBits], packet.direction[DirectionBits-1-:CellBits]};
+  if (DirectionBits > CellBits) begin : gen_finer
+    logic unused;
+    assign unused = &{1'b0, packet.direction[DirectionBits+:DirectionBits-CellBits],
+        packet.direction[0+:DirectionBits-CellBits]};
+  end
+
+  always_ff @(posedge clk_i) begin
+    add_q <= add_photon;
+    add_cell_q <= photon_cell;
+    add_power_q <= PowerBits'(mantissas) << packet.exponent;
+    begin_q <= begin_table;
+    if (rst_i) add_q <= 1'b0;
+  end
+
+  cdf_sampler_power #(
+      .IndexBits(IndexBits),
+      .PowerBits(PowerBits),
+      .TotalBits(PowerTotalBits)
+  ) powers (
+      .clk_i(clk_i),
+      .rst_i(rst_i),
+      .ready_o(power_ready),
+      .start_i(begin_q),
+      .add_i(add_q),
+      .add_cell_i(add_cell_q),
+      .add_power_i(add_power_q),
+      .read_i(power_read),
+      .read_cell_i(power_cell),
+      .power_o(power),
+      .total_o(power_total)
+  );
+
+  // The BRDF's total, beside the photons.
+  logic [NormalBits:0] magnitude_x, magnitude_y, magnitude_z;
+  logic [CosineTotalBits-1:0] cosine_total;
+  assign magnitude_x = (NormalBits + 1)'(normal_q[AxisBits-1] ? -normal_q[0+:AxisBits] : normal_q[0+:AxisBits]);
+  assign magnitude_y = (NormalBits + 1)'(normal_q[2*AxisBits-1] ? -normal_q[AxisBits+:AxisBits] :
+      normal_q[AxisBits+:AxisBits]);
+  assign magnitude_z = (NormalBits + 1)'(normal_q[3*AxisBits-1] ? -normal_q[2*AxisBits+:AxisBits] :
+      normal_q[2*AxisBits+:AxisBits]);
+
+  if (Combine == 0) begin : gen_cosine_total
+    cdf_sampler_cosine_total #(
+        .CellBits(CellBits),
+        .NormalBits(NormalBits),
+        .TotalBits(CosineTotalBits)
+    ) cosine_sum (
+        .clk_i(clk_i),
+        .rst_i(rst_i),
+        .start_i(begin_q),
+        .x_i(magnitude_x),
+        .y_i(magnitude_y),
+        .z_i(magnitude_z),
+        .last_o(cosine_last),
+        .total_o(cosine_total)
+    );
+  end else begin : gen_no_cosine_total
+    logic unused;
+    assign unused = &{1'b0, magnitude_x, magnitude_y, magnitude_z};
+    assign cosine_last = 1'b1;
+    assign cosine_total = '0;
+  end
+
+  // Weights, and their prefix sums.
+  logic weight_valid;
+  logic [IndexBits-1:0] weight_cell;
+  logic [ProbabilityBits-1:0] weight;
+  logic [TotalBits-1:0] prefix_q, prefix_next;
+  cdf_sampler_weights #(
+      .CellBits(CellBits),
+      .NormalBits(NormalBits),
+      .PowerBits(PowerTotalBits),
+      .CosineBits(CosineTotalBits),
+      .ProbabilityBits(ProbabilityBits),
+      .Combine(Combine)
+  ) weights (
+      .clk_i(clk_i),
+      .rst_i(rst_i),
+      .walk_i(state_q == Walk),
+      .cell_i(walk_cell_q),
+      .normal_i(normal_q),
+      .power_read_o(power_read),
+      .power_cell_o(power_cell),
+      .power_i(power),
+      .power_total_i(power_total),
+      .cosine_total_i(cosine_total),
+      .weight_valid_o(weight_valid),
+      .weight_cell_o(weight_cell),
+      .weight_o(weight)
+  );
+  assign prefix_next = prefix_q + TotalBits'(weight);
+  assign last_weight = weight_valid && weight_cell == '1;
+
+  always_ff @(posedge clk_i) begin
+    if (end_photons) begin
+      prefix_q <= '0;
+      finished_q[table_q] <= 1'b0;
+      pixels_q[PixelBits*table_q+:PixelBits] <= header_pixel_q;
+      samples_q[SampleBits*table_q+:SampleBits] <= header_sample_q;
+    end
+    if (weight_valid) prefix_q <= prefix_next;
+    if (last_weight) begin
+      finished_q[table_q] <= 1'b1;
+      totals_q[TotalBits*table_q+:TotalBits] <= prefix_next;
+    end
+    if (rst_i) finished_q <= '0;
+  end
+
+  // Requests wait for their table.
+  localparam int unsigned SideBits = 1 + TagBits + 2 * VBits;
+  logic head_valid, issue, head_table;
+  logic [UBits-1:0] head_u;
+  logic [SideBits-1:0] head_side;
+  fifo #(
+      .Width(UBits + SideBits),
+      .Depth(RequestDepth)
+  ) requests (
+      .clk_i(clk_i),
+      .rst_i(rst_i),
+      .in_valid_i(request_push && power_ready),
+      .in_ready_o(request_ready),
+      .in_i({packet.u, table_q, packet.tag, packet.v}),
+      .out_valid_o(head_valid),
+      .out_ready_i(issue),
+      .out_o({head_u, head_side})
+  );
+  assign head_table = head_side[SideBits-1];
+
+  // A request goes on its way when there will be room for its sample.
+  localparam int unsigned SearchLatency = 2 * IndexBits;
+  localparam int unsigned Latency = 1 + 3 + SearchLatency;  // from issue to the search's result
+  localparam int unsigned OutDepth = 1 << $clog2(Latency + 4);
+  localparam int unsigned CreditBits = $clog2(OutDepth + 1);
+  logic [CreditBits-1:0] credit_q;
+  logic [Latency:1] under_way_q;
+  logic out_taken, out_ready;
+  assign out_taken = out_valid_o && out_ready_i;
+  assign issue = head_valid && finished_q[head_table] && credit_q != '0;
+
+  // t = (u W) >> UBits.
+  logic [UBits-1:0] u1_q;
+  logic [TotalBits-1:0] total1_q, t, total4;
+  logic [UBits+TotalBits-1:0] u_product;
+  logic [3:0] tables_q;
+  always_ff @(posedge clk_i) begin
+    u1_q <= head_u;
+    total1_q <= head_table ? totals_q[TotalBits+:TotalBits] : totals_q[0+:TotalBits];
+    tables_q <= {tables_q[2:0], head_table};
+    under_way_q <= {under_way_q[Latency-1:1], issue};
+    if (issue && !out_taken) credit_q <= credit_q - 1'b1;
+    else if (!issue && out_taken) credit_q <= credit_q + 1'b1;
+    if (rst_i) begin
+      under_way_q <= '0;
+      credit_q <= CreditBits'(OutDepth);
+    end
+  end
+  multiplier #(
+      .ABits(UBits),
+      .BBits(TotalBits)
+  ) u_times_total (
+      .clk_i(clk_i),
+      .a_i(u1_q),
+      .b_i(total1_q),
+      .product_o(u_product)
+  );
+  assign t = u_product[UBits+:TotalBits];
+  assign total4 = tables_q[3] ? totals_q[TotalBits+:TotalBits] : totals_q[0+:TotalBits];
+  logic unused_product;
+  assign unused_product = &{1'b0, u_product[UBits-1:0]};
+
+  logic [IndexBits-1:0] found_cell;
+  logic [TotalBits-1:0] found_weight;
+  cdf_sampler_search #(
+      .IndexBits(IndexBits),
+      .TotalBits(TotalBits)
+  ) search (
+      .clk_i(clk_i),
+      .write_i(weight_valid),
+      .write_table_i(table_q),
+      .write_cell_i(weight_cell),
+      .write_prefix_i(prefix_q),
+      .table_i(tables_q[3]),
+      .t_i(t),
+      .total_i(total4),
+      .cell_o(found_cell),
+      .weight_o(found_weight)
+  );
+  logic unused_weight;
+  assign unused_weight = &{1'b0, found_weight[TotalBits-1:ProbabilityBits]};
+
+  // What a request carries waits beside the search.
+  logic side_ready, side_valid, side_table;
+  logic [TagBits-1:0] side_tag;
+  logic [2*VBits-1:0] side_v;
+  logic found;
+  assign found = under_way_q[Latency];
+  fifo #(
+      .Width(SideBits),
+      .Depth(OutDepth)
+  ) sides (
+      .clk_i(clk_i),
+      .rst_i(rst_i),
+      .in_valid_i(issue),
+      .in_ready_o(side_ready),
+      .in_i(head_side),
+      .out_valid_o(side_valid),
+      .out_ready_i(found),
+      .out_o({side_table, side_tag, side_v})
+  );
+
+  photonloom_pkg::sample_t sample;
+  always_comb begin
+    sample.pixel = side_table ? pixels_q[PixelBits+:PixelBits] : pixels_q[0+:PixelBits];
+    sample.sample = side_table ? samples_q[SampleBits+:SampleBits] : samples_q[0+:SampleBits];
+    sample.tag = side_tag;
+    sample.direction = {found_cell[CellBits+:CellBits], side_v[VBits+:VBits], found_cell[0+:CellBits], side_v[0+:VBits]};
+    sample.cell_index = found_cell;
+    sample.weight = found_weight[ProbabilityBits-1:0];
+    sample.total = side_table ? totals_q[TotalBits+:TotalBits] : totals_q[0+:TotalBits];
+  end
+  fifo #(
+      .Width(SampleWidth),
+      .Depth(OutDepth)
+  ) outgoing (
+      .clk_i(clk_i),
+      .rst_i(rst_i),
+      .in_valid_i(found),
+      .in_ready_o(out_ready),
+      .in_i(sample),
+      .out_valid_o(out_valid_o),
+      .out_ready_i(out_ready_i),
+      .out_o(out_o)
+  );
+
+  // Samples owed by each table, from the request's arrival until its sample is complete.
+  localparam int unsigned OwedBits = $clog2(RequestDepth + OutDepth + 1);
+  for (genvar i = 0; i < 2; i++) begin : gen_owed
+    logic [OwedBits-1:0] owed_q;
+    logic more, less;
+    assign more = request_push && power_ready && request_ready && table_q == 1'(i);
+    assign less = found && side_table == 1'(i);
+    always_ff @(posedge clk_i) begin
+      owed_q <= owed_q + OwedBits'(more) - OwedBits'(less);
+      if (rst_i) owed_q <= '0;
+    end
+    assign owing[i] = owed_q != '0;
+  end
+
+  counter tables (
+      .clk_i(clk_i),
+      .rst_i(rst_i),
+      .event_i(begin_table),
+      .count_o(count_tables_o)
+  );
+  counter photons (
+      .clk_i(clk_i),
+      .rst_i(rst_i),
+      .event_i(add_photon),
+      .count_o(count_photons_o)
+  );
+  counter samples (
+      .clk_i(clk_i),
+      .rst_i(rst_i),
+      .event_i(out_taken),
+      .count_o(count_samples_o)
+  );
+  counter cycles_busy (
+      .clk_i(clk_i),
+      .rst_i(rst_i),
+      .event_i(state_q != Idle || owing != '0 || out_valid_o),
+      .count_o(count_cycles_busy_o)
+  );
+  counter cycles_building (
+      .clk_i(clk_i),
+      .rst_i(rst_i),
+      .event_i(state_q != Idle),
+      .count_o(count_cycles_building_o)
+  );
+
+  // The FIFOs beside the pipeline have a place for each credit, and a table is rewritten only when nothing is owed.
+  always_ff @(posedge clk_i) begin
+    if (!rst_i) assert (!issue || side_ready);
+    if (!rst_i) assert (!found || (side_valid && out_ready));
+    if (!rst_i) assert (!weight_valid || finished_q[table_q] == 1'b0);
+  end
+endmodule

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Apache-2.0
+// TB, the sum of B(c) = max(0, o(c) . o(n)) J(c) over all cells, in 2^(CellBits-1) + 1 steps instead of 4^CellBits: the
+// cells whose centres differ in signs only share J, and with a, b, c = |x nx|, |y ny|, |z nz| the eight of them add up to
+// max(2 (a + b + c), 4 max(a, b, c)); the four of a centre on the octahedron's equator to half of that.
+// last_o comes with the last step, the total 5 cycles after it; start_i begins anew at any time.
+module cdf_sampler_cosine_total #(
+    parameter int unsigned CellBits = 4,
+    parameter int unsigned NormalBits = 8,
+    parameter int unsigned TotalBits = 28
+) (
+    input  logic                 clk_i,
+    input  logic                 rst_i,
+    input  logic                 start_i,
+    input  logic [ NormalBits:0] x_i,      // |components| of the decoded normal, from start_i to last_o
+    input  logic [ NormalBits:0] y_i,
+    input  logic [ NormalBits:0] z_i,
+    output logic                 last_o,   // and after it, until start_i
+    output logic [TotalBits-1:0] total_o
+);
+  localparam int unsigned Half = 1 << (CellBits - 1);
+  localparam int unsigned Lanes = Half > 1 ? Half / 2 : 1;
+  localparam int unsigned Steps = Half > 1 ? Half + 1 : 1;
+  localparam int unsigned StepBits = $clog2(Steps + 1);
+  localparam int unsigned TermBits = CellBits + NormalBits + 1;  // a, b, c
+  localparam int unsigned IndexBits = CellBits > 1 ? CellBits - 1 : 1;
+
+  logic [StepBits-1:0] step_q;
+  logic running_q;
+  logic [3:0] valid_q;
+  assign last_o = !start_i && (!running_q || step_q == StepBits'(Steps - 1));
+
+  // Each lane goes along a row of the first quadrant's triangle and then along the row that fills the time.
+  logic [Lanes*TotalBits-1:0] products;
+  for (genvar lane = 0; lane < Lanes; lane++) begin : gen_lane
+    localparam int unsigned Other = Half - 1 - lane;
+    localparam logic [StepBits-1:0] Turn = StepBits'(Half - 1 - lane);  // last step of the first row
+
+    logic [TermBits-1:0] a_q, b_q, c_q, largest_q;
+    logic [TermBits+1:0] sum_q;
+    logic [TermBits+2:0] octants_q;
+    logic equator, equator1_q;
+    logic [IndexBits-1:0] column;
+    logic [7:0] jacobian, jacobian1_q, jacobian2_q;
+    logic [TotalBits-1:0] product_q;
+
+    assign column  = IndexBits'(step_q <= Turn ? step_q : step_q - Turn - 1'b1);
+    assign equator = step_q == Turn || step_q == StepBits'(Steps - 1);
+
+    cdf_sampler_jacobian #(
+        .CellBits(CellBits)
+    ) table_of_cells (
+        .column_i(column),
+        .row_i(step_q <= Turn ? IndexBits'(lane) : IndexBits'(Other)),
+        .jacobian_o(jacobian)
+    );
+
+    always_ff @(posedge clk_i) begin
+      if (start_i || step_q == Turn) begin
+        a_q <= TermBits'(x_i);
+        b_q <= TermBits'(y_i) * TermBits'(start_i ? 2 * lane + 1 : 2 * Other + 1);
+        c_q <= TermBits'(z_i) * TermBits'(start_i ? 2 * Half - 2 - 2 * lane : 2 * Half - 2 - 2 * Other);
+      end else begin
+        a_q <= a_q + (TermBits'(x_i) << 1);
+        c_q <= c_q - (TermBits'(z_i) << 1);
+      end
+
+      sum_q <= (TermBits + 2)'(a_q) + (TermBits + 2)'(b_q) + (TermBits + 2)'(c_q);
+      largest_q <= a_q >= b_q ? (a_q >= c_q ? a_q : c_q) : (b_q >= c_q ? b_q : c_q);
+      equator1_q <= equator;
+      jacobian1_q <= jacobian;
+
+      octants_q <= (sum_q >= {1'b0, largest_q, 1'b0} ? {sum_q, 1'b0} : {1'b0, largest_q, 2'b00}) >> equator1_q;
+      jacobian2_q <= jacobian1_q;
+
+      product_q <= TotalBits'(octants_q) * TotalBits'(jacobian2_q);
+    end
+    assign products[TotalBits*lane+:TotalBits] = product_q;
+  end
+
+  logic [TotalBits-1:0] sum, lanes_q;
+  always_comb begin
+    sum = '0;
+    for (int unsigned i = 0; i < Lanes; i++) sum = sum + products[TotalBits*i+:TotalBits];
+  end
+
+  always_ff @(posedge clk_i) begin
+    step_q <= start_i ? '0 : step_q + 1'b1;
+    running_q <= start_i || (running_q && step_q != StepBits'(Steps - 1));
+    valid_q <= {valid_q[2:0], running_q};
+    lanes_q <= sum;
+    if (valid_q[3]) total_o <= total_o + lanes_q;
+    if (start_i) begin
+      valid_q <= '0;
+      total_o <= '0;
+    end
+    if (rst_i) begin
+      running_q <= 1'b0;
+      valid_q   <= '0;
+    end
+  end
+endmodule

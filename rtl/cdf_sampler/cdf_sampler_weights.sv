@@ -1,0 +1,248 @@
+// SPDX-License-Identifier: Apache-2.0
+// Weights of the cells, one a cycle in the order of their numbers: exact sum P TB + B max(TP, 1), or product P' B,
+// narrowed once by a shift, at least 1 where the cell touches the open upper hemisphere, else 0. Latency 11 from walk_i
+// to weight_valid_o. The totals must be there 4 cycles after the first walk_i (TP: 5, for the shift) and stay until the
+// last weight. Mirrors build_sample_table of golden/unit/cdf_sampler.cpp.
+//
+//   cycle 0  number -> centre                          5-7  products, limb by limb
+//         1  centre x normal; cell's power asked for   8    sum
+//         2  B's Jacobian; margin of the corners       9    shift, coarse and
+//         3  dot product                               10   fine
+//         4  B, touching; P                            11   floor
+module cdf_sampler_weights #(
+    parameter int unsigned CellBits = 4,
+    parameter int unsigned NormalBits = 8,
+    parameter int unsigned PowerBits = 48,  // of P and TP
+    parameter int unsigned CosineBits = 28,  // of TB
+    parameter int unsigned ProbabilityBits = 16,
+    parameter int unsigned Combine = 0,  // 0 sum, 1 product
+    localparam int unsigned IndexBits = 2 * CellBits,
+    localparam int unsigned AxisBits = NormalBits + 2
+) (
+    input  logic                       clk_i,
+    input  logic                       rst_i,
+    input  logic                       walk_i,
+    input  logic [      IndexBits-1:0] cell_i,
+    input  logic [     3*AxisBits-1:0] normal_i,        // decoded; z, y, x from the top
+    output logic                       power_read_o,
+    output logic [      IndexBits-1:0] power_cell_o,
+    input  logic [      PowerBits-1:0] power_i,         // P, 2 cycles after power_read_o
+    input  logic [      PowerBits-1:0] power_total_i,   // TP
+    input  logic [     CosineBits-1:0] cosine_total_i,  // TB
+    output logic                       weight_valid_o,
+    output logic [      IndexBits-1:0] weight_cell_o,
+    output logic [ProbabilityBits-1:0] weight_o
+);
+  localparam int unsigned CentreBits = CellBits + 2;
+  localparam int unsigned DotBits = CellBits + NormalBits + 3;
+  localparam int unsigned BBits = CellBits + NormalBits + 8;
+  localparam int unsigned HalfBits = CellBits > 1 ? CellBits - 1 : 1;
+  localparam int unsigned WidthBits = $clog2(PowerBits + CosineBits + BBits + 2);  // of a number of bits
+
+  // What goes along: number and validity of the cell in each cycle.
+  logic [11:1] valid_q;
+  logic [11*IndexBits-1:0] cells_q;
+  always_ff @(posedge clk_i) begin
+    valid_q <= {valid_q[10:1], walk_i};
+    cells_q <= (11 * IndexBits)'({cells_q, cell_i});
+    if (rst_i) valid_q <= '0;
+  end
+  assign power_read_o = valid_q[2];
+  assign power_cell_o = cells_q[IndexBits+:IndexBits];
+  assign weight_valid_o = valid_q[11];
+  assign weight_cell_o = cells_q[10*IndexBits+:IndexBits];
+
+  // 0: the centre.
+  logic [CellBits-1:0] column, row;
+  logic [3*CentreBits-1:0] centre;
+  logic signed [CentreBits-1:0] x1_q, y1_q, z1_q;
+  logic left1_q, front1_q;
+  logic [HalfBits-1:0] quadrant_column1_q, quadrant_row1_q, quadrant_column2_q, quadrant_row2_q;
+
+  assign {row, column} = cell_i;
+  oct_decode #(
+      .Bits(CellBits)
+  ) centre_of_cell (
+      .code_i({row, column}),
+      .direction_o(centre)
+  );
+  always_ff @(posedge clk_i) begin
+    {z1_q, y1_q, x1_q} <= centre;
+    // The side of the unfolded square.
+    left1_q <= !column[CellBits-1];
+    front1_q <= !row[CellBits-1];
+    quadrant_column1_q <= HalfBits'(column[CellBits-1] ? column : ~column);
+    quadrant_row1_q <= HalfBits'(row[CellBits-1] ? row : ~row);
+    quadrant_column2_q <= quadrant_column1_q;
+    quadrant_row2_q <= quadrant_row1_q;
+  end
+
+  // 1: products with the normal, and the differences whose sum is how far the highest corner lies above the centre:
+  // |a - nz| + |b - nz| on the upper half of the octahedron, |a + nz| + |b + nz| on the lower, and on the cells that fold
+  // over its equator the larger of |a - b| and 2 |nz| - a - b, where a and b are nx and ny with the quadrant's signs.
+  logic signed [AxisBits-1:0] nx, ny, nz;
+  logic signed [AxisBits:0] a, b;
+  logic signed [AxisBits+2:0] first, second, first2_q, second2_q;
+  logic signed [DotBits-1:0] px2_q, py2_q, pz2_q;
+  logic equator2_q, equator3_q;
+
+  assign {nz, ny, nx} = normal_i;
+  assign a = left1_q ? -(AxisBits + 1)'(nx) : (AxisBits + 1)'(nx);
+  assign b = front1_q ? -(AxisBits + 1)'(ny) : (AxisBits + 1)'(ny);
+  always_comb begin
+    if (z1_q == '0) begin
+      first  = (AxisBits + 3)'(a) - (AxisBits + 3)'(b);
+      second = (nz[AxisBits-1] ? -((AxisBits + 3)'(nz) <<< 1) : (AxisBits + 3)'(nz) <<< 1) - (AxisBits + 3)'(a) -
+          (AxisBits + 3)'(b);
+    end else if (z1_q[CentreBits-1]) begin
+      first  = (AxisBits + 3)'(a) + (AxisBits + 3)'(nz);
+      second = (AxisBits + 3)'(b) + (AxisBits + 3)'(nz);
+    end else begin
+      first  = (AxisBits + 3)'(a) - (AxisBits + 3)'(nz);
+      second = (AxisBits + 3)'(b) - (AxisBits + 3)'(nz);
+    end
+  end
+  always_ff @(posedge clk_i) begin
+    px2_q <= DotBits'(x1_q) * DotBits'(nx);
+    py2_q <= DotBits'(y1_q) * DotBits'(ny);
+    pz2_q <= DotBits'(z1_q) * DotBits'(nz);
+    first2_q <= first;
+    second2_q <= second;
+    equator2_q <= z1_q == '0;
+  end
+
+  // 2: the dot product, the magnitudes, the Jacobian.
+  logic signed [DotBits-1:0] dot3_q;
+  logic signed [AxisBits+2:0] first3_q, second3_q;
+  logic [7:0] jacobian, jacobian3_q;
+  cdf_sampler_jacobian #(
+      .CellBits(CellBits)
+  ) jacobian_of_cell (
+      .column_i(quadrant_column2_q),
+      .row_i(quadrant_row2_q),
+      .jacobian_o(jacobian)
+  );
+  always_ff @(posedge clk_i) begin
+    dot3_q <= px2_q + py2_q + pz2_q;
+    first3_q <= first2_q[AxisBits+2] ? -first2_q : first2_q;
+    second3_q <= second2_q[AxisBits+2] && !equator2_q ? -second2_q : second2_q;
+    equator3_q <= equator2_q;
+    jacobian3_q <= jacobian;
+  end
+
+  // 3: B, and whether the highest corner is above the horizon.
+  logic signed [DotBits-1:0] margin, highest;
+  logic [BBits-1:0] b4_q;
+  logic touches4_q;
+  assign margin = equator3_q ? (first3_q >= second3_q ? DotBits'(first3_q) : DotBits'(second3_q)) :
+      DotBits'(first3_q) + DotBits'(second3_q);
+  assign highest = dot3_q + margin;
+  always_ff @(posedge clk_i) begin
+    b4_q <= dot3_q[DotBits-1] ? '0 : BBits'(unsigned'(dot3_q)) * BBits'(jacobian3_q);
+    touches4_q <= !highest[DotBits-1] && highest != '0;
+  end
+
+  // 4 to 8: the exact weight.
+  localparam int unsigned ExactBits = Combine == 0 ? PowerBits + CosineBits + 1 : PowerBits + BBits;
+  logic [PowerBits-1:0] power_weight;
+  logic [ExactBits-1:0] exact8_q;
+  assign power_weight = power_total_i == '0 ? PowerBits'(1) : power_total_i;
+
+  if (Combine == 0) begin : gen_sum
+    logic [PowerBits+CosineBits-1:0] power_product;
+    logic [PowerBits+BBits-1:0] cosine_product;
+    multiplier #(
+        .ABits(PowerBits),
+        .BBits(CosineBits)
+    ) power_times_total (
+        .clk_i(clk_i),
+        .a_i(power_i),
+        .b_i(cosine_total_i),
+        .product_o(power_product)
+    );
+    multiplier #(
+        .ABits(PowerBits),
+        .BBits(BBits)
+    ) cosine_times_total (
+        .clk_i(clk_i),
+        .a_i(power_weight),
+        .b_i(b4_q),
+        .product_o(cosine_product)
+    );
+    always_ff @(posedge clk_i) exact8_q <= ExactBits'(power_product) + ExactBits'(cosine_product);
+  end else begin : gen_product
+    logic [ExactBits-1:0] product;
+    multiplier #(
+        .ABits(PowerBits),
+        .BBits(BBits)
+    ) power_times_cosine (
+        .clk_i(clk_i),
+        .a_i(power_total_i == '0 ? PowerBits'(1) : power_i),
+        .b_i(b4_q),
+        .product_o(product)
+    );
+    always_ff @(posedge clk_i) exact8_q <= product;
+  end
+
+  // The shift: bits of an upper bound of the table's exact total less those of a weight, at least 0.
+  logic [WidthBits-1:0] power_width_q, cosine_width_q, bound, narrow_q;
+  logic [PowerBits-1:0] power_reversed;
+  logic power_any;
+  logic [(PowerBits > 1 ? $clog2(PowerBits) : 1)-1:0] power_zeros;
+  for (genvar i = 0; i < PowerBits; i++) begin : gen_reverse_power
+    assign power_reversed[i] = power_weight[PowerBits-1-i];
+  end
+  lowest_bit #(
+      .Width(PowerBits)
+  ) power_width (
+      .bits_i(power_reversed),
+      .any_o(power_any),
+      .index_o(power_zeros)
+  );
+  if (Combine == 0) begin : gen_cosine_width
+    logic [CosineBits-1:0] cosine_reversed;
+    logic cosine_any;
+    logic [$clog2(CosineBits)-1:0] cosine_zeros;
+    for (genvar i = 0; i < CosineBits; i++) begin : gen_reverse_cosine
+      assign cosine_reversed[i] = cosine_total_i[CosineBits-1-i];
+    end
+    lowest_bit #(
+        .Width(CosineBits)
+    ) cosine_width (
+        .bits_i(cosine_reversed),
+        .any_o(cosine_any),
+        .index_o(cosine_zeros)
+    );
+    always_ff @(posedge clk_i) begin
+      cosine_width_q <= WidthBits'(CosineBits) - WidthBits'(cosine_zeros) + 1'b1;
+    end
+    logic unused_any;
+    assign unused_any = &{1'b0, cosine_any};
+  end else begin : gen_constant
+    assign cosine_width_q = WidthBits'(BBits);
+    logic unused_total;
+    assign unused_total = &{1'b0, cosine_total_i};
+  end
+  logic unused;
+  assign unused = &{1'b0, power_any};
+  assign bound = power_width_q + cosine_width_q;
+  always_ff @(posedge clk_i) begin
+    power_width_q <= WidthBits'(PowerBits) - WidthBits'(power_zeros);
+    narrow_q <= bound > WidthBits'(ProbabilityBits) ? bound - WidthBits'(ProbabilityBits) : '0;
+  end
+
+  // 8 to 10: shifted by its multiples of 8, then by the rest; what is left fits.
+  localparam int unsigned FineBits = ProbabilityBits + 7;
+  logic [FineBits-1:0] coarse9_q;
+  logic [ProbabilityBits-1:0] narrow10_q;
+  always_ff @(posedge clk_i) begin
+    coarse9_q  <= FineBits'(exact8_q >> {narrow_q[WidthBits-1:3], 3'b000});
+    narrow10_q <= ProbabilityBits'(coarse9_q >> narrow_q[2:0]);
+  end
+
+  logic [10:5] touches_q;
+  always_ff @(posedge clk_i) begin
+    touches_q <= {touches_q[9:5], touches4_q};
+    weight_o <= !touches_q[10] ? '0 : narrow10_q == '0 ? ProbabilityBits'(1) : narrow10_q;
+  end
+endmodule
