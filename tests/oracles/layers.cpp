@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: Apache-2.0
+// Photon map and path tracer integrate the same light: the means of their layers agree, on scenes
+// with mirrors, glass, glossy lobes, shading normals and every emitter. The photon mapper here is
+// the textbook one in double, cosine-distributed gather rays, so that only transport is judged.
+#include <tbb/parallel_for.h>
+
+#include <array>
+#include <cmath>
+
+#include "golden/numeric/elementary.hpp"
+#include "golden/transport/sampling.hpp"
+#include "golden/unit/reference_gather.hpp"
+#include "tests/catch.hpp"
+#include "tests/oracles/scenes.hpp"
+#include "tests/oracles/statistics.hpp"
+
+using namespace photonloom;
+using namespace photonloom::oracle;
+
+namespace {
+
+enum Layer { kEmission, kDirectLayer, kCaustic, kIndirect, kLayers };
+const char* const kNames[kLayers] = {"emission", "direct", "caustic", "indirect"};
+using Layers = std::array<double, kLayers>;
+
+constexpr int kSize = 24, kBatches = 6;
+constexpr int kNeighbours = 30;
+
+// A radius^2 that holds twice the neighbours at the mean density.
+double radius2(const World& world, uint64_t photons) {
+  return 2 * kNeighbours * world.diffuse_area() / (kPi * static_cast<double>(photons));
+}
+
+class PhotonMapper {
+ public:
+  PhotonMapper(const World& world, uint64_t photons, uint64_t seed)
+      : world_(world),
+        caster_(make_double_bvh(world)),
+        seed_(seed),
+        r2_(radius2(world, photons)),
+        global_(trace_global_photons(world, *caster_, photons, seed).photons),
+        caustic_(trace_caustic_photons(world, *caster_, photons, seed).photons) {}
+
+  // Mean over the image of each layer's green channel.
+  Layers image(int spp) const {
+    std::vector<Layers> pixels(kSize * kSize);
+    tbb::parallel_for(0, kSize * kSize, [&](int i) {
+      Layers& p = pixels[static_cast<size_t>(i)];
+      p = {};
+      for (int s = 0; s < spp; ++s) add_sample(i, static_cast<uint64_t>(s), p);
+    });
+    Layers mean{};
+    for (const Layers& p : pixels)
+      for (size_t l = 0; l < kLayers; ++l) mean[l] += p[l] / (kSize * kSize * spp);
+    return mean;
+  }
+
+ private:
+  Rgb estimate(const ReferenceGather& map, const DiffuseHit& x) const {
+    std::vector<ReferenceNeighbour> found;
+    map.find(x.position, x.normal, kNeighbours, r2_, found);
+    return map.irradiance(found, kNeighbours, r2_, 0, Kernel::kFlat);
+  }
+  void add_sample(int pixel, uint64_t sample, Layers& p) const {
+    const CameraSample c =
+        trace_camera(world_, *caster_, pixel % kSize, pixel / kSize, sample, seed_);
+    p[kEmission] += c.emission.y;
+    p[kDirectLayer] += c.direct.y;
+    p[kIndirect] += c.indirect.y;
+    if (!c.diffuse) return;
+    p[c.first ? kCaustic : kIndirect] += (c.weight * estimate(caustic_, c.x)).y;
+    const uint64_t number = static_cast<uint64_t>(pixel);
+    const Random r(seed_, Phase::kSampler, (number << 32) | sample);
+    constexpr uint64_t kRays = 4;
+    for (uint64_t ray = 0; ray < kRays; ++ray) {
+      const Vec3 d =
+          Frame(c.x.shading_normal).to_world(sample_cosine({r.unit(ray, 0), r.unit(ray, 1)}));
+      const GatherSample g = trace_gather(world_, *caster_, c.x, d, number, sample, ray, seed_);
+      Rgb radiance = g.radiance;
+      if (g.diffuse) radiance += g.weight * estimate(global_, g.y);
+      p[kIndirect] += (c.weight * radiance).y * (kPi / static_cast<double>(kRays));
+    }
+  }
+
+  const World& world_;
+  std::unique_ptr<RayCaster> caster_;
+  uint64_t seed_;
+  double r2_;
+  ReferenceGather global_, caustic_;
+};
+
+// Mean and standard error of each layer from independent batches.
+template <class Batch>
+std::array<Estimate, kLayers> in_batches(Batch&& batch) {
+  std::array<Tally, kLayers> tallies;
+  for (uint64_t b = 0; b < kBatches; ++b) {
+    const Layers mean = batch(b);
+    for (size_t l = 0; l < kLayers; ++l) tallies[l].add(mean[l]);
+  }
+  std::array<Estimate, kLayers> out;
+  for (size_t l = 0; l < kLayers; ++l) out[l] = tallies[l].estimate();
+  return out;
+}
+
+void check_layers(const char* name, const Scene& scene, int path_spp, uint64_t seed) {
+  const World world(scene);
+  const auto caster = make_embree(world);
+  const auto path = in_batches([&](uint64_t b) {
+    PathOptions options;
+    options.spp = path_spp;
+    options.seed = seed + b;
+    const Image image = render_path(world, *caster, options);
+    Layers mean;
+    for (size_t l = 0; l < kLayers; ++l)
+      mean[l] = channel_mean(image, std::string(kNames[l]) + ".G");
+    return mean;
+  });
+  const auto photons =
+      in_batches([&](uint64_t b) { return PhotonMapper(world, 60000, seed + 100 + b).image(16); });
+  const double stated[kLayers] = {0.01, 0.01, 0.03, 0.03};
+  for (size_t l = 0; l < kLayers; ++l) {
+    const double error = std::hypot(path[l].error, photons[l].error);
+    INFO(name << ", seed " << seed << ", " << kNames[l] << ": path " << path[l].mean << " +- "
+              << path[l].error << ", photons " << photons[l].mean << " +- " << photons[l].error);
+    CHECK(std::fabs(path[l].mean - photons[l].mean) <=
+          std::max(stated[l] * path[l].mean, 4 * error));
+    if (l != kCaustic) CHECK(error <= 0.02 * path[l].mean);
+  }
+}
+
+// Five walls, open to the camera; lamp or not.
+Scene room(bool lamp) {
+  Scene s;
+  const int white = add_diffuse(s, Rgb(0.7)), red = add_diffuse(s, Rgb(0.6, 0.3, 0.1)),
+            green = add_diffuse(s, Rgb(0.1, 0.6, 0.1));
+  const Vec3 x(1, 0, 0), y(0, 1, 0), z(0, 0, 1);
+  add_quad(s, white, Vec3(0), z, x);
+  add_quad(s, white, y, x, z);
+  add_quad(s, white, z, y, x);
+  add_quad(s, red, Vec3(0), y, z);
+  add_quad(s, green, x, z, y);
+  if (lamp) add_quad(s, -1, Vec3(0.3, 0.998, 0.3), x * 0.4, z * 0.4).radiance = Rgb(10);
+  set_camera(s, Vec3(0.5, 0.5, -1.4), Vec3(0.5, 0.5, 0), y, 40, kSize, kSize);
+  return s;
+}
+
+// A ball of flat triangles with the ball's normals.
+void add_smooth_ball(Scene& s, int bsdf, const Vec3& centre, double r, uint32_t n) {
+  Shape ball;
+  ball.bsdf = bsdf;
+  for (uint32_t i = 0; i <= n; ++i)
+    for (uint32_t j = 0; j <= 2 * n; ++j) {
+      const Vec2 t = cos_sin_turns(0.5 * i / n), p = cos_sin_turns(0.5 * j / n);
+      const Vec3 d(t.y * p.x, t.x, t.y * p.y);
+      ball.mesh.positions.push_back(centre + r * d);
+      ball.mesh.normals.push_back(d);
+    }
+  for (uint32_t i = 0; i < n; ++i)
+    for (uint32_t j = 0; j < 2 * n; ++j) {
+      const uint32_t a = i * (2 * n + 1) + j, b = a + 2 * n + 1;
+      ball.mesh.triangles.push_back({a, a + 1, b});
+      ball.mesh.triangles.push_back({a + 1, b + 1, b});
+    }
+  s.shapes.push_back(ball);
+}
+
+}  // namespace
+
+TEST_CASE("layers agree: mirror and glass balls") {
+  Scene s = room(true);
+  add_sphere(s, add_mirror(s, Rgb(0.9)), Vec3(0.3, 0.2, 0.65), 0.2);
+  add_sphere(s, add_glass(s, 1.5), Vec3(0.7, 0.2, 0.35), 0.2);
+  check_layers("balls", s, 512, 1);
+}
+
+TEST_CASE("layers agree: glossy surfaces, seen in glass") {
+  Scene s = room(true);
+  add_sphere(s, add_phong(s, Rgb(0.3), Rgb(0.5), 30), Vec3(0.3, 0.2, 0.65), 0.2);
+  add_quad(s, add_phong(s, Rgb(0.1), Rgb(0.6), 300), Vec3(0.1, 0.01, 0.1), Vec3(0, 0, 0.5),
+           Vec3(0.8, 0, 0));
+  add_sphere(s, add_glass(s, 1.5), Vec3(0.7, 0.3, 0.35), 0.2);
+  check_layers("glossy", s, 512, 2);
+}
+
+TEST_CASE("layers agree: coarse balls with smooth normals") {
+  Scene s = room(true);
+  add_smooth_ball(s, add_diffuse(s, Rgb(0.8)), Vec3(0.3, 0.25, 0.65), 0.2, 6);
+  add_smooth_ball(s, add_glass(s, 1.5), Vec3(0.7, 0.25, 0.35), 0.2, 8);
+  add_smooth_ball(s, add_mirror(s), Vec3(0.7, 0.7, 0.65), 0.15, 8);
+  add_smooth_ball(s, add_phong(s, Rgb(0.3), Rgb(0.5), 20), Vec3(0.3, 0.7, 0.65), 0.15, 5);
+  check_layers("smooth normals", s, 512, 3);
+}
+
+TEST_CASE("layers agree: sphere, disk, point, spot and directional light") {
+  Scene s = room(false);
+  add_sphere(s, add_diffuse(s, Rgb(0.5)), Vec3(0.3, 0.6, 0.5), 0.05).radiance = Rgb(10, 20, 5);
+  Shape& disk = add_sphere(s, -1, Vec3(0.99, 0.5, 0.5), 0.1);
+  disk.kind = ShapeKind::kDisk;
+  disk.to_world[0] = {0, 0.1, 0, 0};
+  disk.to_world[1] = {0, 0, 0.2, 0};
+  disk.to_world[2] = {-0.1, 0, 0, 0};
+  disk.radiance = Rgb(5);
+  Light light;
+  light.position = Vec3(0.4, 0.7, 0.3);
+  light.intensity = Rgb(0.2);
+  s.lights.push_back(light);
+  light.kind = LightKind::kSpot;
+  light.position = Vec3(0.2, 0.9, 0.2);
+  light.direction = glm::normalize(Vec3(0.5, -1, 0.4));
+  light.cutoff_angle = 0.6;
+  light.beam_angle = 0.3;
+  light.cutoff_cos = std::cos(0.6);
+  light.beam_cos = std::cos(0.3);
+  light.intensity = Rgb(2);
+  s.lights.push_back(light);
+  light.kind = LightKind::kDirectional;
+  light.direction = glm::normalize(Vec3(0.3, -0.5, 1));
+  light.intensity = Rgb(0.5);
+  s.lights.push_back(light);
+  check_layers("emitters", s, 256, 4);
+}
