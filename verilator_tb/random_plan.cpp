@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 
+#include "golden/plan/plan_file.hpp"
 #include "verilator_tb/bench.hpp"
 
 namespace photonloom {
 
-Plan random_plan(uint64_t seed) {
-  RoleRandom random(seed, "plan");
+namespace {
+
+Plan draw(RoleRandom& random) {
   const auto between = [&](int low, int high) {
     return low + static_cast<int>(random.below(static_cast<uint64_t>(high - low) + 1));
   };
@@ -15,7 +17,7 @@ Plan random_plan(uint64_t seed) {
   p.direction_bits = between(2, 12);
   p.mantissa_bits = between(4, 12);
   p.exponent_bits = between(2, 5);
-  p.channels = between(1, 3);
+  p.channels = random.below(3) ? 3 : 1;
   p.bucket = random.below(2) ? 8 : 16;
   p.photon_bytes = std::max(4, (p.photon_bits() + 7) / 8);
   // Lines fill whole beats of 16 bytes.
@@ -27,7 +29,8 @@ Plan random_plan(uint64_t seed) {
   p.caustic.present = random.below(2) != 0;
   if (p.caustic.present) p.caustic.photons = static_cast<uint64_t>(between(1, 1000));
   for (MapPlan* m : {&p.global, &p.caustic})
-    m->r2_max = random.below(2) ? p.r2_limit() : random.bits() & ones(between(1, p.r2_bits()));
+    if (m->present)
+      m->r2_max = random.below(2) ? p.r2_limit() : random.bits() & ones(between(1, p.r2_bits()));
   p.r2_floor = 1 + (random.bits() & ones(between(0, p.position_bits)));
   p.epsilon_factor = 1;
   if (random.below(3) == 0) {
@@ -47,7 +50,7 @@ Plan random_plan(uint64_t seed) {
   p.reorder_drain = static_cast<ReorderDrain>(between(0, 1));
   p.reorder_packets = between(1, 600);
   p.reorder_bins = 1 << between(0, 9);
-  p.reorder_cell_bits = std::min(between(1, 5), p.position_bits);
+  p.reorder_cell_bits = std::min(between(3, 5), p.position_bits);
   p.cell_bits = between(1, std::min(4, p.direction_bits));
   p.probability_bits = between(8, 20);
   p.u_bits = std::min(48, p.total_bits() + between(8, 12));
@@ -58,6 +61,16 @@ Plan random_plan(uint64_t seed) {
   p.spp = between(1, 64);
   p.gather_rays = between(1, 64);
   return p;
+}
+
+}  // namespace
+
+Plan random_plan(uint64_t seed) {
+  RoleRandom random(seed, "plan");
+  for (;;) {
+    const Plan plan = draw(random);
+    if (!find_problem(plan)) return plan;
+  }
 }
 
 }  // namespace photonloom

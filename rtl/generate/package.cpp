@@ -3,6 +3,7 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <cctype>
 
 #include "golden/packet/layout.hpp"
@@ -67,6 +68,10 @@ std::vector<PackageConstant> package_constants(const Plan& plan) {
   LINE(u_bits, "bits of the number that picks the cell");
   LINE(v_bits, "bits of each number that places the direction in it");
   number("combine", static_cast<uint64_t>(plan.combine), "0 sum, 1 product");
+  number("line_beat_bits", 128, "one beat of the line port");
+  number("line_tag_bits",
+         static_cast<uint64_t>(std::max(1, clog2(static_cast<uint64_t>(plan.cache_misses)))),
+         "tag of a line request");
   WIDTH(r2_bits, "squared distance");
   WIDTH(line_bits, "line number");
   WIDTH(slot_bits, "slot in a line");

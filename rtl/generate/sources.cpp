@@ -86,9 +86,10 @@ void visit(const std::map<std::string, std::string>& modules, const std::string&
 
 }  // namespace
 
-std::vector<std::string> module_files(const std::string& rtl_dir, const std::string& module) {
+std::vector<std::string> module_files(const std::string& rtl_dir, const std::string& module,
+                                      const std::set<std::string>& without) {
   const auto modules = index_modules(rtl_dir);
-  std::set<std::string> seen;
+  std::set<std::string> seen = without;
   std::vector<std::string> files;
   visit(modules, rtl_dir, module, seen, files);
   return files;

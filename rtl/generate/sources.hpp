@@ -2,6 +2,7 @@
 // The hand-written SystemVerilog: which files a unit uses, and the ports of a module. Relies on the
 // rules of rtl/: a module a file, named like it; one port a line, its meaning in a comment behind.
 #pragma once
+#include <set>
 #include <string>
 #include <vector>
 
@@ -12,8 +13,10 @@ std::string default_rtl_dir();
 
 // Files of `module` and of everything that it instantiates, directly or not, each after those it
 // uses; paths relative to `rtl_dir`, which is searched one level deep (rtl/<folder>/<module>.sv).
-// An unknown module is an error.
-std::vector<std::string> module_files(const std::string& rtl_dir, const std::string& module);
+// Modules named in `without` are left out with all that only they use. An unknown module is an
+// error.
+std::vector<std::string> module_files(const std::string& rtl_dir, const std::string& module,
+                                      const std::set<std::string>& without = {});
 
 struct ModulePort {
   bool output = false;

@@ -1,0 +1,409 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rtl/generate/hardware.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cctype>
+#include <filesystem>
+#include <set>
+#include <stdexcept>
+
+#include "golden/numeric/output_file.hpp"
+#include "golden/packet/layout.hpp"
+#include "rtl/generate/package.hpp"
+#include "rtl/generate/sources.hpp"
+#include "rtl/generate/tables.hpp"
+
+namespace photonloom {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr const char* kChip = "photonloom_chip";
+
+bool has(const std::vector<std::string>& list, const std::string& name) {
+  return std::find(list.begin(), list.end(), name) != list.end();
+}
+
+// Modules that stand in branches which this plan does not take.
+std::set<std::string> modules_not_taken(const Plan& plan) {
+  std::set<std::string> without;
+  if (plan.reorder_key != ReorderKey::kHilbert) without.insert("hilbert_index");
+  if (plan.reorder_key == ReorderKey::kNone || plan.reorder_drain != ReorderDrain::kSweep)
+    without.insert("reorder_sweep");
+  if (plan.reorder_key == ReorderKey::kNone || plan.reorder_drain != ReorderDrain::kFullest)
+    without.insert("reorder_fullest");
+  if (plan.reorder_key == ReorderKey::kNone) without.insert("reorder_key");
+  if (plan.reciprocal_bits == 0) without.insert("reciprocal");
+  return without;
+}
+
+// Streams that the chip wires inside, by unit.
+bool is_inner(const std::string& unit, const std::string& port, bool reordered) {
+  const auto is_stream = [&](const std::string& stream, bool unit_gives) {
+    const char* forward = unit_gives ? "_o" : "_i";
+    const char* back = unit_gives ? "_i" : "_o";
+    return port == stream + "_valid" + forward || port == stream + forward ||
+           port == stream + "_ready" + back;
+  };
+  if (unit == "reorder_buffer") return is_stream("in", false) || is_stream("out", true);
+  return unit == "photon_gatherer" && is_stream("in", false) && reordered;
+}
+
+// How a unit's port is called on the chip.
+std::string chip_port(const std::string& unit, const std::string& port) {
+  if (port == "clk_i" || port == "rst_i") return port;
+  if (unit == "cdf_sampler") return "sampler_" + port;
+  if (unit == "photon_gatherer" && port.rfind("in_", 0) == 0) return "query_" + port.substr(3);
+  if (port.rfind("count_", 0) == 0) return unit + "_" + port;
+  return port;
+}
+
+struct ChipPort {
+  bool output;
+  std::string type, name, meaning, unit, port;
+};
+
+// Widths in a unit's port list may use its parameters: on the chip they are the package's, of the
+// same name. The gatherer's own TagBits is that of its line port.
+std::string package_type(const std::string& type, const std::string& unit) {
+  const auto is_word = [](char c) {
+    return std::isalnum(static_cast<unsigned char>(c)) || c == '_';
+  };
+  const bool named = type.find("photonloom_pkg::") != std::string::npos;
+  std::string out;
+  for (size_t i = 0; i < type.size();) {
+    std::string word;
+    while (i < type.size() && is_word(type[i])) word += type[i++];
+    if (named || word.empty() || !std::isupper(static_cast<unsigned char>(word[0])))
+      out += word;
+    else if (unit == "photon_gatherer" && word == "TagBits")
+      out += "photonloom_pkg::LineTagBits";
+    else
+      out += "photonloom_pkg::" + word;
+    if (!word.empty()) continue;
+    if (!(type[i] == ' ' && !out.empty() && (out.back() == ' ' || out.back() == '[')))
+      out += type[i];
+    ++i;
+  }
+  return out;
+}
+
+// What a port of a stream means is the same everywhere.
+std::string meaning_of(const std::string& name, const std::string& type,
+                       const std::string& meaning) {
+  if (!meaning.empty()) return meaning;
+  const auto ends = [&](const std::string& end) {
+    return name.size() > end.size() && name.compare(name.size() - end.size(), end.size(), end) == 0;
+  };
+  if (name == "clk_i") return "clock";
+  if (name == "rst_i") return "reset, synchronous";
+  if (ends("_valid_i") || ends("_valid_o")) return "offered";
+  if (ends("_ready_i") || ends("_ready_o")) return "taken when offered";
+  if (type.rfind("photonloom_pkg::", 0) == 0) return "the packet";
+  return "";
+}
+
+std::vector<ChipPort> chip_ports(const Plan& plan, const std::string& rtl_dir) {
+  const std::vector<std::string> units = units_present(plan);
+  const bool reordered = has(units, "reorder_buffer");
+  std::vector<ChipPort> ports;
+  for (const std::string& unit : units)
+    for (const ModulePort& p : module_ports(rtl_dir, unit)) {
+      if (is_inner(unit, p.name, reordered)) continue;
+      const std::string name = chip_port(unit, p.name);
+      if (std::any_of(ports.begin(), ports.end(),
+                      [&](const ChipPort& q) { return q.name == name; }))
+        continue;  // clock and reset
+      ports.push_back({p.output, package_type(p.type, unit), name,
+                       meaning_of(name, p.type, p.meaning), unit, p.name});
+    }
+  if (reordered) {
+    const std::string query = "photonloom_pkg::gather_query_t";
+    ports.insert(ports.begin() + 2, {{false, "logic", "query_valid_i", "queries, see docs", "", ""},
+                                     {true, "logic", "query_ready_o", "", "", ""},
+                                     {false, query, "query_i", "", "", ""}});
+  }
+  ports.push_back({true, "logic [63:0]", "plan_hash_o", "hash of the plan", "", ""});
+  return ports;
+}
+
+std::string port_table(const std::vector<ChipPort>& ports) {
+  std::string text = "| port | direction | type | meaning |\n|---|---|---|---|\n";
+  for (const ChipPort& p : ports)
+    text += fmt::format("| `{}` | {} | `{}` | {} |\n", p.name, p.output ? "out" : "in", p.type,
+                        p.meaning);
+  return text;
+}
+
+// Bits of memory and multipliers that follow from the plan, a row each.
+std::string budget_table(const Plan& plan, const std::vector<std::string>& units) {
+  std::string text = "| what | size |\n|---|---|\n";
+  const auto row = [&](const std::string& what, const std::string& size) {
+    text += fmt::format("| {} | {} |\n", what, size);
+  };
+  if (has(units, "photon_gatherer")) {
+    const uint64_t nodes = plan.lines(plan.global) + plan.lines(plan.caustic);
+    const int line = plan.bucket * plan.photon_bytes;
+    row("external line memory", fmt::format("{} lines of {} bytes = {} bytes", nodes, line,
+                                            nodes * static_cast<uint64_t>(line)));
+    row("node memory", fmt::format("{} x {} bits", nodes, plan.position_bits + 2));
+    row("leaf cache", fmt::format("{} bytes, {} ways", plan.cache_bytes, plan.cache_ways));
+    row("candidate lists", fmt::format("{} contexts x {} entries x {} bits of (d2, index)",
+                                       plan.contexts, plan.k, plan.r2_bits() + plan.index_bits()));
+    row("distance lanes",
+        fmt::format("{} x 3 squares of {} bits", plan.lanes, plan.position_bits + 1));
+    row("flux accumulators", fmt::format("{} channels x {} bits", plan.channels, plan.flux_bits()));
+  }
+  if (has(units, "reorder_buffer")) {
+    row("reorder pool", fmt::format("{} packets x {} bits", plan.reorder_packets,
+                                    PacketLayout::of<GatherQuery>(plan).bits()));
+    row("reorder links and bins",
+        fmt::format("{} links, {} heads and tails of {} bits", plan.reorder_packets,
+                    plan.reorder_bins,
+                    std::max(1, clog2(static_cast<uint64_t>(plan.reorder_packets)))));
+  }
+  if (has(units, "cdf_sampler"))
+    row("sampler tables",
+        fmt::format("2 x {} cells x {} bits", 1 << plan.cell_index_bits(), plan.total_bits()));
+  return text;
+}
+
+}  // namespace
+
+std::vector<std::string> units_present(const Plan& plan) {
+  std::vector<std::string> units;
+  const bool gathers = plan.global.present || plan.caustic.present;
+  // Only final gather rays are incoherent enough to be worth reordering, and only they need
+  // sampled directions.
+  const bool final_gathers = plan.global.present && plan.gather_rays > 0;
+  if (final_gathers && plan.reorder_key != ReorderKey::kNone) units.push_back("reorder_buffer");
+  if (gathers) units.push_back("photon_gatherer");
+  if (final_gathers) units.push_back("cdf_sampler");
+  return units;
+}
+
+std::string write_chip(const Plan& plan, const std::string& rtl_dir) {
+  const std::vector<std::string> units = units_present(plan);
+  const bool reordered = has(units, "reorder_buffer");
+  std::string text = fmt::format(
+      "// SPDX-License-Identifier: Apache-2.0\n"
+      "// Generated from plan {0}: its units, wired. Edit the plan, not this file.\n",
+      plan_hash_text(plan));
+  if (reordered)
+    text +=
+        "//\n// Queries of camera hits (tag = gather rays) go straight to the gatherer. From the "
+        "first\n"
+        "// other query up to and including the flush they pass the reorder buffer, and the next\n"
+        "// query waits until the flush has left it: so the order at the gatherer follows from "
+        "the\n"
+        "// packets alone. Every flush is answered by a result with flush = 1.\n";
+  const std::vector<ChipPort> ports = chip_ports(plan, rtl_dir);
+  text += fmt::format("module {} (\n", kChip);
+  for (size_t i = 0; i < ports.size(); ++i)
+    text += fmt::format("    {} {} {}{}{}\n", ports[i].output ? "output" : "input ", ports[i].type,
+                        ports[i].name, i + 1 < ports.size() ? "," : "",
+                        ports[i].meaning.empty() ? "" : "  // " + ports[i].meaning);
+  text += ");\n  assign plan_hash_o = photonloom_pkg::PlanHash;\n\n";
+  if (reordered)
+    text += fmt::format(
+        R"(  // Whether a run of reordered queries is on its way, and whether its flush has gone in.
+  logic run_q, flushed_q;
+  logic direct, run_starts;
+  logic reorder_in_valid, reorder_in_ready, reorder_out_valid, reorder_out_ready;
+  logic gather_in_valid, gather_in_ready;
+  photonloom_pkg::gather_query_t reorder_out, gather_in;
+  assign direct = !run_q && query_i.tag == {0}'d{1} && !query_i.flush;
+  assign run_starts = !run_q && query_valid_i && !direct;
+  assign reorder_in_valid = query_valid_i && run_q && !flushed_q;
+  assign query_ready_o = run_q ? reorder_in_ready && !flushed_q : direct && gather_in_ready;
+  assign gather_in_valid = run_q ? reorder_out_valid : query_valid_i && direct;
+  assign gather_in = run_q ? reorder_out : query_i;
+  assign reorder_out_ready = run_q && gather_in_ready;
+  always_ff @(posedge clk_i) begin
+    if (run_starts) run_q <= 1'b1;
+    if (reorder_in_valid && reorder_in_ready && query_i.flush) flushed_q <= 1'b1;
+    if (reorder_out_valid && reorder_out_ready && reorder_out.flush) begin
+      run_q <= 1'b0;
+      flushed_q <= 1'b0;
+    end
+    if (rst_i) begin
+      run_q <= 1'b0;
+      flushed_q <= 1'b0;
+    end
+  end
+
+)",
+        plan.tag_bits(), plan.gather_rays);
+  for (const std::string& unit : units) {
+    text += fmt::format("  {0} {0} (\n", unit);
+    const std::vector<ModulePort> list = module_ports(rtl_dir, unit);
+    for (size_t i = 0; i < list.size(); ++i) {
+      const std::string& p = list[i].name;
+      std::string wire = chip_port(unit, p);
+      if (is_inner(unit, p, reordered)) {
+        const std::string prefix = unit == "photon_gatherer" ? "gather" : "reorder";
+        if (unit == "reorder_buffer" && p == "in_i")
+          wire = "query_i";
+        else
+          wire = prefix + "_" + p.substr(0, p.size() - 2);
+      }
+      text += fmt::format("      .{}({}){}\n", p, wire, i + 1 < list.size() ? "," : "");
+    }
+    text += "  );\n\n";
+  }
+  text.pop_back();
+  return text + "endmodule\n";
+}
+
+std::map<std::string, std::string> generate_hardware(const HardwareRequest& request) {
+  const Plan& plan = request.plan;
+  check_plan(plan);
+  const std::string rtl = request.rtl_dir.empty() ? default_rtl_dir() : request.rtl_dir;
+  std::vector<std::string> units = units_present(plan);
+  if (units.empty())
+    throw std::runtime_error(
+        "the plan has neither a photon map nor final gather rays: there is no "
+        "hardware to generate");
+  if (!request.unit.empty()) {
+    static const char* known[] = {"reorder_buffer", "photon_gatherer", "cdf_sampler"};
+    if (std::find(std::begin(known), std::end(known), request.unit) == std::end(known))
+      throw std::runtime_error(fmt::format(
+          "there is no unit {}, expected reorder_buffer, photon_gatherer or cdf_sampler",
+          request.unit));
+    if (!has(units, request.unit))
+      throw std::runtime_error(fmt::format("the plan has no {}: it has no {}", request.unit,
+                                           request.unit == "photon_gatherer" ? "photon map"
+                                           : plan.global.present && plan.gather_rays > 0
+                                               ? "reordering (reorder.key is none)"
+                                               : "final gather rays"));
+    units = {request.unit};
+  }
+  const bool chip = request.unit.empty();
+  const std::string top = chip ? kChip : request.unit;
+  const uint64_t hash = plan_hash(plan);
+
+  std::map<std::string, std::string> files;
+  std::vector<std::string> order = {"rtl/photonloom_pkg.sv"};
+  files["rtl/photonloom_pkg.sv"] = write_package(plan, hash);
+  const std::set<std::string> without = modules_not_taken(plan);
+  for (const std::string& unit : units)
+    for (const std::string& file : module_files(rtl, unit, without)) {
+      if (!files.emplace("rtl/" + file, read_file(rtl + "/" + file)).second) continue;
+      order.push_back("rtl/" + file);
+    }
+  if (chip) {
+    files["rtl/photonloom_chip.sv"] = write_chip(plan, rtl);
+    order.push_back("rtl/photonloom_chip.sv");
+  }
+  files["plan.toml"] = plan_text(plan, request.reasons);
+
+  std::string list, core_files;
+  for (const std::string& file : order) {
+    list += file + "\n";
+    core_files += "      - " + file + "\n";
+  }
+  files["files.f"] = list;
+  files["photonloom.core"] = fmt::format(
+      "CAPI=2:\n"
+      "# SPDX-License-Identifier: Apache-2.0\n"
+      "name: photonloom:hw:{0}:0.1.0\n"
+      "description: Photon-mapping hardware for plan {1}\n"
+      "filesets:\n"
+      "  rtl:\n"
+      "    files:\n{2}"
+      "    file_type: systemVerilogSource\n"
+      "targets:\n"
+      "  default: &default\n"
+      "    filesets: [rtl]\n"
+      "    toplevel: {0}\n"
+      "  lint:\n"
+      "    <<: *default\n"
+      "    default_tool: verilator\n"
+      "    tools:\n"
+      "      verilator:\n"
+      "        mode: lint-only\n"
+      "        verilator_options: [-Wall]\n",
+      top, plan_hash_text(plan), core_files);
+
+  std::vector<ChipPort> ports;
+  std::set<std::string> packets;
+  if (chip)
+    ports = chip_ports(plan, rtl);
+  else
+    for (const ModulePort& p : module_ports(rtl, request.unit))
+      ports.push_back({p.output, package_type(p.type, request.unit), p.name,
+                       meaning_of(p.name, p.type, p.meaning), request.unit, p.name});
+  std::string packet_tables;
+  for (const std::string& name : packet_names())
+    for (const ChipPort& p : ports)
+      if (p.type == "photonloom_pkg::" + name + "_t" && packets.insert(name).second)
+        packet_tables += packet_table(plan, name) + "\n";
+  std::string constants = "| constant | value | meaning |\n|---|---|---|\n";
+  for (const PackageConstant& c : package_constants(plan))
+    constants += fmt::format("| `{}` | {} | {} |\n", c.name, c.value, c.meaning);
+  std::string contents;
+  for (const std::string& unit : units) contents += fmt::format(" `{}`", unit);
+  files["README.md"] = fmt::format(
+      "# {0}\n\n"
+      "Photon-mapping hardware for plan `{1}` (`plan.toml`), generated by `photonloom generate`. "
+      "Units:{2}.\n\n"
+      "- `files.f` lists the sources in order, relative to this folder; top module `{0}`.\n"
+      "- `photonloom.core` is the same for FuseSoC.\n"
+      "- Check that nothing here is stale: `photonloom generate --check DIR`.\n"
+      "- Lint: `verilator --lint-only -Wall --top-module {0} -f files.f`.\n"
+      "- Synthesize: `yosys -p \"read_verilog -sv $(tr '\\n' ' ' < files.f); synth_ecp5 -abc9 -top "
+      "{0}\"`.\n\n"
+      "Streams are valid/ready: valid never waits for ready, the packet holds until it is taken. "
+      "Reset is synchronous, active high.\n\n"
+      "## Ports\n\n{3}\n## Packets\n\nThe first field is in the most significant bits, element 0 "
+      "of an array lowest.\n\n{4}## Budget\n\n{5}\n## Constants\n\nOf `photonloom_pkg`, beside "
+      "`PlanHash` = `{1}`; modules take theirs as parameter defaults.\n\n{6}",
+      top, plan_hash_text(plan), contents, port_table(ports), packet_tables,
+      budget_table(plan, units), constants);
+  return files;
+}
+
+void check_hardware(const std::string& dir, const std::string& rtl_dir) {
+  if (!fs::is_regular_file(dir + "/plan.toml"))
+    throw std::runtime_error(dir + ": has no plan.toml, expected a generated hardware package");
+  HardwareRequest request;
+  request.plan = read_plan(dir + "/plan.toml");
+  request.rtl_dir = rtl_dir;
+  const std::string again = "; generate it again";
+  const std::string package = dir + "/rtl/photonloom_pkg.sv";
+  if (!fs::is_regular_file(package)) throw std::runtime_error(package + ": is missing" + again);
+  const std::string expected = plan_hash_text(request.plan), text = read_file(package);
+  const std::string key = "PlanHash = 64'h";
+  const size_t at = text.find(key);
+  const std::string found = at == std::string::npos ? "none" : text.substr(at + key.size(), 16);
+  if (found != expected)
+    throw std::runtime_error(
+        fmt::format("{}: is stale, made from plan {}, but {}/plan.toml is plan "
+                    "{}{}",
+                    package, found, dir, expected, again));
+  // A package of one unit has no chip; its list of files tells which unit it is.
+  if (!fs::exists(dir + "/rtl/photonloom_chip.sv"))
+    for (const std::string& unit : units_present(request.plan))
+      if (fs::exists(fmt::format("{0}/rtl/{1}/{1}.sv", dir, unit))) request.unit = unit;
+  std::map<std::string, std::string> files = generate_hardware(request);
+  files.erase("plan.toml");
+  for (const auto& [name, content] : files) {
+    const std::string path = dir + "/" + name;
+    if (!fs::is_regular_file(path)) throw std::runtime_error(path + ": is missing" + again);
+    if (read_file(path) != content)
+      throw std::runtime_error(fmt::format(
+          "{}: is stale, differs from what its plan and the RTL sources give{}", path, again));
+  }
+  for (const auto& entry : fs::recursive_directory_iterator(dir + "/rtl"))
+    if (entry.is_regular_file()) {
+      const std::string name = fs::relative(entry.path(), dir).string();
+      if (!files.count(name))
+        throw std::runtime_error(
+            fmt::format("{}/{}: does not belong to the package{}", dir, name, again));
+    }
+}
+
+}  // namespace photonloom

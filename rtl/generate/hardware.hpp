@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+// A hardware package: a folder with everything that one plan's hardware needs and nothing else, to
+// be taken to Verilator, Yosys, Vivado or FuseSoC as it is.
+#pragma once
+#include <map>
+#include <string>
+#include <vector>
+
+#include "golden/plan/plan_file.hpp"
+
+namespace photonloom {
+
+// Units that the plan's hardware has, in stream order.
+std::vector<std::string> units_present(const Plan& plan);
+
+// The generated top: query -> reorder_buffer -> photon_gatherer -> result and photon, and
+// cdf_sampler with its own streams, as far as they are present. Its ports are the units' own.
+std::string write_chip(const Plan& plan, const std::string& rtl_dir);
+
+struct HardwareRequest {
+  Plan plan;
+  PlanReasons reasons;
+  std::string unit;     // one unit alone; empty: the chip
+  std::string rtl_dir;  // empty: default_rtl_dir()
+};
+
+// Path in the package -> text. Deterministic in plan and RTL. A unit that the plan has not, or an
+// unknown one, is an error.
+std::map<std::string, std::string> generate_hardware(const HardwareRequest& request);
+
+// Throws std::runtime_error with the first thing in `dir` that is stale: a file that is not what
+// its plan.toml and the RTL in `rtl_dir` give, is missing, or is too much.
+void check_hardware(const std::string& dir, const std::string& rtl_dir);
+
+}  // namespace photonloom

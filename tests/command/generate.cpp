@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: Apache-2.0
+// photonloom generate: packages that lint, follow the plan, and know when they are stale.
+#include <fmt/core.h>
+
+#include "golden/plan/plan_file.hpp"
+#include "rtl/generate/hardware.hpp"
+#include "rtl/generate/sources.hpp"
+#include "tests/catch.hpp"
+#include "tests/command/run.hpp"
+
+using namespace photonloom;
+using namespace photonloom::test;
+
+namespace {
+
+Plan gatherer_plan() {
+  Plan plan;
+  plan.global.present = true;
+  plan.global.photons = 4000;
+  plan.global.r2_max = plan.r2_limit();
+  plan.k = 16;
+  plan.gather_rays = 0;
+  return plan;
+}
+
+bool tool(const std::string& command) { return std::system((command + " >&2").c_str()) == 0; }
+
+// Verilator with all warnings and Yosys must both take it.
+void check_tools(const std::string& dir, const std::string& top) {
+  CHECK(tool(
+      fmt::format("cd {} && verilator --lint-only -Wall --top-module {} -f files.f", dir, top)));
+  CHECK(
+      tool(fmt::format("cd {} && yosys -q -p \"read_verilog -sv $(tr '\\n' ' ' < files.f); "
+                       "hierarchy -check -top {}\"",
+                       dir, top)));
+}
+
+}  // namespace
+
+TEST_CASE("a package lints, is the same twice, and is checked") {
+  const Scratch scratch;
+  write_plan(gatherer_plan(), scratch / "plan.toml");
+  const std::string hw = scratch / "hw";
+  const Outcome made = run(fmt::format("generate {} -o {}", scratch / "plan.toml", hw));
+  INFO(made.err);
+  REQUIRE(made.status == 0);
+  check_tools(hw, "photonloom_chip");
+  CHECK(run("generate --check " + hw).status == 0);
+  CHECK(generate_hardware({gatherer_plan(), {}, "", ""}) ==
+        generate_hardware({gatherer_plan(), {}, "", ""}));
+  const std::string all = read_file(hw + "/README.md") + read_file(hw + "/files.f") +
+                          read_file(hw + "/photonloom.core");
+  CHECK(all.find(environment("PHOTONLOOM_SOURCE")) == std::string::npos);
+}
+
+TEST_CASE("a stale package names what is stale") {
+  using Catch::Matchers::Contains;
+  const Scratch scratch;
+  write_plan(gatherer_plan(), scratch / "plan.toml");
+  const std::string hw = scratch / "hw";
+  const auto fresh = [&] {
+    REQUIRE(run(fmt::format("generate {} -o {}", scratch / "plan.toml", hw)).status == 0);
+  };
+  const auto check = [&] {
+    const Outcome o = run("generate --check " + hw);
+    CHECK(o.status == 1);
+    CHECK(o.one_error_line());
+    return o.err;
+  };
+  fresh();
+  Plan other = gatherer_plan();
+  other.position_bits = 15;
+  other.global.r2_max = other.r2_limit();
+  write_plan(other, hw + "/plan.toml");
+  CHECK_THAT(check(), Contains("photonloom_pkg.sv: is stale, made from plan"));
+  fresh();
+  const std::string module = hw + "/rtl/photon_gatherer/photon_gatherer.sv";
+  write_file(module, read_file(module) + "\n");
+  CHECK_THAT(check(), Contains("photon_gatherer.sv: is stale"));
+  fresh();
+  std::filesystem::remove(module);
+  CHECK_THAT(check(), Contains("photon_gatherer.sv: is missing"));
+  fresh();
+  write_file(hw + "/rtl/old.sv", "");
+  CHECK_THAT(check(), Contains("old.sv: does not belong to the package"));
+  CHECK(run("generate --check " + (scratch / "nothing")).status == 1);
+}
+
+TEST_CASE("one unit alone") {
+  const Scratch scratch;
+  write_plan(gatherer_plan(), scratch / "plan.toml");
+  const std::string hw = scratch / "hw";
+  REQUIRE(run(fmt::format("generate {} -o {} --unit photon_gatherer", scratch / "plan.toml", hw))
+              .status == 0);
+  CHECK(!std::filesystem::exists(hw + "/rtl/photonloom_chip.sv"));
+  check_tools(hw, "photon_gatherer");
+  CHECK(run("generate --check " + hw).status == 0);
+  const Outcome none =
+      run(fmt::format("generate {} -o {} --unit cdf_sampler", scratch / "plan.toml", hw));
+  CHECK(none.status == 1);
+  CHECK(none.err.find("the plan has no cdf_sampler") != std::string::npos);
+  CHECK(run(fmt::format("generate {} -o {} --unit shader", scratch / "plan.toml", hw))
+            .err.find("there is no unit shader") != std::string::npos);
+}
+
+TEST_CASE("bad plans and wrong use") {
+  const Scratch scratch;
+  CHECK(run("generate").status == 2);
+  CHECK(run("generate " + (scratch / "none.toml") + " -o " + (scratch / "hw")).status == 1);
+  CHECK(run("generate --check a --unit b").status == 2);
+  std::string text = plan_text(gatherer_plan());
+  const auto refused = [&](const std::string& from, const std::string& to) {
+    std::string bad = text;
+    bad.replace(bad.find(from), from.size(), to);
+    write_file(scratch / "bad.toml", bad);
+    const Outcome o = run("generate " + (scratch / "bad.toml") + " -o " + (scratch / "hw"));
+    CHECK(o.status == 1);
+    CHECK(o.one_error_line());
+    CHECK(!std::filesystem::exists(scratch / "hw"));
+    return o.err;
+  };
+  CHECK(refused("\nk = 16", "\nk = 16\ncolour = 2").find("colour") != std::string::npos);
+  CHECK(refused("position_bits = 16", "position_bits = 40").find("position_bits") !=
+        std::string::npos);
+  CHECK(refused("\nk = 16", "\nk = 5000").find("gather.k") != std::string::npos);
+}
+
+TEST_CASE("the list of files follows instances, whatever stands in comments") {
+  const Scratch scratch;
+  std::filesystem::create_directories(scratch / "common");
+  std::filesystem::create_directories(scratch / "top");
+  write_file(scratch / "common/leaf.sv",
+             "module leaf (\n    input  logic clk_i  // clock\n);\nendmodule\n");
+  write_file(scratch / "common/unused.sv", "module unused;\nendmodule\n");
+  write_file(
+      scratch / "top/top.sv",
+      "// not unused\nmodule top (\n    input  logic clk_i,\n    // a group\n"
+      "    output logic [3:0] a_o  // it (with ports);\n);\n  leaf leaf (.clk_i);\nendmodule\n");
+  CHECK(module_files(scratch.path.string(), "top") ==
+        std::vector<std::string>{"common/leaf.sv", "top/top.sv"});
+  const auto ports = module_ports(scratch.path.string(), "top");
+  REQUIRE(ports.size() == 2);
+  CHECK(ports[1].name == "a_o");
+  CHECK(ports[1].type == "logic [3:0]");
+  CHECK(ports[1].output);
+  CHECK(ports[1].meaning == "it (with ports);");
+  CHECK_THROWS_WITH(module_files(scratch.path.string(), "nothing"),
+                    Catch::Matchers::Contains("has no module nothing"));
+}

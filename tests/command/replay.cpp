@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: Apache-2.0
+// photonloom replay: a stranger's packets through golden, brute force and RTL.
+#include <fmt/core.h>
+
+#include <algorithm>
+
+#include "golden/numeric/random.hpp"
+#include "golden/plan/plan_file.hpp"
+#include "tests/catch.hpp"
+#include "tests/command/run.hpp"
+
+using namespace photonloom;
+using namespace photonloom::test;
+
+namespace {
+
+Plan small_plan() {
+  Plan plan;
+  plan.position_bits = 10;
+  plan.k = 5;
+  plan.global.present = true;
+  plan.global.photons = 200;
+  plan.global.r2_max = plan.r2_limit();
+  plan.cache_bytes = 1024;
+  plan.contexts = 4;
+  plan.reorder_packets = 20;
+  plan.reorder_bins = 64;
+  return plan;
+}
+
+constexpr const char* kQuery =
+    R"({{"pixel": {}, "sample": 0, "tag": 0, "map": 0, "flush": 0, "want_photons": {}, )"
+    R"("position": [{}, {}, {}], "normal": [128, 128]}})"
+    "\n";
+
+struct Files {
+  Scratch scratch;
+  Files() {
+    write_plan(small_plan(), scratch / "plan.toml");
+    std::string photons, queries;
+    for (uint64_t i = 0; i < 200; ++i)
+      photons += fmt::format(
+          "{{\"position\": [{}, {}, {}], \"mantissa\": [{}, 300, 511], \"exponent\": {}, "
+          "\"direction\": [128, {}]}}\n",
+          mix64(i) % 1024, mix64(i + 1000) % 1024, mix64(i + 2000) % 1024, i, i % 4, 120 + i % 16);
+    for (uint64_t i = 0; i < 100; ++i)
+      queries += fmt::format(fmt::runtime(kQuery), i, i % 2, mix64(i + 3000) % 1024,
+                             mix64(i + 4000) % 1024, mix64(i + 5000) % 1024);
+    write_file(scratch / "photons.jsonl", photons);
+    write_file(scratch / "queries.jsonl", queries);
+  }
+  Outcome replay(const std::string& unit, const std::string& packets, const std::string& more) {
+    return run(fmt::format("replay {} --plan {} --packets {} -o {} --work {} {}", unit,
+                           scratch / "plan.toml", scratch / packets, scratch / "out.jsonl",
+                           "cosim", more));
+  }
+};
+
+// Results without what brute force does not count.
+std::string without_counts(const std::string& text) {
+  std::string out;
+  for (size_t at = 0; at < text.size();) {
+    const size_t end = text.find('\n', at);
+    const std::string line = text.substr(at, end - at);
+    out += line.substr(0, line.find("\"nodes\"")) + "\n";
+    at = end + 1;
+  }
+  return out;
+}
+
+}  // namespace
+
+TEST_CASE("golden, brute force and RTL answer the same gathers") {
+  Files f;
+  const std::string photons = "--photons " + (f.scratch / "photons.jsonl");
+  const Outcome golden =
+      f.replay("photon_gatherer", "queries.jsonl", photons + " --backend golden");
+  INFO(golden.err);
+  REQUIRE(golden.status == 0);
+  const std::string results = read_file(f.scratch / "out.jsonl");
+  const std::string found = read_file(f.scratch / "out.photons.jsonl");
+  const std::string addresses = read_file(f.scratch / "out.addresses.jsonl");
+  CHECK(std::count(results.begin(), results.end(), '\n') == 100);
+  CHECK(std::count(found.begin(), found.end(), '\n') == 250);
+  CHECK(std::count(addresses.begin(), addresses.end(), '\n') == 200);
+  REQUIRE(f.replay("photon_gatherer", "queries.jsonl", photons + " --backend brute").status == 0);
+  CHECK(without_counts(read_file(f.scratch / "out.jsonl")) == without_counts(results));
+  CHECK(read_file(f.scratch / "out.photons.jsonl") == found);
+  const Outcome rtl = f.replay("photon_gatherer", "queries.jsonl",
+                               photons + " --stall bernoulli:0.4 --latency random --seed 3");
+  INFO(rtl.err);
+  REQUIRE(rtl.status == 0);
+  CHECK(read_file(f.scratch / "out.jsonl") == results);
+  CHECK(read_file(f.scratch / "out.photons.jsonl") == found);
+}
+
+TEST_CASE("addresses follow the photons, not their order") {
+  Files f;
+  const std::string lines = read_file(f.scratch / "photons.jsonl");
+  REQUIRE(f.replay("photon_gatherer", "queries.jsonl",
+                   "--backend golden --photons " + (f.scratch / "photons.jsonl"))
+              .status == 0);
+  // A line of the address file is the photon's own line with its index in front.
+  const std::string addresses = read_file(f.scratch / "out.addresses.jsonl");
+  CHECK(addresses.find("{\"index\": ") == 0);
+  const std::string first = lines.substr(1, lines.find('\n') - 1);
+  CHECK(addresses.substr(0, addresses.find('\n')).find(first) != std::string::npos);
+}
+
+TEST_CASE("packets that no flush follows stay held") {
+  Files f;
+  const Outcome o = f.replay("reorder_buffer", "queries.jsonl", "--backend golden");
+  CHECK(o.status == 0);
+  CHECK(o.out.find("19 packets are still held") != std::string::npos);
+}
+
+TEST_CASE("bad packets, photons and plans are one clear error each") {
+  Files f;
+  const auto error = [&](const std::string& unit, const std::string& text,
+                         const std::string& more) {
+    write_file(f.scratch / "bad.jsonl", text);
+    std::filesystem::remove(f.scratch / "out.jsonl");
+    const Outcome o = f.replay(unit, "bad.jsonl", "--backend golden " + more);
+    CHECK(o.status == 1);
+    CHECK(o.one_error_line());
+    CHECK(!std::filesystem::exists(f.scratch / "out.jsonl"));
+    return o.err;
+  };
+  using Catch::Matchers::Contains;
+  const std::string good = fmt::format(fmt::runtime(kQuery), 1, 0, 1, 2, 3);
+  CHECK_THAT(
+      error("reorder_buffer", good + fmt::format(fmt::runtime(kQuery), 1, 0, 1, 1024, 3), ""),
+      Contains("bad.jsonl, line 2: field position is 1024, which does not fit its 10 bits"));
+  CHECK_THAT(error("photon_gatherer", "{\"pixel\": 1}", ""),
+             Contains("bad.jsonl, line 1: field sample of a gather_query packet is missing"));
+  CHECK_THAT(error("photon_gatherer", good, "--photons " + (f.scratch / "none.jsonl")),
+             Contains("none.jsonl: cannot be opened for reading"));
+  CHECK_THAT(error("photon_gatherer", good, "--caustics " + (f.scratch / "photons.jsonl")),
+             Contains("the plan has no caustic map"));
+  std::string many = read_file(f.scratch / "photons.jsonl");
+  write_file(f.scratch / "many.jsonl", many + many.substr(0, many.find('\n') + 1));
+  CHECK_THAT(error("photon_gatherer", good, "--photons " + (f.scratch / "many.jsonl")),
+             Contains("many.jsonl, line 201: is one photon too many"));
+}
+
+TEST_CASE("a sampler's stream has its order") {
+  Files f;
+  const auto line = [](int kind) {
+    return fmt::format(
+        "{{\"kind\": {}, \"pixel\": 0, \"sample\": 0, \"tag\": 0, \"normal\": [128, 128], "
+        "\"mantissa\": [0, 0, 0], \"exponent\": 0, \"direction\": [0, 0], \"u\": 0, \"v\": [0, "
+        "0]}}\n",
+        kind);
+  };
+  const auto run_lines = [&](std::initializer_list<int> kinds) {
+    std::string text;
+    for (const int kind : kinds) text += line(kind);
+    write_file(f.scratch / "in.jsonl", text);
+    return f.replay("cdf_sampler", "in.jsonl", "--backend golden");
+  };
+  CHECK(run_lines({0, 1, 2, 2, 0, 2}).status == 0);
+  CHECK(run_lines({1}).err.find("line 1: field kind is 1, expected 0") != std::string::npos);
+  CHECK(run_lines({0, 2, 1}).err.find("line 3: field kind is 1, but a photon cannot follow") !=
+        std::string::npos);
+  CHECK(run_lines({0, 1, 1, 1, 1, 1, 1}).err.find("line 7: is photon 6 of its table") !=
+        std::string::npos);
+  CHECK(run_lines({3}).err.find("expected 0 header, 1 photon or 2 request") != std::string::npos);
+}
+
+TEST_CASE("wrong use ends with status 2") {
+  Files f;
+  CHECK(f.replay("reorder_buffer", "queries.jsonl", "--backend brute").status == 2);
+  CHECK(f.replay("reorder_buffer", "queries.jsonl", "--photons x").status == 2);
+  CHECK(f.replay("ray_caster", "queries.jsonl", "").status == 2);
+}
