@@ -67,10 +67,10 @@ inline void add_port_counters(const Rig& rig, Counters& counters) {
 inline void expect_silence(Rig& rig, const std::string& unit, const Taker& taker, int latency) {
   for (int i = 0; i < 200 + 4 * latency; ++i) rig.cycle();
   if (taker.waiting())
-    throw RigError(
-        fmt::format("unit {}: packet {} in cycle {} is one too many: every packet owed "
-                    "had come out",
-                    unit, taker.taken() - taker.waiting(), taker.front_cycle()));
+    throw RigError(unit,
+                   fmt::format(", stream {}: packet {} in cycle {} is one too many: every "
+                               "packet owed had come out",
+                               taker.name(), taker.taken() - taker.waiting(), taker.front_cycle()));
 }
 
 }  // namespace photonloom

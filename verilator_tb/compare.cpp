@@ -4,6 +4,8 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
+#include <map>
 
 #include "golden/packet/trace.hpp"
 
@@ -64,6 +66,12 @@ std::string text_of(const Plan& plan, const P& packet) {
   return packet_to_json(PacketLayout::of<P>(plan), &packet);
 }
 
+// What a packet is called in the timeline.
+template <class P>
+std::string label(const P& p) {
+  return fmt::format("pixel {} sample {} tag {}", p.pixel, p.sample, p.tag);
+}
+
 class ComparingPhotonGatherer final : public Comparing<PhotonGatherer> {
  public:
   ComparingPhotonGatherer(const Plan& plan, const CompareContext& context, PhotonGatherer& golden,
@@ -71,6 +79,7 @@ class ComparingPhotonGatherer final : public Comparing<PhotonGatherer> {
       : plan_(plan),
         golden_(golden),
         other_(other),
+        timeline_(context.timeline),
         results_(PacketLayout::of<GatherResult>(plan), "result", context),
         photons_(PacketLayout::of<GatherPhoton>(plan), "photon", context) {}
 
@@ -83,6 +92,7 @@ class ComparingPhotonGatherer final : public Comparing<PhotonGatherer> {
     std::vector<GatherResult> golden_results;
     std::vector<GatherPhoton> golden_photons;
     golden_.process(in, golden_results, golden_photons);
+    packets_in_ += in.size();
     const size_t result0 = results.size(), photon0 = photons.size();
     other_.process(in, results, photons);
     results_.compare<GatherResult>(golden_results, std::span(results).subspan(result0),
@@ -99,8 +109,13 @@ class ComparingPhotonGatherer final : public Comparing<PhotonGatherer> {
                                      }
                                      return std::string("none");
                                    });
+    const auto from = other_.in_cycles(), to = other_.out_cycles(0);
+    if (timeline_)
+      for (size_t i = 0; i < std::min({in.size(), from.size(), to.size()}); ++i)
+        timeline_->add("photon_gatherer", label(in[i]), from[i], to[i]);
   }
   Counters counters() const override { return other_.counters(); }
+  uint64_t packets_in() const override { return packets_in_; }
   uint64_t compared() const override { return results_.compared() + photons_.compared(); }
   uint64_t differences() const override { return results_.differences() + photons_.differences(); }
   std::string first_report() const override {
@@ -111,6 +126,8 @@ class ComparingPhotonGatherer final : public Comparing<PhotonGatherer> {
   Plan plan_;
   PhotonGatherer& golden_;
   ClockedPhotonGatherer& other_;
+  Timeline* timeline_;
+  uint64_t packets_in_ = 0;
   StreamComparer results_, photons_;
 };
 
@@ -120,8 +137,10 @@ class ComparingStreams final : public Comparing<Unit> {
  public:
   ComparingStreams(const Plan& plan, const CompareContext& context, Unit& golden, Clocked& other)
       : plan_(plan),
+        unit_(context.unit),
         golden_(golden),
         other_(other),
+        timeline_(context.timeline),
         out_(PacketLayout::of<Out>(plan), "out", context) {}
 
   void process(std::span<const In> in, std::vector<Out>& out) override {
@@ -131,8 +150,18 @@ class ComparingStreams final : public Comparing<Unit> {
     other_.process(in, out);
     out_.template compare<Out>(golden_out, std::span(out).subspan(out0), other_.out_cycles(0),
                                [&](size_t i) { return input(in, golden_out, i); });
+    follow(in, std::span(out).subspan(out0));
+    packets_in_ += in.size();
   }
-  Counters counters() const override { return other_.counters(); }
+  Counters counters() const override {
+    Counters c = other_.counters();
+    if constexpr (std::is_same_v<In, GatherQuery>) {
+      c["displacement"] = displacement_;
+      c["packets matched"] = matched_;
+    }
+    return c;
+  }
+  uint64_t packets_in() const override { return packets_in_; }
   uint64_t compared() const override { return out_.compared(); }
   uint64_t differences() const override { return out_.differences(); }
   std::string first_report() const override { return out_.first_report(); }
@@ -148,9 +177,42 @@ class ComparingStreams final : public Comparing<Unit> {
       return text_of(plan_, golden_out[i]);
     }
   }
+  // Where each packet that came out had gone in.
+  void follow(std::span<const In> in, std::span<const Out> out) {
+    const auto from = other_.in_cycles(), to = other_.out_cycles(0);
+    if constexpr (std::is_same_v<In, SamplerInput>) {
+      size_t i = 0;
+      for (size_t n = 0; n < in.size(); ++n) {
+        if (in[n].kind != 2) continue;
+        if (timeline_ && n < from.size() && i < std::min(out.size(), to.size()))
+          timeline_->add(unit_, label(out[i]), from[n], to[i]);
+        ++i;
+      }
+    } else {
+      for (size_t n = 0; n < in.size(); ++n)
+        if (!in[n].flush)
+          inside_[{in[n].pixel, in[n].sample, in[n].tag, in[n].map}] = {
+              packets_in_ + n, n < from.size() ? from[n] : 0};
+      for (size_t n = 0; n < out.size(); ++n, ++packets_out_) {
+        const auto at = inside_.find({out[n].pixel, out[n].sample, out[n].tag, out[n].map});
+        if (out[n].flush || at == inside_.end()) continue;
+        const uint64_t place = at->second.first;
+        displacement_ += std::max(place, packets_out_) - std::min(place, packets_out_);
+        ++matched_;
+        if (timeline_ && n < to.size())
+          timeline_->add(unit_, label(out[n]), at->second.second, to[n]);
+        inside_.erase(at);
+      }
+    }
+  }
   Plan plan_;
+  std::string unit_;
   Unit& golden_;
   Clocked& other_;
+  Timeline* timeline_;
+  uint64_t packets_in_ = 0, packets_out_ = 0, displacement_ = 0, matched_ = 0;
+  // By pixel, sample, tag and map: place and cycle in.
+  std::map<std::array<uint32_t, 4>, std::pair<uint64_t, uint64_t>> inside_;
   StreamComparer out_;
 };
 

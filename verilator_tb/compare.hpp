@@ -11,6 +11,7 @@
 #include "golden/packet/layout.hpp"
 #include "golden/unit/backend.hpp"
 #include "verilator_tb/backends.hpp"
+#include "verilator_tb/timeline.hpp"
 
 namespace photonloom {
 
@@ -27,6 +28,7 @@ struct CompareContext {
   std::string plan;   // name or hash
   std::string rerun;  // command line that repeats the run; waveform options are appended
   bool keep_going = false;
+  Timeline* timeline = nullptr;  // filled where there is one
 };
 
 // Compares one output stream. Packets are handed over as arrays of C++ structs.
@@ -66,10 +68,12 @@ class StreamComparer {
 };
 
 // The backends below run golden and the given unit on the same packets, compare, and pass on what
-// the given unit produced.
+// the given unit produced. Counters are the given unit's; the reorder buffer's have "displacement"
+// beside them, the sum over "packets matched" of the distance between places in and out.
 template <class Unit>
 class Comparing : public Unit {
  public:
+  virtual uint64_t packets_in() const = 0;
   virtual uint64_t compared() const = 0;
   virtual uint64_t differences() const = 0;
   virtual std::string first_report() const = 0;

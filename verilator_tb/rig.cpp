@@ -26,8 +26,8 @@ void check_width(const ModelPort& p, int bits, const std::string& unit) {
   const size_t words = (static_cast<size_t>(bits) + 31) / 32;
   const size_t expected = bits <= 8 ? 1 : bits <= 16 ? 2 : 4 * words;
   if (p.bytes != expected)
-    throw RigError(fmt::format("unit {}, port {}: is {} bytes wide, its packet of {} bits takes {}",
-                               unit, p.name, p.bytes, bits, expected));
+    throw RigError(unit, fmt::format(", port {}: is {} bytes wide, its packet of {} bits takes {}",
+                                     p.name, p.bytes, bits, expected));
 }
 
 }  // namespace
@@ -127,15 +127,13 @@ bool Taker::sample(uint64_t cycle) {
   was_valid_ = *valid_.data != 0;
   if (holding_) {
     if (!was_valid_)
-      throw RigError(
-          fmt::format("unit {}, stream {}, packet {}, cycle {}: valid was withdrawn "
-                      "before the packet was taken",
-                      unit_, name_, taken_, cycle));
+      throw RigError(unit_, fmt::format(", stream {}, packet {}, cycle {}: valid was withdrawn "
+                                        "before the packet was taken",
+                                        name_, taken_, cycle));
     if (std::memcmp(held_.data(), data_.data, data_.bytes) != 0)
-      throw RigError(
-          fmt::format("unit {}, stream {}, packet {}, cycle {}: the packet changed "
-                      "before it was taken",
-                      unit_, name_, taken_, cycle));
+      throw RigError(unit_, fmt::format(", stream {}, packet {}, cycle {}: the packet changed "
+                                        "before it was taken",
+                                        name_, taken_, cycle));
   }
   holding_ = false;
   if (!was_valid_) return false;
@@ -229,16 +227,16 @@ bool LineMemory::sample(uint64_t cycle) {
     const uint64_t address = read_port(req_addr_), tag = read_port(req_tag_);
     const uint64_t map = address >> line_bits_, line = address & ones(line_bits_);
     if (!lines_ || map > 1 || (line + 1) * line_bytes_ > (*lines_)[map].size())
-      throw RigError(fmt::format(
-          "unit {}, cycle {}: the line port asks for line {} of map {}, "
-          "which has {} lines",
-          unit_, cycle, line, map, lines_ && map <= 1 ? (*lines_)[map].size() / line_bytes_ : 0));
+      throw RigError(unit_,
+                     fmt::format(", cycle {}: the line port asks for line {} of map {}, "
+                                 "which has {} lines",
+                                 cycle, line, map,
+                                 lines_ && map <= 1 ? (*lines_)[map].size() / line_bytes_ : 0));
     for (const Request& r : pending_)
       if (r.tag == tag)
-        throw RigError(
-            fmt::format("unit {}, cycle {}: the line port uses tag {} again before its "
-                        "reply is complete",
-                        unit_, cycle, tag));
+        throw RigError(unit_, fmt::format(", cycle {}: the line port uses tag {} again before its "
+                                          "reply is complete",
+                                          cycle, tag));
     const uint64_t wait = random_latency_ ? 1 + random_.below(2 * static_cast<uint64_t>(latency_))
                                           : static_cast<uint64_t>(latency_);
     uint64_t& bank = bank_free_[line % bank_free_.size()];
@@ -343,10 +341,9 @@ void Rig::run_until(const std::function<bool()>& done) {
     for (auto& s : sources_) streams += "\n  " + s->state();
     for (auto& t : takers_) streams += "\n  " + t->state();
     if (memory_) streams += "\n  " + memory_->state();
-    throw RigError(
-        fmt::format("unit {} is stuck: nothing moved for {} cycles before cycle {}, "
-                    "seed {}{}",
-                    unit_, quiet_, cycle_, options_.seed, streams));
+    throw RigError(unit_, fmt::format(" is stuck: nothing moved for {} cycles before cycle {}, "
+                                      "seed {}{}",
+                                      quiet_, cycle_, options_.seed, streams));
   }
 }
 

@@ -38,7 +38,9 @@ struct RunOptions {
 
 // The unit is stuck, or broke the rules of a stream.
 struct RigError : std::runtime_error {
-  using std::runtime_error::runtime_error;
+  RigError(const std::string& unit_name, const std::string& what)
+      : std::runtime_error("unit " + unit_name + what), unit(unit_name) {}
+  std::string unit;
 };
 
 // Drives one input stream from a queue of packed packets. While it offers nothing the payload is
@@ -78,6 +80,7 @@ class Taker {
  public:
   Taker(Model& model, const std::string& name, int bits, const RunOptions& options,
         const std::string& unit);
+  const std::string& name() const { return name_; }
   uint64_t taken() const { return taken_; }      // since reset
   uint64_t stalled() const { return stalled_; }  // cycles offered and not taken
   size_t waiting() const { return cycles_.size() - first_; }

@@ -33,9 +33,9 @@ void RigFlags::add_to(CLI::App& command, const std::string& seed_flag) {
                      "50000.");
   command.add_option("--rtl", rtl_, "Folder of the RTL sources, if not those of this build.");
   command.add_option("--work", work_, "Folder of the built models. Default build/cosim.");
-  command.add_option("--wave", wave_, "Write a waveform (FST) to this file.");
-  command.add_option("--wave-unit", wave_unit_, "The unit to write it of.");
-  command.add_option("--wave-cycles", wave_cycles_, "The cycles to write, FROM:TO.");
+  command.add_option("--wave", wave_, "Write a waveform (FST) to this file.")->take_last();
+  command.add_option("--wave-unit", wave_unit_, "The unit to write it of.")->take_last();
+  command.add_option("--wave-cycles", wave_cycles_, "The cycles to write, FROM:TO.")->take_last();
 }
 
 RunOptions RigFlags::options(const std::string& unit) const {
@@ -77,6 +77,16 @@ RunOptions RigFlags::options(const std::string& unit) const {
     o.waveform_to = to;
   }
   return o;
+}
+
+void RigFlags::check_waveform(const std::set<std::string>& units) const {
+  if (wave_.empty() && (!wave_unit_.empty() || !wave_cycles_.empty()))
+    throw std::runtime_error("--wave-unit and --wave-cycles need --wave FILE");
+  if (wave_.empty()) return;
+  if (wave_unit_.empty() && units.size() > 1)
+    throw std::runtime_error("--wave: several units run as RTL; name one with --wave-unit");
+  if (!wave_unit_.empty() && !units.count(wave_unit_))
+    throw std::runtime_error(fmt::format("--wave-unit {}: no such unit runs as RTL", wave_unit_));
 }
 
 }  // namespace photonloom

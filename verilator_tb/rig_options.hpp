@@ -2,6 +2,7 @@
 // RunOptions on a command line, the same flags for benches, cosim and replay.
 #pragma once
 #include <CLI/CLI.hpp>
+#include <set>
 #include <string>
 
 #include "verilator_tb/rig.hpp"
@@ -14,6 +15,9 @@ class RigFlags {
   void add_to(CLI::App& command, const std::string& seed_flag);
   // The options for one unit; throws std::runtime_error for a bad value.
   RunOptions options(const std::string& unit) const;
+
+  // A waveform is of one unit: an error where --wave does not say of which of several.
+  void check_waveform(const std::set<std::string>& units) const;
 
  private:
   uint64_t seed_ = 1, initial_seed_ = 1;

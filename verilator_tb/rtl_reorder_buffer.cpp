@@ -33,7 +33,6 @@ class RtlReorderBuffer final : public ClockedReorderBuffer {
         --held_;
       }
     }
-    packets_ += in.size();
     const uint64_t until = out_.stream().taken() + owed;
     rig_.run_until([&] { return in_.stream().empty() && out_.stream().taken() >= until; });
     while (out_.waiting()) out.push_back(out_.pop(out_cycles_));
@@ -41,7 +40,7 @@ class RtlReorderBuffer final : public ClockedReorderBuffer {
   }
 
   Counters counters() const override {
-    Counters c{{"packets in", packets_},
+    Counters c{{"packets in", in_.stream().accepted()},
                {"cycles", rig_.cycles()},
                {"stalls in", in_.stream().stalled()},
                {"stalls out", out_.stream().stalled()}};
@@ -54,7 +53,7 @@ class RtlReorderBuffer final : public ClockedReorderBuffer {
   void finish() override { expect_silence(rig_, "reorder_buffer", out_.stream(), latency_); }
 
  private:
-  uint64_t capacity_, held_ = 0, packets_ = 0;
+  uint64_t capacity_, held_ = 0;
   int latency_;
   Rig rig_;
   PacketSource<GatherQuery> in_;

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <filesystem>
 
 namespace photonloom {
 namespace {
@@ -100,6 +101,25 @@ std::vector<std::string> FrameOptions::photon_options() const {
   for (const char* option : kPhotonOnly)
     if (command_->count(option) > 0) given.emplace_back(option);
   return given;
+}
+
+void describe_frame(Image& image, const PreparedFrame& frame, const FrameRequest& request,
+                    const std::string& arithmetic) {
+  const Plan& plan = frame.plan;
+  auto& m = image.metadata;
+  m["scene"] = std::filesystem::path(request.scene_file).stem().string();
+  m["sceneHash"] = fmt::format("{:016x}", frame.world->scene().hash);
+  m["seed"] = fmt::format("{}", request.seed);
+  m["integrator"] = "photonmap";
+  m["arithmetic"] = arithmetic;
+  m["photons"] = fmt::format("{}", frame.global.count);
+  m["causticPhotons"] = fmt::format("{}", frame.caustic.count);
+  m["k"] = fmt::format("{}", plan.k);
+  m["radius"] = fmt::format("{}", plan.global.radius);
+  m["causticRadius"] = fmt::format("{}", plan.caustic.radius);
+  m["gatherRays"] = fmt::format("{}", plan.gather_rays);
+  m["spp"] = fmt::format("{}", plan.spp);
+  m["planHash"] = plan_hash_text(plan);
 }
 
 void print_warnings(const std::vector<std::string>& warnings) {

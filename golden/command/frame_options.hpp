@@ -30,6 +30,11 @@ class FrameOptions {
 // "WxH" -> pixels; throws UsageError.
 std::pair<int, int> parse_size(const std::string& text);
 
+// What a photon-mapped image says of itself; the same from every command, so that equal pixels are
+// equal files.
+void describe_frame(Image& image, const PreparedFrame& frame, const FrameRequest& request,
+                    const std::string& arithmetic);
+
 void print_warnings(const std::vector<std::string>& warnings);
 
 }  // namespace photonloom

@@ -74,15 +74,7 @@ Image photon_map(const RenderOptions& o, const FrameRequest& request, ConsolePro
     throw std::runtime_error(fmt::format("{} results answer no query and {} queries have no result",
                                          counts.unmatched, counts.unanswered));
   const Plan& plan = frame.plan;
-  image.metadata["photons"] = fmt::format("{}", frame.global.count);
-  image.metadata["causticPhotons"] = fmt::format("{}", frame.caustic.count);
-  image.metadata["k"] = fmt::format("{}", plan.k);
-  image.metadata["radius"] = fmt::format("{}", plan.global.radius);
-  image.metadata["causticRadius"] = fmt::format("{}", plan.caustic.radius);
-  image.metadata["gatherRays"] = fmt::format("{}", plan.gather_rays);
-  image.metadata["spp"] = fmt::format("{}", plan.spp);
-  image.metadata["arithmetic"] = o.arithmetic;
-  image.metadata["planHash"] = plan_hash_text(plan);
+  describe_frame(image, frame, request, o.arithmetic);
   summary["spp"] = plan.spp;
   summary["gather_rays"] = plan.gather_rays;
   summary["photons"] = frame.global.count;
@@ -146,10 +138,12 @@ void render(const RenderOptions& o) {
   summary["integrator"] = o.integrator;
   Image image =
       path ? path_trace(request, progress, summary) : photon_map(o, request, progress, summary);
-  image.metadata["scene"] = std::filesystem::path(request.scene_file).stem().string();
-  image.metadata["sceneHash"] = summary["scene_hash"].get<std::string>();
-  image.metadata["seed"] = fmt::format("{}", request.seed);
-  image.metadata["integrator"] = o.integrator;
+  if (path) {
+    image.metadata["scene"] = std::filesystem::path(request.scene_file).stem().string();
+    image.metadata["sceneHash"] = summary["scene_hash"].get<std::string>();
+    image.metadata["seed"] = fmt::format("{}", request.seed);
+    image.metadata["integrator"] = o.integrator;
+  }
   {
     const ProgressPhase phase(&progress, "write", 0, "");
     write_exr(image, o.output);

@@ -51,8 +51,8 @@ struct Files {
   }
   Outcome replay(const std::string& unit, const std::string& packets, const std::string& more) {
     return run(fmt::format("replay {} --plan {} --packets {} -o {} --work {} {}", unit,
-                           scratch / "plan.toml", scratch / packets, scratch / "out.jsonl",
-                           "cosim", more));
+                           scratch / "plan.toml", scratch / packets, scratch / "out.jsonl", "cosim",
+                           more));
   }
 };
 

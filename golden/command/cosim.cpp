@@ -1,0 +1,329 @@
+// SPDX-License-Identifier: Apache-2.0
+// photonloom cosim SCENE --backend unit=rtl,...
+#include <fmt/core.h>
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <set>
+
+#include "golden/command/console.hpp"
+#include "golden/command/frame_options.hpp"
+#include "golden/image/sheet.hpp"
+#include "golden/numeric/output_file.hpp"
+#include "verilator_tb/backends.hpp"
+#include "verilator_tb/compare.hpp"
+#include "verilator_tb/rig_options.hpp"
+#include "verilator_tb/timeline.hpp"
+
+namespace photonloom {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr const char* kUnits[] = {"photon_gatherer", "reorder_buffer", "cdf_sampler"};
+
+struct CosimOptions {
+  FrameOptions frame;
+  ThreadsOption threads;
+  RigFlags rig;
+  std::string backends = "photon_gatherer=rtl,reorder_buffer=rtl,cdf_sampler=rtl", output;
+  uint64_t timeline = 5000;
+  bool keep_going = false, json = false;
+};
+
+// "a=rtl,b=golden" -> units to run as RTL.
+std::set<std::string> units_as_rtl(const std::string& text) {
+  std::set<std::string> named, rtl;
+  for (size_t at = 0; at <= text.size();) {
+    const size_t end = std::min(text.find(',', at), text.size());
+    const std::string item = text.substr(at, end - at);
+    const size_t equals = item.find('=');
+    const std::string unit = item.substr(0, equals),
+                      backend = equals == std::string::npos ? "" : item.substr(equals + 1);
+    if (std::find(std::begin(kUnits), std::end(kUnits), unit) == std::end(kUnits) ||
+        (backend != "rtl" && backend != "golden"))
+      throw UsageError(fmt::format(
+          "--backend: '{}', expected UNIT=rtl or UNIT=golden with UNIT photon_gatherer, "
+          "reorder_buffer or cdf_sampler",
+          item));
+    if (!named.insert(unit).second)
+      throw UsageError(fmt::format("--backend: {} stands twice", unit));
+    if (backend == "rtl") rtl.insert(unit);
+    at = end + 1;
+  }
+  if (rtl.empty()) throw UsageError("--backend: names no unit as rtl, there is nothing to compare");
+  return rtl;
+}
+
+// This program's command line as a shell takes it.
+std::string command_line() {
+  std::ifstream in("/proc/self/cmdline", std::ios::binary);
+  const std::string all{std::istreambuf_iterator<char>(in), {}};
+  std::string text;
+  for (size_t at = 0; at < all.size();) {
+    const std::string word = all.substr(at, all.find('\0', at) - at);
+    at += word.size() + 1;
+    const bool plain = word.find_first_not_of(
+                           "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"
+                           "0123456789_-+=:,./") == std::string::npos;
+    text += (text.empty() ? "" : " ") + (plain && !word.empty() ? word : "'" + word + "'");
+  }
+  return text;
+}
+
+// One unit as RTL beside golden: owns both, and hands the frame the comparison.
+template <class Unit, class ClockedUnit>
+struct Side {
+  std::unique_ptr<Unit> golden;
+  std::unique_ptr<ClockedUnit> rtl;
+  Comparing<Unit>* both = nullptr;
+
+  std::unique_ptr<Unit> start(const Plan& plan, const CompareContext& context,
+                              std::unique_ptr<Unit> golden_unit,
+                              std::unique_ptr<ClockedUnit> rtl_unit) {
+    golden = std::move(golden_unit);
+    rtl = std::move(rtl_unit);
+    auto comparing = compare_units(plan, context, *golden, *rtl);
+    both = comparing.get();
+    return comparing;
+  }
+};
+
+// What a unit did, for the table and the summary.
+struct UnitReport {
+  std::string unit, first_difference;
+  uint64_t compared = 0, differences = 0, packets_in = 0;
+  Counters counters;
+
+  uint64_t count(const std::string& name) const {
+    const auto at = counters.find(name);
+    return at == counters.end() ? 0 : at->second;
+  }
+  uint64_t bypassed() const { return packets_in - count("packets in"); }
+  double busy() const {
+    const uint64_t cycles = count("cycles");
+    const uint64_t busy = counters.count("busy") ? count("busy") : count("cycles busy");
+    return cycles ? 100.0 * static_cast<double>(busy) / static_cast<double>(cycles) : 0;
+  }
+};
+
+template <class Unit, class ClockedUnit>
+UnitReport report_of(const std::string& name, Side<Unit, ClockedUnit>& side) {
+  side.rtl->finish();
+  return {name,
+          side.both->first_report(),
+          side.both->compared(),
+          side.both->differences(),
+          side.both->packets_in(),
+          side.both->counters()};
+}
+
+double ratio(uint64_t a, uint64_t b) {
+  return b ? static_cast<double>(a) / static_cast<double>(b) : 0;
+}
+
+void print_units(const std::vector<UnitReport>& units) {
+  fmt::print("{:<16}{:>10}{:>8}{:>10}{:>12}{:>8}{:>11}{:>11}\n", "unit", "packets", "differ",
+             "bypassed", "cycles", "busy %", "stalls in", "stalls out");
+  for (const UnitReport& u : units) {
+    fmt::print("{:<16}{:>10}{:>8}{:>10}{:>12}{:>8.1f}{:>11}{:>11}\n", u.unit, u.compared,
+               u.differences, u.bypassed(), u.count("cycles"), u.busy(), u.count("stalls in"),
+               u.count("stalls out"));
+    if (u.unit == "photon_gatherer") {
+      const uint64_t hits = u.count("cache hits"), all = hits + u.count("cache misses");
+      fmt::print("  cache hits {} of {} ({:.1f} %), {} bytes read, {:.1f} a gather\n", hits, all,
+                 100 * ratio(hits, all), u.count("bytes read"),
+                 ratio(u.count("bytes read"), u.count("packets in")));
+      fmt::print("  {:.1f} cycles a gather: {:.1f} nodes, {:.1f} leaves, {:.1f} insertions\n",
+                 ratio(u.count("cycles"), u.count("packets in")),
+                 ratio(u.count("nodes"), u.count("packets in")),
+                 ratio(u.count("leaves"), u.count("packets in")),
+                 ratio(u.count("insertions"), u.count("packets in")));
+    }
+    if (u.unit == "reorder_buffer")
+      fmt::print("  mean displacement {:.1f} packets\n",
+                 ratio(u.count("displacement"), u.count("packets matched")));
+  }
+}
+
+void cosim(const CosimOptions& o) {
+  const FrameRequest request = o.frame.request();
+  const std::set<std::string> rtl = units_as_rtl(o.backends);
+  for (const char* unit : kUnits) o.rig.options(unit);  // bad values before long work
+  o.rig.check_waveform(rtl);
+  o.threads.apply();
+  const std::string stem = std::filesystem::path(request.scene_file).stem().string();
+  const std::string output =
+      o.output.empty() ? o.rig.options("photon_gatherer").work_dir + "/" + stem : o.output;
+  OutputFolder folder(output);
+
+  ConsoleProgress progress;
+  PreparedFrame frame = prepare_frame(request, Arithmetic::kGolden, &progress);
+  print_warnings(frame.warnings);
+  FrameUnits golden_units = make_golden_units(frame.plan);
+  FrameCounts golden_counts, counts;
+  Image golden_image =
+      render_frame(frame.input(Arithmetic::kGolden), golden_units, golden_counts, &progress);
+
+  Timeline timeline(o.timeline);
+  CompareContext context;
+  context.plan = plan_hash_text(frame.plan);
+  context.rerun = command_line();
+  context.keep_going = o.keep_going;
+  context.timeline = &timeline;
+  FrameUnits units = make_golden_units(frame.plan);
+  Side<PhotonGatherer, ClockedPhotonGatherer> gatherer;
+  Side<ReorderBuffer, ClockedReorderBuffer> reorder;
+  Side<CdfSampler, ClockedCdfSampler> sampler;
+  Image rtl_image;
+  std::vector<UnitReport> reports;
+  try {
+    const auto options = [&](const std::string& unit) {
+      context.unit = unit;
+      RunOptions run = o.rig.options(unit);
+      run.timeline = o.timeline > 0;
+      context.seed = run.seed;
+      return run;
+    };
+    {
+      const ProgressPhase phase(&progress, "models", rtl.size(), "units");
+      if (rtl.count("photon_gatherer")) {
+        const RunOptions run = options("photon_gatherer");
+        units.photon_gatherer =
+            gatherer.start(frame.plan, context, std::move(units.photon_gatherer),
+                           make_rtl_photon_gatherer(frame.plan, run));
+        phase.advance(1);
+      }
+      if (rtl.count("reorder_buffer")) {
+        const RunOptions run = options("reorder_buffer");
+        units.reorder_buffer = reorder.start(frame.plan, context, std::move(units.reorder_buffer),
+                                             make_rtl_reorder_buffer(frame.plan, run));
+        phase.advance(1);
+      }
+      if (rtl.count("cdf_sampler")) {
+        const RunOptions run = options("cdf_sampler");
+        units.cdf_sampler = sampler.start(frame.plan, context, std::move(units.cdf_sampler),
+                                          make_rtl_cdf_sampler(frame.plan, run));
+        phase.advance(1);
+      }
+    }
+    rtl_image = render_frame(frame.input(Arithmetic::kGolden), units, counts, &progress);
+    if (gatherer.rtl) reports.push_back(report_of("photon_gatherer", gatherer));
+    if (reorder.rtl) reports.push_back(report_of("reorder_buffer", reorder));
+    if (sampler.rtl) reports.push_back(report_of("cdf_sampler", sampler));
+  } catch (const RigError& error) {
+    throw std::runtime_error(
+        fmt::format("{}\n  again, with a waveform:\n    {} --wave {}.fst --wave-unit {}",
+                    error.what(), context.rerun, error.unit, error.unit));
+  }
+
+  describe_frame(golden_image, frame, request, "golden");
+  describe_frame(rtl_image, frame, request, "golden");
+  const std::string golden_file = folder.temporary() + "/golden.exr",
+                    rtl_file = folder.temporary() + "/rtl.exr";
+  write_exr(golden_image, golden_file);
+  write_exr(rtl_image, rtl_file);
+  const auto exposure = exposure_for(golden_image, golden_file);
+  write_png(golden_image, folder.temporary() + "/golden.png", exposure);
+  write_png(rtl_image, folder.temporary() + "/rtl.png", exposure);
+  const bool same = read_file(golden_file) == read_file(rtl_file);
+  write_file(folder.temporary() + "/timeline.json", timeline.json());
+  write_plan(frame.plan, folder.temporary() + "/plan.toml", frame.reasons);
+
+  uint64_t compared = 0, differences = 0, bypassed = 0;
+  std::string idle;
+  Json summary;
+  summary["scene"] = request.scene_file;
+  summary["plan_hash"] = context.plan;
+  summary["camera_samples"] = counts.camera_samples;
+  summary["caustic_queries"] = counts.caustic_queries;
+  summary["table_gathers"] = counts.table_gathers;
+  summary["directions"] = counts.directions;
+  summary["final_gathers"] = counts.final_gathers;
+  for (const UnitReport& u : reports) {
+    compared += u.compared;
+    differences += u.differences;
+    bypassed += u.bypassed();
+    if (u.compared == 0 && idle.empty()) idle = u.unit;
+    Json entry = {{"packets", u.compared},
+                  {"differences", u.differences},
+                  {"bypassed", u.bypassed()},
+                  {"busy_percent", u.busy()},
+                  {"counters", u.counters}};
+    if (u.unit == "reorder_buffer")
+      entry["mean_displacement"] = ratio(u.count("displacement"), u.count("packets matched"));
+    summary["units"][u.unit] = entry;
+  }
+  summary["packets"] = compared;
+  summary["differences"] = differences;
+  summary["images_identical"] = same;
+  summary["output"] = output;
+  summary["phases"] = Json::array();
+  for (const PhaseTime& t : progress.times())
+    summary["phases"].push_back({{"phase", t.phase}, {"wall", t.wall}, {"cpu", t.cpu}});
+  write_file(folder.temporary() + "/summary.json", summary.dump(2) + "\n");
+  folder.commit();
+
+  if (o.json) {
+    fmt::print("{}\n", summary.dump(2));
+  } else {
+    fmt::print("{}", progress.table());
+    fmt::print("{} caustic queries, {} table gathers, {} directions, {} final gathers\n",
+               counts.caustic_queries, counts.table_gathers, counts.directions,
+               counts.final_gathers);
+    print_units(reports);
+    for (const UnitReport& u : reports)
+      if (!u.first_difference.empty()) fmt::print("{}\n", u.first_difference);
+    fmt::print("golden {} rtl: {} packets, {} differences\n", differences ? "!=" : "==", compared,
+               differences);
+    fmt::print("image bytes of golden and rtl are {}\n", same ? "identical" : "different");
+    fmt::print("wrote {}: golden.exr, rtl.exr, timeline.json (Perfetto), summary.json, plan.toml\n",
+               output);
+  }
+  if (!idle.empty())
+    throw CheckFailed(
+        fmt::format("{} saw no packet: the plan of this scene gives it no work", idle));
+  if (differences) throw CheckFailed(fmt::format("{} packets differ from golden", differences));
+  if (bypassed) throw CheckFailed(fmt::format("{} packets bypassed the RTL", bypassed));
+  if (!same) throw CheckFailed("the image of the RTL is not the golden image");
+}
+
+void add_cosim(CLI::App& app) {
+  auto o = std::make_shared<CosimOptions>();
+  CLI::App* c = app.add_subcommand("cosim", "A frame through the hardware, compared with golden");
+  c->footer(
+      "Renders the frame twice: with golden units, and with the named units as RTL in Verilator.\n"
+      "Every packet of those is compared with golden's; the frame goes on with what the RTL gave.\n"
+      "Models are built once per plan and RTL source and kept in --work.\n"
+      "Exit status 0 when all packets and the image's bytes are equal.\n\n"
+      "Examples:\n"
+      "  photonloom cosim scenes/cornell.xml --size 64x64 --spp 1 --gather-rays 16 --k 16 \\\n"
+      "      --photons 50000\n"
+      "  photonloom cosim scenes/cornell.xml --size 32x32 --backend reorder_buffer=rtl \\\n"
+      "      --stall adversary --rig-seed 7");
+  o->frame.add_to(*c);
+  c->add_option("--backend", o->backends,
+                "Units and what stands for them, UNIT=rtl or UNIT=golden, with commas between "
+                "(default: all three as rtl)")
+      ->type_name("UNIT=B,...");
+  c->add_flag("--keep-going", o->keep_going,
+              "Render to the end with the RTL's packets although they differ");
+  c->add_option("-o,--output", o->output,
+                "Folder for images, timeline and summary (default: WORK/SCENE)")
+      ->type_name("DIR");
+  c->add_option("--timeline", o->timeline, "Packets of each unit in timeline.json (default 5000)")
+      ->type_name("N");
+  c->add_flag("--json", o->json, "Print the summary as one JSON object");
+  o->rig.add_to(*c, "--rig-seed");
+  o->threads.add_to(*c);
+  c->callback([o] { cosim(*o); });
+}
+
+const Command registered(50, add_cosim);
+
+}  // namespace
+}  // namespace photonloom
