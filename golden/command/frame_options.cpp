@@ -14,8 +14,9 @@ namespace {
 constexpr const char* kPlanned[] = {"--size", "--spp",    "--photons", "--caustic-photons",
                                     "--k",    "--radius", "--error",   "--gather-rays"};
 // What the path tracer does not read.
-constexpr const char* kPhotonOnly[] = {"--photons", "--caustic-photons", "--gather-rays", "--k",
-                                       "--radius",  "--error",           "--set"};
+constexpr const char* kPhotonOnly[] = {
+    "--photons", "--caustic-photons", "--gather-rays",   "--k",  "--radius",
+    "--error",   "--load-photons",    "--load-caustics", "--set"};
 
 }  // namespace
 
@@ -73,6 +74,13 @@ void FrameOptions::add_to(CLI::App& c) {
                "Relative error that the number formats may add; chooses their widths")
       ->type_name("E");
   c.add_option("--seed", request_.seed, "Of all randomness (default 1)")->type_name("S");
+  c.add_option("--load-photons", request_.load_photons,
+               "Global photons from a file that `photonloom photons` wrote, instead of --photons")
+      ->type_name("PLY");
+  c.add_option("--load-caustics", request_.load_caustics,
+               "Caustic photons from a file that `photonloom photons --caustic` wrote, instead of "
+               "--caustic-photons")
+      ->type_name("PLY");
   c.add_option("-D,--define", parameters_, "Sets $name in the scene; may be repeated")
       ->type_name("NAME=VALUE")
       ->expected(1)
@@ -86,6 +94,11 @@ FrameRequest FrameOptions::request() const {
       if (command_->count(option) > 0)
         throw UsageError(fmt::format(
             "{}: the plan given by --plan decides it; change its line with --set", option));
+  for (const auto& [file, number] : {std::pair("--load-photons", "--photons"),
+                                     std::pair("--load-caustics", "--caustic-photons")})
+    if (command_->count(file) > 0 && command_->count(number) > 0)
+      throw UsageError(
+          fmt::format("{} and {} exclude each other: the file has all its photons", file, number));
   if (!size_.empty()) request.size = parse_size(size_);
   for (const std::string& p : parameters_) {
     const size_t equals = p.find('=');

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "golden/unit/photon_file.hpp"
+
 namespace photonloom {
 namespace {
 
@@ -17,6 +19,28 @@ PhotonPass photons_of(const World& world, const RayCaster& caster, bool is_caust
                       uint64_t seed, Progress* progress) {
   return is_caustic ? trace_caustic_photons(world, caster, stored, seed, progress)
                     : trace_global_photons(world, caster, stored, seed, progress);
+}
+
+PhotonPass loaded_photons(const std::string& path, bool is_caustic, const World& world,
+                          Progress* progress) {
+  const ProgressPhase phase(progress, is_caustic ? "load caustics" : "load photons", 0, "");
+  PhotonFile file = read_photon_file(path);
+  const std::string kind = is_caustic ? "caustic" : "global";
+  if (!file.kind.empty() && file.kind != kind)
+    throw SceneError(
+        fmt::format("{}: holds {} photons, expected {} photons", path, file.kind, kind));
+  if (file.scene_hash && *file.scene_hash != world.scene().hash)
+    throw SceneError(
+        fmt::format("{}: was traced in another scene (hash {:016x}), expected {:016x}, that of {}",
+                    path, *file.scene_hash, world.scene().hash, world.scene().name));
+  const Cube cube{world.cube_origin(), world.cube_extent()};
+  for (size_t i = 0; i < file.photons.size(); ++i)
+    if (!holds(cube, file.photons[i].position))
+      throw SceneError(fmt::format("{}: photon {} lies outside of the scene", path, i));
+  PhotonPass pass;
+  pass.photons = std::move(file.photons);
+  pass.paths = file.paths.value_or(0);
+  return pass;
 }
 
 Plan plan_from_file(const FrameRequest& request) {
@@ -137,6 +161,16 @@ PreparedFrame prepare_frame(std::unique_ptr<World> world, const FrameRequest& re
     const uint64_t stored =
         from_file ? frame.plan.map(is_caustic).photons
                   : (is_caustic ? plan_request.caustic_photons : plan_request.photons);
+    const std::string& file = is_caustic ? request.load_caustics : request.load_photons;
+    if (!file.empty()) {
+      if (!wanted)
+        throw std::runtime_error(fmt::format(
+            "{}: the image asks no {} photons: {}", file, is_caustic ? "caustic" : "global",
+            from_file ? "the plan has no such map"
+                      : (is_caustic ? needed.caustic_reason : needed.global_reason)));
+      pass = loaded_photons(file, is_caustic, *frame.world, progress);
+      continue;
+    }
     if (!wanted || stored == 0) continue;
     pass = photons_of(*frame.world, *frame.caster, is_caustic, stored, request.seed, progress);
     if (pass.short_of_request)

@@ -25,8 +25,9 @@ struct FrameRequest {
   std::optional<int> spp, gather_rays, k;
   std::optional<uint64_t> photons, caustic_photons;
   std::optional<double> radius, error;
-  std::vector<std::string> set;  // lines of the plan
-  std::string plan_file;         // empty: the planner's
+  std::vector<std::string> set;             // lines of the plan
+  std::string plan_file;                    // empty: the planner's
+  std::string load_photons, load_caustics;  // photon files; empty: traced
   uint64_t seed = 1;
 };
 
