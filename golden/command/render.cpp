@@ -9,6 +9,7 @@
 
 #include "golden/command/console.hpp"
 #include "golden/command/frame_options.hpp"
+#include "golden/image/pixel_sum.hpp"
 #include "golden/image/sheet.hpp"
 #include "golden/numeric/output_file.hpp"
 #include "golden/pipeline/record.hpp"
@@ -160,6 +161,7 @@ void render(const RenderOptions& o) {
   summary["threads"] = o.threads.threads();
   summary["output"] = o.output;
   summary["png"] = png_beside(o.output);
+  summary["pixels_sha256"] = pixel_sha256(image);
   summary["cpu_seconds"] = cpu_seconds();
   summary["phases"] = Json::array();
   for (const PhaseTime& t : progress.times())

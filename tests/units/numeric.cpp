@@ -6,6 +6,7 @@
 #include "golden/numeric/octahedral.hpp"
 #include "golden/numeric/random.hpp"
 #include "golden/numeric/reciprocal.hpp"
+#include "golden/numeric/sha256.hpp"
 #include "golden/numeric/shared_exponent.hpp"
 #include "golden/packet/packet.hpp"
 #include "tests/catch.hpp"
@@ -96,4 +97,17 @@ TEST_CASE("packet fields are visited in order with the plan's widths") {
   int packets = 0;
   for_each_packet([&](auto) { ++packets; });
   REQUIRE(packets == 5);
+}
+
+TEST_CASE("SHA-256 of the examples of FIPS 180-4 and of a million letters") {
+  const auto sum = [](const std::string& text) {
+    Sha256 s;
+    s.add(text);
+    return s.hex();
+  };
+  CHECK(sum("abc") == "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+  CHECK(sum("abcdbcdecdefdefgefghfghighijhijkijkljklmklmnlmnomnopnopq") ==
+        "248d6a61d20638b8e5c026930c3e6039a33ce45964ff2167f6ecedd419db06c1");
+  CHECK(sum(std::string(1000000, 'a')) ==
+        "cdc76e5c9914fb9281a1c7e284d73e67f1809a48a497200e046d39ccc7112cd0");
 }
