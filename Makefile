@@ -2,7 +2,7 @@
 # The daily workflow. Each verb first installs its own missing packages (scripts/setup), and only those.
 JOBS := $(shell nproc)
 .DEFAULT_GOAL := build
-.PHONY: help build demo test test-full gallery asan format clean
+.PHONY: help build demo test test-full gallery asan fuzz format clean
 
 help: ## this list
 	@sed -n 's/^\([a-z-]*\):[^#]*## \(.*\)/  make \1\t\2/p' Makefile | expand -t 24
@@ -37,9 +37,13 @@ asan: ## the quick tests under AddressSanitizer and UndefinedBehaviorSanitizer
 	@cmake --build build-asan
 	@ctest --preset asan -j $(JOBS)
 
+fuzz: ## a minute of the scene loader under libFuzzer
+	@scripts/setup fuzz
+	@scripts/fuzz 60
+
 format: ## clang-format on every C++ file
 	@scripts/setup format
 	@git ls-files '*.cpp' '*.hpp' | xargs clang-format -i
 
 clean: ## remove what was built
-	@rm -rf build build-asan build-clang
+	@rm -rf build build-asan build-clang build-fuzz

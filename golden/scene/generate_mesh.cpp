@@ -82,12 +82,13 @@ struct Tessellation {
   }
 };
 
-// Radius of a column at height h in [0, 1]: base, tapered shaft with a slight swelling, capital.
+// Radius of a column at height h in [0, 1]: base, tapered shaft, capital; never beyond the wall
+// that it carries.
 double column_radius(double h) {
-  const double shaft = 0.24 - 0.05 * h * h;
-  const double base = 0.12 * std::max(0.0, 1 - h / 0.08) * std::max(0.0, 1 - h / 0.08);
+  const double shaft = 0.19 - 0.03 * h * h;
+  const double base = 0.06 * std::max(0.0, 1 - h / 0.08) * std::max(0.0, 1 - h / 0.08);
   const double top = std::max(0.0, (h - 0.86) / 0.14);
-  return shaft + base + 0.14 * top * top;
+  return shaft + base + 0.09 * top * top;
 }
 
 void add_column(Mesh& mesh, const Vec3& foot, const Tessellation& t) {

@@ -30,8 +30,8 @@ std::string lower(std::string text) {
 
 void check_attributes(const Element& element, std::initializer_list<const char*> names) {
   for (const auto& [name, value] : element.attributes)
-    if (std::find_if(names.begin(), names.end(), [&](const char* n) { return n == name; }) ==
-        names.end())
+    if (std::find_if(names.begin(), names.end(),
+                     [name = name](const char* n) { return n == name; }) == names.end())
       fail(element, fmt::format("attribute '{}' of <{}> is not supported", name, element.tag));
 }
 

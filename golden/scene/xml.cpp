@@ -207,8 +207,8 @@ class Builder {
       if (!element.find(name))
         fail(element, fmt::format("<{}> has no attribute '{}'", element.tag, name));
     for (const auto& [name, value] : element.attributes)
-      if (std::find_if(names.begin(), names.end(), [&](const char* n) { return n == name; }) ==
-          names.end())
+      if (std::find_if(names.begin(), names.end(),
+                       [name = name](const char* n) { return n == name; }) == names.end())
         fail(element, fmt::format("attribute '{}' of <{}> is not supported", name, element.tag));
     for (const auto& child : element.children)
       fail(*child, fmt::format("<{}> is not allowed in <{}>", child->tag, element.tag));
@@ -375,7 +375,7 @@ std::string Document::find_file(const Element& element, const std::string& name)
   }
   std::error_code ignored;
   for (const std::string& path : tries)
-    if (std::filesystem::exists(path, ignored)) return path;
+    if (std::filesystem::is_regular_file(path, ignored)) return path;
   photonloom::fail(element, fmt::format("file '{}' does not exist", tries.front()));
 }
 

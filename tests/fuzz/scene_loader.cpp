@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+// libFuzzer target: scene files and meshes of arbitrary bytes load or give one SceneError; nothing
+// else. The first byte says what the rest is: 'x' a scene, 'o' an OBJ mesh, 'p' a PLY mesh.
+#include <unistd.h>
+
+#include <cstdint>
+#include <cstdlib>
+#include <exception>
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include "golden/scene/scene.hpp"
+
+namespace {
+
+// In memory where the system has such a folder; removed at exit.
+struct Folder {
+  std::filesystem::path path;
+  Folder() {
+    const std::filesystem::path shared = "/dev/shm";
+    path = (std::filesystem::is_directory(shared) ? shared : std::filesystem::temp_directory_path()) /
+           ("photonloom_fuzz_" + std::to_string(getpid()));
+    std::filesystem::create_directories(path);
+    for (const std::string type : {"obj", "ply"})
+      write(type + ".xml",
+            "<scene version=\"0.6.0\"><sensor type=\"perspective\"/><shape type=\"" + type +
+                "\"><string name=\"filename\" value=\"mesh." + type +
+                "\"/><emitter type=\"area\"/></shape></scene>");
+  }
+  ~Folder() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path, ignored);
+  }
+  void write(const std::string& name, const std::string& bytes) const {
+    std::ofstream(path / name, std::ios::binary) << bytes;
+  }
+};
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
+  static const Folder folder;
+  if (size == 0) return -1;
+  const std::string bytes(reinterpret_cast<const char*>(data) + 1, size - 1);
+  std::string scene = "scene.xml";
+  if (data[0] == 'x') {
+    folder.write(scene, bytes);
+  } else if (data[0] == 'o' || data[0] == 'p') {
+    const std::string type = data[0] == 'o' ? "obj" : "ply";
+    folder.write("mesh." + type, bytes);
+    scene = type + ".xml";
+  } else {
+    return -1;  // not kept in the corpus
+  }
+  try {
+    photonloom::load_scene((folder.path / scene).string());
+  } catch (const photonloom::SceneError& error) {
+    if (std::string(error.what()).empty()) std::abort();
+  }
+  return 0;
+}
