@@ -10,7 +10,8 @@ void SceneOption::add_to(CLI::App& command) {
       ->required()
       ->type_name("SCENE");
   command
-      .add_option("-D", definitions_, "Value of a $NAME in the scene file; wins over its <default>")
+      .add_option("-D,--define", definitions_,
+                  "Value of a $NAME in the scene file; wins over its <default>")
       ->type_name("NAME=VALUE")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);

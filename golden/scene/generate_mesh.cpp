@@ -134,7 +134,7 @@ void add_arch(Mesh& mesh, const Vec3& center, const Tessellation& t) {
     });
   }
   add_patch(mesh, around, t.arch_across, [&](double u, double v) {
-    const Vec2 c = angle(u);
+    const Vec2 c = angle(1 - u);
     return Vertex{
         center + Vec3(kArchRadius * c.x, kSpring + kArchRadius * c.y, (v - 0.5) * kThickness),
         Vec3(-c.x, -c.y, 0)};

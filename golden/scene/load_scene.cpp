@@ -35,6 +35,7 @@ class Loader {
     scene_.name = path_.substr(folder_of(path_).size());
     if (const size_t dot = scene_.name.rfind('.'); dot != std::string::npos && dot > 0)
       scene_.name.resize(dot);
+    // Attributes other than the version name schemas.
     Properties root(document_, *document_.root);
     // Settings of Mitsuba's ray tracing kernel and scheduler.
     root.ignore({"kd_intersection_cost", "kd_traversal_cost", "kd_empty_space_bonus",

@@ -176,7 +176,7 @@ std::string canonical_name(const std::string& name) {
 
 Properties::Properties(const Document& document, const Element& object)
     : document_(document), object_(object), type_(lower(object["type"])) {
-  check_attributes(object, {"type", "id", "name", "version"});
+  if (object.tag != "scene") check_attributes(object, {"type", "id", "name"});
   if (object.tag != "scene" && type_.empty())
     fail(object, fmt::format("{} has no type", describe(object)));
   for (const auto& child : object.children) {

@@ -53,6 +53,8 @@ TEST_CASE("files that are no scene") {
   CHECK_THAT(load_error(scene_text("words")), Contains("scene.xml:2: text 'words"));
   CHECK_THROWS_WITH(load_scene("/nowhere/scene.xml"),
                     Contains("/nowhere/scene.xml: cannot be read"));
+  // A byte order mark is no text.
+  CHECK(load_error("\xEF\xBB\xBF" + scene_text(std::string(kSensor) + kLamp)) == "");
   const TestFolder folder;
   CHECK_THROWS_WITH(load_scene(folder / ""), Contains("cannot be read"));
 }

@@ -19,14 +19,14 @@ struct Folder {
   std::filesystem::path path;
   Folder() {
     const std::filesystem::path shared = "/dev/shm";
-    path = (std::filesystem::is_directory(shared) ? shared : std::filesystem::temp_directory_path()) /
-           ("photonloom_fuzz_" + std::to_string(getpid()));
+    path =
+        (std::filesystem::is_directory(shared) ? shared : std::filesystem::temp_directory_path()) /
+        ("photonloom_fuzz_" + std::to_string(getpid()));
     std::filesystem::create_directories(path);
     for (const std::string type : {"obj", "ply"})
-      write(type + ".xml",
-            "<scene version=\"0.6.0\"><sensor type=\"perspective\"/><shape type=\"" + type +
-                "\"><string name=\"filename\" value=\"mesh." + type +
-                "\"/><emitter type=\"area\"/></shape></scene>");
+      write(type + ".xml", "<scene version=\"0.6.0\"><sensor type=\"perspective\"/><shape type=\"" +
+                               type + "\"><string name=\"filename\" value=\"mesh." + type +
+                               "\"/><emitter type=\"area\"/></shape></scene>");
   }
   ~Folder() {
     std::error_code ignored;

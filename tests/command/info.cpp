@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+// photonloom info and mesh as a user runs them.
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "tests/catch.hpp"
+#include "tests/command/run.hpp"
+
+using namespace photonloom::test;
+using Catch::Matchers::Contains;
+
+TEST_CASE("info: counts, bounds, powers, needs") {
+  const Outcome text = run("info '" + source("scenes/cornell_balls.xml") + "'");
+  CHECK(text.status == 0);
+  CHECK_THAT(text.out, Contains("caustic map yes") && Contains("glass_ball"));
+  const Outcome json = run("info --json '" + source("scenes/cornell_balls.xml") + "'");
+  REQUIRE(json.status == 0);
+  const auto j = nlohmann::json::parse(json.out);
+  CHECK(j["triangles"] == 12);
+  CHECK(j["primitives"] == 14);
+  CHECK(j["bounds"]["lower"] == nlohmann::json({-1, -1, -1}));
+  CHECK(j["needs"]["caustic_map"] == true);
+  CHECK(j["needs"]["glossy_lobes"] == false);
+  // A lamp of 0.6 x 0.6 radiates pi L A.
+  CHECK(j["power"][0].get<double>() == Approx(3.14159265358979 * 14 * 0.36));
+  CHECK(j["hash"].get<std::string>().size() == 16);
+}
+
+TEST_CASE("info: parameters and bad input") {
+  const std::string atrium = "info --json '" + source("scenes/atrium.xml") + "'";
+  CHECK(nlohmann::json::parse(run(atrium + " -D triangles=300000").out)["triangles"] > 250000);
+  const Outcome unused = run(atrium + " -D size=3");
+  CHECK(unused.status == 1);
+  CHECK(unused.one_error_line());
+  CHECK(run(atrium + " -D triangles").status == 2);
+  CHECK(run("info").status == 2);
+  const Outcome missing = run("info /nowhere.xml");
+  CHECK(missing.status == 1);
+  CHECK(missing.one_error_line());
+  const Scratch scratch;
+  std::ofstream(scratch / "image.xml") << "\x89PNG\r\n\x1a\n";
+  const Outcome image = run("info '" + scratch / "image.xml" + "'");
+  CHECK(image.status == 1);
+  CHECK(image.one_error_line());
+  CHECK_THAT(image.err, Contains("image.xml:1: not an XML file"));
+}
+
+TEST_CASE("mesh: writes whole files only") {
+  const Scratch scratch;
+  CHECK(run("mesh atrium --triangles 5000 -o '" + scratch / "a.ply" + "'").status == 0);
+  CHECK(scratch.entries() == 1);
+  const Outcome few = run("mesh atrium --triangles 100 -o '" + scratch / "b.ply" + "'");
+  CHECK(few.status == 1);
+  CHECK(few.one_error_line());
+  CHECK(run("mesh ring -o '" + scratch / "none/b.ply" + "'").status == 1);
+  CHECK(run("mesh sponza -o '" + scratch / "b.ply" + "'").status == 2);
+  CHECK(scratch.entries() == 1);
+}
