@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+// More combinations of same_image.hpp.
+#include "tests/rtl/same_image.hpp"
+
+using namespace photonloom::test;
+
+TEST_CASE("many combinations, exact search") {
+  LawFrame frame(false);
+  for (uint64_t combination = 100; combination < 112; ++combination) frame.check(combination);
+}
+
+TEST_CASE("many combinations, approximate search") {
+  LawFrame frame(true);
+  frame.check_smallest();
+  for (uint64_t combination = 200; combination < 212; ++combination) frame.check(combination);
+}
