@@ -33,7 +33,7 @@ constexpr Policy kPolicies[] = {
 
 struct BenchCommand {
   std::string plan, only_case;
-  uint64_t seed = 1, packets = 0;
+  uint64_t seed = 1, packets = 1;
   int policy = -1;
   bool list = false;
   RigFlags rig;
@@ -103,11 +103,10 @@ void run_case(const Plan& bench_plan, const GatherCase& c, const RunOptions& opt
   totals.cycles += rtl->cycles();
 }
 
+// All cases and policies once, with the command's seed.
 template <class Bench>
-void run_plan(const std::string& program, const std::string& unit, const Bench& bench,
-              const BenchPlan& plan, const BenchCommand& command) {
-  const auto started = std::chrono::steady_clock::now();
-  Totals totals;
+void run_cases(const std::string& program, const std::string& unit, const Bench& bench,
+               const BenchPlan& plan, const BenchCommand& command, Totals& totals) {
   for (const auto& c : bench.cases) {
     if (!command.only_case.empty() && c.name != command.only_case) continue;
     const int policies = command.own_policy ? 1 : static_cast<int>(std::size(kPolicies));
@@ -149,6 +148,20 @@ void run_plan(const std::string& program, const std::string& unit, const Bench& 
       ++totals.runs;
     }
   }
+}
+
+template <class Bench>
+void run_plan(const std::string& program, const std::string& unit, const Bench& bench,
+              const BenchPlan& plan, const BenchCommand& command) {
+  const auto started = std::chrono::steady_clock::now();
+  Totals totals;
+  BenchCommand round = command;
+  do {
+    const uint64_t before = totals.compared;
+    run_cases(program, unit, bench, plan, round, totals);
+    ++round.seed;
+    if (totals.compared == before) break;
+  } while (totals.compared < command.packets);
   if (totals.compared == 0)
     throw std::runtime_error(fmt::format("{}, plan {}: no packet was checked", unit, plan.name));
   fmt::print(
@@ -168,6 +181,8 @@ int run_bench(int argc, char** argv, const std::string& unit, const Bench& bench
   app.add_option("--case", command.only_case, "A case of --list. Default: all.");
   app.add_option("--policy", command.policy, "Only this entry of the list of policies.")
       ->check(CLI::Range(0, static_cast<int>(std::size(kPolicies)) - 1));
+  app.add_option("--packets", command.packets,
+                 "Check at least so many packets per plan: repeats everything with the next seed.");
   app.add_flag("--list", command.list, "List plans, cases and policies.");
   command.rig.add_to(app, "--seed");
   try {

@@ -3,8 +3,8 @@
 // under several stall policies, memory latencies and initial register values, golden beside RTL.
 //
 // A bench program: --list; --plan NAME (a name of the bench, or random:N), --case NAME, --seed S,
-// --policy N, and the rig's flags, which replace the list of policies when --stall* or --latency is
-// given. Exit status 0 when packets were checked and all were equal.
+// --policy N, --packets N, and the rig's flags, which replace the list of policies when --stall* or
+// --latency is given. Exit status 0 when packets were checked and all were equal.
 #pragma once
 #include <array>
 #include <functional>

@@ -13,7 +13,7 @@
 namespace photonloom {
 
 struct ModelSource {
-  std::string unit;                      // module, and folder of rtl/
+  std::string unit;                      // module; of a generated package also photonloom_chip
   std::string rtl_dir;                   // empty: default_rtl_dir()
   std::string work_dir = "build/cosim";  // where libraries are kept
   bool waveform = false;                 // a library that can write FST; a little slower

@@ -32,6 +32,8 @@ std::map<std::string, std::string> index_modules(const std::string& rtl_dir) {
     throw std::runtime_error(rtl_dir + ": is no folder, expected the RTL sources");
   std::map<std::string, std::string> modules;
   for (const auto& folder : fs::directory_iterator(rtl_dir)) {
+    if (folder.path().extension() == ".sv" && folder.path().stem() != "photonloom_pkg")
+      modules[folder.path().stem().string()] = folder.path().filename().string();
     if (!folder.is_directory()) continue;
     for (const auto& file : fs::directory_iterator(folder.path()))
       if (file.path().extension() == ".sv")

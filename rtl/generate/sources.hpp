@@ -12,9 +12,9 @@ namespace photonloom {
 std::string default_rtl_dir();
 
 // Files of `module` and of everything that it instantiates, directly or not, each after those it
-// uses; paths relative to `rtl_dir`, which is searched one level deep (rtl/<folder>/<module>.sv).
-// Modules named in `without` are left out with all that only they use. An unknown module is an
-// error.
+// uses; paths relative to `rtl_dir`, which is searched one level deep (rtl/<folder>/<module>.sv,
+// and rtl/<module>.sv as in generated packages). Modules named in `without` are left out with all
+// that only they use. An unknown module is an error.
 std::vector<std::string> module_files(const std::string& rtl_dir, const std::string& module,
                                       const std::set<std::string>& without = {});
 
