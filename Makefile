@@ -46,4 +46,4 @@ format: ## clang-format on every C++ file
 	@git ls-files '*.cpp' '*.hpp' | xargs clang-format -i
 
 clean: ## remove what was built
-	@rm -rf build build-asan build-clang build-fuzz
+	@rm -rf build build-*
