@@ -238,6 +238,9 @@ std::string build_model(const Plan& plan, const ModelSource& source) {
   key = text_hash(package, key);
   for (const std::string& file : files) key = text_hash(read_file(rtl + "/" + file), key);
   key = text_hash(source.waveform ? "waveform" : "", key);
+  std::string parameters;
+  for (const std::string& p : source.parameters) parameters += " " + quoted("-G" + p);
+  key = text_hash(parameters, key);
 
   std::error_code ignored;
   fs::create_directories(source.work_dir, ignored);
@@ -260,8 +263,9 @@ std::string build_model(const Plan& plan, const ModelSource& source) {
     list += " " + name;
   }
   run_tool(fmt::format("cd {} && verilator --cc -Wall -O3 --assert --x-initial unique --x-assign "
-                       "unique --prefix Vmodel --Mdir obj --top-module {}{} photonloom_pkg.sv{}",
-                       quoted(dir), source.unit, source.waveform ? " --trace-fst" : "", list),
+                       "unique --prefix Vmodel --Mdir obj --top-module {}{}{} photonloom_pkg.sv{}",
+                       quoted(dir), source.unit, parameters,
+                       source.waveform ? " --trace-fst" : "", list),
            dir + "/verilator.log",
            fmt::format("verilator on {} (build folder {})", source.unit, base));
 

@@ -17,6 +17,8 @@ struct ModelSource {
   std::string rtl_dir;                   // empty: default_rtl_dir()
   std::string work_dir = "build/cosim";  // where libraries are kept
   bool waveform = false;                 // a library that can write FST; a little slower
+  // Parameters of the module other than the plan's, "Name=value" each.
+  std::vector<std::string> parameters = {};
 };
 
 // Path of the library, built if it is not there (tens of seconds; needs verilator and a C++

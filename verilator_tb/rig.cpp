@@ -180,6 +180,7 @@ LineMemory::LineMemory(Model& model, const Plan& plan, const RunOptions& options
       bank_cycles_(options.bank_cycles),
       line_bits_(plan.line_bits()),
       line_bytes_(static_cast<size_t>(plan.bucket) * static_cast<size_t>(plan.photon_bytes)),
+      beat_bytes_(rsp_data_.bytes),
       bank_free_(static_cast<size_t>(std::max(1, options.banks)), 0) {
   *req_ready_.data = 0;
   *rsp_valid_.data = 0;
@@ -203,10 +204,9 @@ void LineMemory::drive(uint64_t cycle) {
   // Nobody may refuse a reply, so the adversary treats the requester as always ready.
   if (in_line_ && !stall_rsp_.holds_source(true)) {
     beat_now_ = true;
-    std::array<uint8_t, kBeatBytes> data{};
-    std::memcpy(data.data(), pending_[sending_].data + beat_ * kBeatBytes,
-                std::min(kBeatBytes, line_bytes_ - beat_ * kBeatBytes));
-    std::memcpy(rsp_data_.data, data.data(), kBeatBytes);
+    const size_t bytes = std::min(beat_bytes_, line_bytes_ - beat_ * beat_bytes_);
+    std::memcpy(rsp_data_.data, pending_[sending_].data + beat_ * beat_bytes_, bytes);
+    std::memset(rsp_data_.data + bytes, 0, beat_bytes_ - bytes);
     write_port(rsp_tag_, pending_[sending_].tag);
   }
   *rsp_valid_.data = beat_now_ ? 1 : 0;
@@ -215,8 +215,8 @@ void LineMemory::drive(uint64_t cycle) {
 bool LineMemory::sample(uint64_t cycle) {
   bool moved = beat_now_;
   if (beat_now_) {
-    bytes_ += kBeatBytes;
-    if (++beat_ * kBeatBytes >= line_bytes_) {
+    bytes_ += beat_bytes_;
+    if (++beat_ * beat_bytes_ >= line_bytes_) {
       pending_.erase(pending_.begin() + static_cast<std::ptrdiff_t>(sending_));
       in_line_ = false;
     }
@@ -257,7 +257,8 @@ Rig::Rig(const Plan& plan, const std::string& unit, const RunOptions& options)
     : unit_(unit),
       options_(options),
       model_(
-          build_model(plan, {unit, options.rtl_dir, options.work_dir, !options.waveform.empty()}),
+          build_model(plan, {unit, options.rtl_dir, options.work_dir, !options.waveform.empty(),
+                             options.parameters}),
           options.seed * 0x9e3779b97f4a7c15ull + options.initial_seed) {
   clock_ = model_.port("clk_i").data;
   reset_ = model_.port("rst_i").data;

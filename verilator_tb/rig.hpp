@@ -30,6 +30,7 @@ struct RunOptions {
   int bank_cycles = 0;          // a bank takes one request in so many cycles; 0: no limit
   uint64_t watchdog = 50000;    // cycles without any handshake while something is owed
   std::string rtl_dir;          // empty: default_rtl_dir()
+  std::vector<std::string> parameters;  // of the module, "Name=value", instead of the plan's
   std::string work_dir = "build/cosim";
   std::string waveform;                             // FST file; empty: none
   uint64_t waveform_from = 0, waveform_to = ~0ull;  // cycles
@@ -106,11 +107,10 @@ class Taker {
   uint64_t taken_ = 0, stalled_ = 0;
 };
 
-// The line memory behind a unit's line port: replies of whole lines, beats of kBeatBytes, lines
+// The line memory behind a unit's line port: replies of whole lines, beats as wide as the port, lines
 // never interleaved, one beat a cycle at most.
 class LineMemory {
  public:
-  static constexpr size_t kBeatBytes = 16;
   LineMemory(Model& model, const Plan& plan, const RunOptions& options, const std::string& unit);
   // Line l of map m at byte l * line_bytes of lines[m]; must outlive the run.
   void load(const std::array<std::vector<uint8_t>, 2>& lines) { lines_ = &lines; }
@@ -137,7 +137,7 @@ class LineMemory {
   bool random_latency_;
   int bank_cycles_;
   int line_bits_;
-  size_t line_bytes_;
+  size_t line_bytes_, beat_bytes_;
   const std::array<std::vector<uint8_t>, 2>* lines_ = nullptr;
   std::vector<Request> pending_;
   std::vector<uint64_t> bank_free_;
