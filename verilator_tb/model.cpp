@@ -264,8 +264,8 @@ std::string build_model(const Plan& plan, const ModelSource& source) {
   }
   run_tool(fmt::format("cd {} && verilator --cc -Wall -O3 --assert --x-initial unique --x-assign "
                        "unique --prefix Vmodel --Mdir obj --top-module {}{}{} photonloom_pkg.sv{}",
-                       quoted(dir), source.unit, parameters,
-                       source.waveform ? " --trace-fst" : "", list),
+                       quoted(dir), source.unit, parameters, source.waveform ? " --trace-fst" : "",
+                       list),
            dir + "/verilator.log",
            fmt::format("verilator on {} (build folder {})", source.unit, base));
 

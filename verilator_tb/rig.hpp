@@ -24,12 +24,12 @@ struct RunOptions {
   uint64_t seed = 1;          // of all stalls, latencies and initial register values
   uint64_t initial_seed = 1;  // mixed into the initial register values alone
   StallPolicy stall_in, stall_out, stall_memory;
-  int latency = 20;             // of the line memory, cycles from request to first beat
-  bool random_latency = false;  // uniform in [1, 2 * latency], replies out of order
-  int banks = 8;                // of the line memory, by line number
-  int bank_cycles = 0;          // a bank takes one request in so many cycles; 0: no limit
-  uint64_t watchdog = 50000;    // cycles without any handshake while something is owed
-  std::string rtl_dir;          // empty: default_rtl_dir()
+  int latency = 20;                     // of the line memory, cycles from request to first beat
+  bool random_latency = false;          // uniform in [1, 2 * latency], replies out of order
+  int banks = 8;                        // of the line memory, by line number
+  int bank_cycles = 0;                  // a bank takes one request in so many cycles; 0: no limit
+  uint64_t watchdog = 50000;            // cycles without any handshake while something is owed
+  std::string rtl_dir;                  // empty: default_rtl_dir()
   std::vector<std::string> parameters;  // of the module, "Name=value", instead of the plan's
   std::string work_dir = "build/cosim";
   std::string waveform;                             // FST file; empty: none
@@ -107,8 +107,8 @@ class Taker {
   uint64_t taken_ = 0, stalled_ = 0;
 };
 
-// The line memory behind a unit's line port: replies of whole lines, beats as wide as the port, lines
-// never interleaved, one beat a cycle at most.
+// The line memory behind a unit's line port: replies of whole lines, beats as wide as the port,
+// lines never interleaved, one beat a cycle at most.
 class LineMemory {
  public:
   LineMemory(Model& model, const Plan& plan, const RunOptions& options, const std::string& unit);

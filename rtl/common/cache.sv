@@ -8,12 +8,12 @@
 // entry is free, requests wait; entries free themselves without them, so there is no deadlock. The victim is the next
 // way in turn that is not held.
 //
-// An answer is issued only with out_ready_i, comes 2 cycles later and must then be taken; the issue itself is shown by
+// An answer is issued only with out_ready_i, comes a cycle later, straight from block RAM, and must then be taken; the issue itself is shown by
 // issue_o, so the receiver can count its room. Line port: beats of a line in order and not interleaved, lines in any
 // order of tags, always accepted. invalidate_i (while idle) forgets every line in Sets cycles, as reset does.
 // set_mask_i (while idle, before an invalidate): sets in use minus one; bypass_i: every request fetches its line.
 //
-// Latency of a hit 4 cycles from in_valid_i, a line a cycle; a miss adds the memory's latency, its beats and 3 cycles.
+// Latency of a hit 3 cycles from in_valid_i, a line a cycle; a miss adds the memory's latency, its beats and 3 cycles.
 module cache #(
     parameter int unsigned AddressBits = 14,
     parameter int unsigned Clients = 16,
@@ -118,9 +118,9 @@ module cache #(
 
   // ---- misses ----
   logic [Misses-1:0] busy_q, filled_q, same, idle_entry;
-  logic [Misses*AddressBits-1:0] miss_address_q;
-  logic [Misses*PlaceBits-1:0] miss_place_q;  // set, way
-  logic [Misses*Clients-1:0] waiting_q;
+  logic [AddressBits-1:0] miss_address_q[0:Misses-1];
+  logic [PlaceBits-1:0] miss_place_q[0:Misses-1];  // set, way
+  logic [Clients-1:0] waiting_q[0:Misses-1];
   logic [Ways-1:0] held, match;
   logic joins, hits, may_allocate, free_entry, free_way, hit_read;
   logic [MissBits-1:0] entry;
@@ -132,9 +132,9 @@ module cache #(
     same = '0;
     for (int unsigned m = 0; m < Misses; m++) begin
       if (busy_q[m]) begin
-        if (miss_place_q[PlaceBits*m+WayBits+:SetBits] == b_set)
-          held = held | (Ways'(1) << miss_place_q[PlaceBits*m+:WayBits]);
-        same[m] = !bypass_i && miss_address_q[AddressBits*m+:AddressBits] == b_address_q;
+        for (int unsigned w = 0; w < Ways; w++)
+          if (miss_place_q[m] == {b_set, WayBits'(w)}) held[w] = 1'b1;
+        same[m] = !bypass_i && miss_address_q[m] == b_address_q;
       end
     end
     match = '0;
@@ -168,7 +168,7 @@ module cache #(
   logic [ClientBits-1:0] serve_client;
   logic serve_joined;
 
-  assign serve_waiting = waiting_q[Clients*serve_entry_q+:Clients];
+  assign serve_waiting = waiting_q[serve_entry_q];
   assign serve_rest = serve_waiting & (serve_waiting - 1'b1);
   assign serve_joined = b_valid_q && same[serve_entry_q];
   assign serve_last = serve_rest == '0 && !serve_joined;
@@ -212,27 +212,31 @@ module cache #(
   always_ff @(posedge clk_i) begin
     if (line_req_valid_o && line_req_ready_i) line_req_valid_o <= 1'b0;
     if (allocate) begin
-      busy_q[entry] <= 1'b1;
-      miss_address_q[AddressBits*entry+:AddressBits] <= b_address_q;
-      miss_place_q[PlaceBits*entry+:PlaceBits] <= {b_set, victim};
       line_req_valid_o <= 1'b1;
       line_req_addr_o <= b_address_q;
       line_req_tag_o <= entry;
       turn_q <= turn_q == WayBits'(Ways - 1) ? '0 : turn_q + 1'b1;
     end
     for (int unsigned m = 0; m < Misses; m++) begin
-      if (serve_read && serve_entry_q == MissBits'(m)) waiting_q[Clients*m+:Clients] <= serve_rest;
-      if (b_valid_q && same[m])
-        waiting_q[Clients*m+:Clients] <= (serve_read && serve_entry_q == MissBits'(m) ? serve_rest
-                                           : waiting_q[Clients*m+:Clients]) | (Clients'(1) << b_client_q);
-      if (allocate && entry == MissBits'(m)) waiting_q[Clients*m+:Clients] <= Clients'(1) << b_client_q;
+      // A bit is set by its client's request and cleared by its read; no client is at both.
+      for (int unsigned c = 0; c < Clients; c++) begin
+        if (serve_read && serve_entry_q == MissBits'(m) && serve_client == ClientBits'(c)) waiting_q[m][c] <= 1'b0;
+        if (b_client_q == ClientBits'(c) && ((b_valid_q && same[m]) || (allocate && entry == MissBits'(m))))
+          waiting_q[m][c] <= 1'b1;
+      end
+      if (fill_q && fill_entry_q == MissBits'(m)) filled_q[m] <= 1'b1;
+      if (serve_read && serve_last && serve_entry_q == MissBits'(m)) begin
+        busy_q[m] <= 1'b0;
+        filled_q[m] <= 1'b0;
+      end
+      if (allocate && entry == MissBits'(m)) begin
+        busy_q[m] <= 1'b1;
+        miss_address_q[m] <= b_address_q;
+        miss_place_q[m] <= {b_set, victim};
+      end
+      if (rst_i) waiting_q[m] <= '0;
     end
-    if (fill_q) filled_q[fill_entry_q] <= 1'b1;
-    if (serve_read && serve_last) begin
-      busy_q[serve_entry_q] <= 1'b0;
-      filled_q[serve_entry_q] <= 1'b0;
-      serving_q <= 1'b0;
-    end
+    if (serve_read && serve_last) serving_q <= 1'b0;
     if (!serving_q) begin
       serve_entry_q <= next_entry;
       serving_q <= filled_q != '0;
@@ -246,14 +250,11 @@ module cache #(
     end
   end
 
-  // ---- data: block RAM, then a register ----
-  logic read_1_q;
-  logic [ClientBits-1:0] client_1_q;
-  logic [Items*ItemBits-1:0] line_1;
+  // ---- data ----
   logic [PlaceBits-1:0] read_place, fill_place;
 
-  assign read_place = serving_q ? miss_place_q[PlaceBits*serve_entry_q+:PlaceBits] : {b_set, hit_way};
-  assign fill_place = miss_place_q[PlaceBits*fill_entry_q+:PlaceBits];
+  assign read_place = serving_q ? miss_place_q[serve_entry_q] : {b_set, hit_way};
+  assign fill_place = miss_place_q[fill_entry_q];
 
   block_ram #(
       .Width(Items * ItemBits),
@@ -265,18 +266,12 @@ module cache #(
       .write_data_i(fill_line),
       .read_i(1'b1),
       .read_address_i(read_place),
-      .read_data_o(line_1)
+      .read_data_o(out_line_o)
   );
 
   always_ff @(posedge clk_i) begin
-    read_1_q <= issue_o;
-    client_1_q <= serving_q ? serve_client : b_client_q;
-    out_valid_o <= read_1_q;
-    out_client_o <= client_1_q;
-    out_line_o <= line_1;
-    if (rst_i) begin
-      read_1_q <= 1'b0;
-      out_valid_o <= 1'b0;
-    end
+    out_valid_o <= issue_o;
+    out_client_o <= serving_q ? serve_client : b_client_q;
+    if (rst_i) out_valid_o <= 1'b0;
   end
 endmodule

@@ -9,7 +9,7 @@
 // last insertion. Nodes, dropped stack entries, leaf beats and insertions each have a port of their own that takes one
 // a cycle. docs/photon_gatherer.md has the drawing, the address map of cfg_*, and the figures.
 //
-// Latency: about 3 cycles an inner node, 3 a stack entry, 22 a leaf in the cache, 1 a candidate. Throughput: cycles per
+// Latency: about 3 cycles an inner node, 3 for one or two stack entries, 19 a leaf in the cache, 1 a candidate. Throughput: cycles per
 // query near max(inner nodes, Bucket / Lanes * leaves, insertions).
 module photon_gatherer #(
     // These change when packets come, never which.
@@ -81,7 +81,7 @@ module photon_gatherer #(
 
   localparam int unsigned ContextBits = Contexts > 1 ? $clog2(Contexts) : 1;
   localparam int unsigned QueueDepth = Contexts > 2 ? (1 << $clog2(Contexts)) : 2;
-  localparam int unsigned Slots = 4 * QueueDepth;
+  localparam int unsigned Slots = 2 * QueueDepth;
   localparam int unsigned SlotBits = $clog2(Slots);
   localparam int unsigned PlaceBits = K > 1 ? $clog2(K) : 1;
   localparam int unsigned NodeBits = LineBits + 1;
@@ -142,27 +142,35 @@ module photon_gatherer #(
   end
 
   // ---- start of a query ----
-  logic query_valid_q, start, start_search, free_any, slot_ready;
+  // A list is dirty from the start of its query; it is emptied as soon as the search is done, while the sum goes on, or
+  // by the snapshot of its places. A context is free when it is emptied, summed and its photons are read.
+  logic query_valid_q, start, start_search, free_any, slot_ready, bound_busy, clear_any, clear_taken;
   photonloom_pkg::gather_query_t query_q;
-  logic [ContextBits-1:0] free_context;
-  logic [Contexts-1:0] summing_q, streaming_q, map_q, offsets_zero_q;
+  logic [ContextBits-1:0] free_context, clear_context;
+  logic [Contexts-1:0] searching_q, summing_q, streaming_q, dirty_q, map_q, offsets_zero_q;
   logic [SlotBits-1:0] start_slot;
   logic [3*(NormalBits+2)-1:0] start_normal;
 
-  logic next_valid;
+  logic next_valid, next_leaf, next_inner;
   logic [ContextBits-1:0] next_context;
   logic [NodeBits-1:0] next_node;
   logic [StackBits-1:0] next_stack;
   logic [3*PositionBits-1:0] next_offsets;
 
-  logic sum_valid, photons_free;
-  logic [ContextBits-1:0] sum_context, photons_free_context;
+  logic sum_valid, photons_free, stack_done, ask_valid, ask_taken;
+  logic [ContextBits-1:0] sum_context, photons_free_context, stack_done_context, ask_context;
 
   always_comb begin
     free_any = 1'b0;
     free_context = '0;
+    clear_any = 1'b0;
+    clear_context = '0;
     for (int unsigned c = Contexts; c > 0; c--) begin
-      if (!summing_q[c-1] && !streaming_q[c-1]) begin
+      if (!searching_q[c-1] && !streaming_q[c-1] && dirty_q[c-1]) begin
+        clear_any = 1'b1;
+        clear_context = ContextBits'(c - 1);
+      end
+      if (!summing_q[c-1] && !streaming_q[c-1] && !dirty_q[c-1]) begin
         free_any = 1'b1;
         free_context = ContextBits'(c - 1);
       end
@@ -170,7 +178,7 @@ module photon_gatherer #(
   end
 
   assign in_ready_o = !query_valid_q;
-  assign start_search = query_valid_q && !query_q.flush && slot_ready && free_any && !next_valid;
+  assign start_search = query_valid_q && !query_q.flush && slot_ready && free_any && !next_inner && !bound_busy;
   assign start = start_search || (query_valid_q && query_q.flush && slot_ready);
 
   always_ff @(posedge clk_i) begin
@@ -180,19 +188,28 @@ module photon_gatherer #(
     end else if (start) begin
       query_valid_q <= 1'b0;
     end
-    if (start_search) begin
-      summing_q[free_context] <= 1'b1;
-      streaming_q[free_context] <= query_q.want_photons;
-      map_q[free_context] <= query_q.map;
-      offsets_zero_q[free_context] <= 1'b1;
+    for (int unsigned c = 0; c < Contexts; c++) begin
+      if (start_search && free_context == ContextBits'(c)) begin
+        searching_q[c] <= 1'b1;
+        summing_q[c] <= 1'b1;
+        streaming_q[c] <= query_q.want_photons;
+        dirty_q[c] <= 1'b1;
+        map_q[c] <= query_q.map;
+        offsets_zero_q[c] <= 1'b1;
+      end
+      if (stack_done && stack_done_context == ContextBits'(c)) searching_q[c] <= 1'b0;
+      if (clear_taken && clear_context == ContextBits'(c)) dirty_q[c] <= 1'b0;
+      if (ask_taken && ask_context == ContextBits'(c)) dirty_q[c] <= 1'b0;
+      if (next_valid && next_context == ContextBits'(c)) offsets_zero_q[c] <= 1'b0;
+      if (sum_valid && sum_context == ContextBits'(c)) summing_q[c] <= 1'b0;
+      if (photons_free && photons_free_context == ContextBits'(c)) streaming_q[c] <= 1'b0;
     end
-    if (next_valid) offsets_zero_q[next_context] <= 1'b0;
-    if (sum_valid) summing_q[sum_context] <= 1'b0;
-    if (photons_free) streaming_q[photons_free_context] <= 1'b0;
     if (rst_i) begin
       query_valid_q <= 1'b0;
+      searching_q <= '0;
       summing_q <= '0;
       streaming_q <= '0;
+      dirty_q <= '1;
     end
   end
 
@@ -209,13 +226,16 @@ module photon_gatherer #(
   logic [NodeBits-1:0] go_node;
   logic [StackBits-1:0] go_stack;
   logic [LineBits:0] go_lines;
-  logic nodes_ready;
-  logic descent_leaf, leaf_done;
-  logic [ContextBits-1:0] descent_context, leaf_done_context;
+  logic nodes_ready, direct_valid, direct_taken;
+  logic [ContextBits-1:0] direct_context;
+  logic [NodeBits-1:0] direct_node;
+  logic [StackBits-1:0] direct_stack;
+  logic descent_leaf, leaf_done, empty_leaf, empty_leaf_taken;
+  logic [ContextBits-1:0] descent_context, empty_leaf_context;
   logic [LineBits-1:0] descent_line;
   logic [StackBits-1:0] descent_stack;
   /* verilator lint_off UNUSEDSIGNAL */  // queues hold every context
-  logic go_ready, leaf_queue_ready, finish_ready, done_ready;
+  logic go_ready, direct_ready, leaf_queue_ready, finish_ready, done_ready;
   /* verilator lint_on UNUSEDSIGNAL */
 
   fifo #(
@@ -224,20 +244,37 @@ module photon_gatherer #(
   ) go_queue (
       .clk_i(clk_i),
       .rst_i(rst_i),
-      .in_valid_i(next_valid || start_search),
+      .in_valid_i(next_inner || start_search),
       .in_ready_o(go_ready),
-      .in_i(next_valid ? {next_context, next_node, next_stack} : {free_context, NodeBits'(1), StackBits'(0)}),
+      .in_i(next_inner ? {next_context, next_node, next_stack} : {free_context, NodeBits'(1), StackBits'(0)}),
       .out_valid_o(go_valid),
       .out_ready_i(go_taken),
       .out_o({go_context, go_node, go_stack})
   );
 
+  // Subtrees that are leaves do not wait for those that are not.
+  fifo #(
+      .Width(ContextBits + NodeBits + StackBits),
+      .Depth(QueueDepth)
+  ) go_leaf_queue (
+      .clk_i(clk_i),
+      .rst_i(rst_i),
+      .in_valid_i(next_valid && next_leaf),
+      .in_ready_o(direct_ready),
+      .in_i({next_context, next_node, next_stack}),
+      .out_valid_o(direct_valid),
+      .out_ready_i(direct_taken),
+      .out_o({direct_context, direct_node, direct_stack})
+  );
+
+  assign next_inner = next_valid && !next_leaf;
+  assign direct_taken = direct_valid && !descent_leaf;
   assign go_map = map_q[go_context];
   assign go_lines = go_map ? lines_q[LineBits+1+:LineBits+1] : lines_q[0+:LineBits+1];
   assign go_empty = go_lines == '0;
   assign go_inner = go_node < go_lines;
-  assign go_leaf_taken = go_valid && !go_empty && !go_inner && !descent_leaf;
-  assign go_empty_taken = go_valid && go_empty && !descent_leaf && !leaf_done;
+  assign go_leaf_taken = go_valid && !go_empty && !go_inner && !descent_leaf && !direct_valid;
+  assign go_empty_taken = go_valid && go_empty && !descent_leaf && !direct_valid && !leaf_done && !empty_leaf;
   assign go_taken = go_leaf_taken || go_empty_taken || (!go_empty && go_inner && nodes_ready);
 
   // ---- context state ----
@@ -296,7 +333,7 @@ module photon_gatherer #(
   logic node_step, push;
   logic [ContextBits-1:0] node_step_context, push_context;
   logic [StackBits-1:0] push_stack;
-  logic [NodeBits+3*PositionBits+DistanceBits-1:0] push_entry;
+  logic [NodeBits+3*PositionBits+DistanceBits:0] push_entry;
   logic [NodeBits-1:0] node_count, sum_nodes;
 
   photon_gatherer_nodes #(
@@ -354,16 +391,19 @@ module photon_gatherer #(
 
   // ---- a leaf is reached ----
   logic leaf_valid, leaf_stop;
-  logic [ContextBits-1:0] leaf_context, state_context;
+  logic [ContextBits-1:0] leaf_context, waiting_context;
+  logic [NodeBits-1:0] waiting_node, waiting_lines;
   logic [LineBits-1:0] leaf_line;
   logic [StackBits-1:0] leaf_stack;
   logic [NodeBits-1:0] leaf_count, leaf_count_next, sum_leaves;
 
-  assign leaf_valid = descent_leaf || go_leaf_taken;
-  assign leaf_context = descent_leaf ? descent_context : go_context;
-  assign leaf_line = descent_leaf ? descent_line : LineBits'(go_node - go_lines);
-  assign leaf_stack = descent_leaf ? descent_stack : go_stack;
-  assign state_context = leaf_context;
+  assign leaf_valid = descent_leaf || direct_valid || go_leaf_taken;
+  assign leaf_context = descent_leaf ? descent_context : waiting_context;
+  assign leaf_line = descent_leaf ? descent_line : LineBits'(waiting_node - waiting_lines);
+  assign leaf_stack = descent_leaf ? descent_stack : direct_valid ? direct_stack : go_stack;
+  assign waiting_context = direct_valid ? direct_context : go_context;
+  assign waiting_node = direct_valid ? direct_node : go_node;
+  assign waiting_lines = map_q[waiting_context] ? lines_q[LineBits+1+:LineBits+1] : lines_q[0+:LineBits+1];
   assign leaf_count_next = leaf_count + 1'b1;
   assign leaf_stop = photonloom_pkg::LeafLimit != 0 && 32'(leaf_count_next) == photonloom_pkg::LeafLimit;
 
@@ -394,7 +434,7 @@ module photon_gatherer #(
       .read_data_o(candidate_line)
   );
 
-  logic finish_valid, finish_taken, finish_stop;
+  logic finish_valid, finish_stop;
   logic [ContextBits-1:0] finish_context;
   logic [StackBits-1:0] finish_stack;
 
@@ -404,7 +444,7 @@ module photon_gatherer #(
   ) stack_pointers (
       .clk_i(clk_i),
       .write_i(leaf_valid || go_empty_taken),
-      .write_address_i(state_context),
+      .write_address_i(leaf_context),
       .write_data_i(leaf_valid ? {leaf_stop, leaf_stack} : {1'b1, StackBits'(0)}),
       .read_address_i(finish_context),
       .read_data_o({finish_stop, finish_stack})
@@ -469,12 +509,12 @@ module photon_gatherer #(
 
   // ---- lanes, candidates, list ----
   localparam int unsigned BeatBits = Bucket / Lanes > 1 ? $clog2(Bucket / Lanes) : 1;
-  logic beat_valid, beat_ready, beat_last;
+  logic beat_valid, beat_ready, beat_last, beat_first, load_read;
   logic [ContextBits-1:0] beat_context, lane_bound_context, near_bound_context, stack_bound_context;
   logic [BeatBits-1:0] beat_number;
   logic [Lanes-1:0] beat_mask;
   logic [Lanes*R2Bits-1:0] beat_d2;
-  logic [Lanes*LoadBits-1:0] beat_load;
+  logic [Lanes*LoadBits-1:0] load;
   logic [R2Bits-1:0] lane_bound, near_bound, stack_bound, sum_r2;
 
   photon_gatherer_lanes #(
@@ -502,18 +542,18 @@ module photon_gatherer #(
       .out_context_o(beat_context),
       .out_beat_o(beat_number),
       .out_last_o(beat_last),
+      .out_first_o(beat_first),
       .out_mask_o(beat_mask),
       .out_d2_o(beat_d2),
-      .out_load_o(beat_load)
+      .load_read_i(load_read),
+      .load_o(load)
   );
 
-  logic token_valid, token_candidate, token_last, token_snapshot;
+  logic token_valid, token_candidate, token_last, token_snapshot, token_clear;
   logic [ContextBits-1:0] token_context;
   logic [IndexBits-1:0] token_index;
   logic [R2Bits-1:0] token_d2;
   logic [LoadBits-1:0] token_load;
-  logic ask_valid, ask_taken;
-  logic [ContextBits-1:0] ask_context;
 
   photon_gatherer_candidates #(
       .R2Bits(R2Bits),
@@ -532,9 +572,14 @@ module photon_gatherer #(
       .in_context_i(beat_context),
       .in_beat_i(beat_number),
       .in_last_i(beat_last),
+      .in_first_i(beat_first),
       .in_mask_i(beat_mask),
       .in_d2_i(beat_d2),
-      .in_load_i(beat_load),
+      .load_read_o(load_read),
+      .load_i(load),
+      .empty_valid_o(empty_leaf),
+      .empty_ready_i(empty_leaf_taken),
+      .empty_context_o(empty_leaf_context),
       .bound_context_o(near_bound_context),
       .bound_i(near_bound),
       .state_context_o(candidate_context),
@@ -543,11 +588,15 @@ module photon_gatherer #(
       .snapshot_i(ask_valid),
       .snapshot_taken_o(ask_taken),
       .snapshot_context_i(ask_context),
+      .clear_i(clear_any),
+      .clear_taken_o(clear_taken),
+      .clear_context_i(clear_context),
       .out_valid_o(token_valid),
       .out_context_o(token_context),
       .out_candidate_o(token_candidate),
       .out_last_o(token_last),
       .out_snapshot_o(token_snapshot),
+      .out_clear_o(token_clear),
       .out_index_o(token_index),
       .out_d2_o(token_d2),
       .out_load_o(token_load)
@@ -557,7 +606,7 @@ module photon_gatherer #(
   logic [ContextBits-1:0] store_context, done_context;
   logic [PlaceBits-1:0] store_place;
   logic [StoreBits-1:0] store_data;
-  logic [CountBits-1:0] snapshot_count, done_count;
+  logic [CountBits-1:0] snapshot_count, stack_count, done_count;
   logic [K*PlaceBits-1:0] snapshot_places;
   logic [IndexBits:0] sum_insertions;
 
@@ -571,30 +620,28 @@ module photon_gatherer #(
   ) list (
       .clk_i(clk_i),
       .rst_i(rst_i),
-      .clear_i(start_search),
-      .clear_context_i(free_context),
+      .bound_busy_o(bound_busy),
+      .start_i(start_search),
+      .start_context_i(free_context),
+      .start_r2_max_i(query_q.map ? r2_max_q[R2Bits+:R2Bits] : r2_max_q[0+:R2Bits]),
       .in_valid_i(token_valid),
       .in_context_i(token_context),
       .in_candidate_i(token_candidate),
-      .in_last_i(token_last),
       .in_snapshot_i(token_snapshot),
+      .in_clear_i(token_clear),
       .in_index_i(token_index),
       .in_d2_i(token_d2),
       .in_load_i(token_load),
-      .r2_max_i(r2_max_q),
-      .map_i(map_q),
       .bound_context_i({sum_context, stack_bound_context, near_bound_context, lane_bound_context}),
       .bound_o({sum_r2, stack_bound, near_bound, lane_bound}),
-      .read_context_i(done_context),
-      .count_o(done_count),
+      .read_context_i(stack_done_context),
+      .count_o(stack_count),
       .read_insertions_context_i(sum_context),
       .insertions_o(sum_insertions),
       .store_o(store),
       .store_context_o(store_context),
       .store_place_o(store_place),
       .store_data_o(store_data),
-      .leaf_done_o(leaf_done),
-      .leaf_done_context_o(leaf_done_context),
       .snapshot_o(snapshot),
       .snapshot_count_o(snapshot_count),
       .snapshot_places_o(snapshot_places),
@@ -602,23 +649,32 @@ module photon_gatherer #(
   );
 
   // ---- after a leaf: the stack ----
-  logic stack_ready, done_valid, stack_done, dropped, sum_ready, sum_take, take_ready;
-  logic [ContextBits-1:0] stack_done_context;
-
+  // The end of a leaf comes with its last token, or without one. An empty map's query ends as if after a leaf, but
+  // through the queue, since its stack pointer is only being written.
+  logic finish_push, finish_waiting;
+  logic [ContextBits-1:0] finish_pushed, finish_oldest;
+  logic [1:0] dropped;
+  logic stack_ready, done_valid, sum_ready, sum_take, take_ready;
   fifo #(
       .Width(ContextBits),
       .Depth(QueueDepth)
   ) finish_queue (
       .clk_i(clk_i),
       .rst_i(rst_i),
-      .in_valid_i(leaf_done || go_empty_taken),
+      .in_valid_i((finish_push && (finish_waiting || !stack_ready)) || go_empty_taken),
       .in_ready_o(finish_ready),
-      .in_i(leaf_done ? leaf_done_context : go_context),
-      .out_valid_o(finish_valid),
-      .out_ready_i(finish_taken),
-      .out_o(finish_context)
+      .in_i(finish_pushed),
+      .out_valid_o(finish_waiting),
+      .out_ready_i(stack_ready),
+      .out_o(finish_oldest)
   );
-  assign finish_taken = stack_ready;
+
+  assign leaf_done = token_valid && token_last;
+  assign empty_leaf_taken = !leaf_done;
+  assign finish_push = leaf_done || empty_leaf;
+  assign finish_pushed = leaf_done ? token_context : empty_leaf ? empty_leaf_context : go_context;
+  assign finish_valid = finish_waiting || finish_push;
+  assign finish_context = finish_waiting ? finish_oldest : finish_pushed;
 
   photon_gatherer_stack #(
       .PositionBits(PositionBits),
@@ -643,6 +699,7 @@ module photon_gatherer #(
       .bound_i(stack_bound),
       .next_valid_o(next_valid),
       .next_context_o(next_context),
+      .next_leaf_o(next_leaf),
       .next_node_o(next_node),
       .next_stack_o(next_stack),
       .next_offsets_o(next_offsets),
@@ -652,17 +709,17 @@ module photon_gatherer #(
   );
 
   fifo #(
-      .Width(ContextBits),
+      .Width(ContextBits + CountBits),
       .Depth(QueueDepth)
   ) done_queue (
       .clk_i(clk_i),
       .rst_i(rst_i),
       .in_valid_i(stack_done),
       .in_ready_o(done_ready),
-      .in_i(stack_done_context),
+      .in_i({stack_done_context, stack_count}),
       .out_valid_o(done_valid),
       .out_ready_i(sum_ready && take_ready),
-      .out_o(done_context)
+      .out_o({done_context, done_count})
   );
   assign sum_take = done_valid && sum_ready && take_ready;
 
@@ -800,6 +857,7 @@ module photon_gatherer #(
   // ---- counters ----
   localparam int unsigned CounterCount = 13;
   logic [CounterCount-1:0] event_q;
+  logic both_dropped_q;
   logic [31:0] count_q[0:CounterCount-1];
 
   always_ff @(posedge clk_i) begin
@@ -813,12 +871,14 @@ module photon_gatherer #(
       insert,
       token_valid && token_candidate,
       leaf_valid,
-      dropped,
+      dropped != '0,
       node_step,
       start_search,
       query_valid_q || (summing_q | streaming_q) != '0
     };
-    for (int unsigned i = 0; i < CounterCount; i++) count_q[i] <= rst_i ? '0 : count_q[i] + 32'(event_q[i]);
+    both_dropped_q <= dropped[1];
+    for (int unsigned i = 0; i < CounterCount; i++)
+      count_q[i] <= rst_i ? '0 : count_q[i] + (i == 3 && both_dropped_q ? 32'd2 : 32'(event_q[i]));
     if (rst_i) event_q <= '0;
   end
 

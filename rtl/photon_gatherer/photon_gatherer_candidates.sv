@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // One candidate a cycle from beats, lowest slot first; those that the bound has left behind meanwhile are passed over;
 // the back side is tested: o(direction) . o(normal) > 0, exact. What comes out, without stall, in the order of slots:
-// tokens {a candidate and whether it is in front, the last of its leaf, a snapshot}. A leaf without any candidate still
-// sends its last token. A snapshot token carries only a context and goes between two candidates.
+// tokens {a candidate and whether it is in front, the last of its leaf, a snapshot, a clear}. Snapshot and clear carry
+// only a context; a snapshot goes before the next candidate, a clear when there is none. The last candidate of a leaf
+// carries its end; a leaf without any candidate leaves by empty_*, without a token; only where the candidates had gone
+// before it was known that they are the last does the end take a token of its own.
 // Latency 4 from a beat's register to the token.
 module photon_gatherer_candidates #(
     parameter int unsigned R2Bits = 34,
@@ -26,9 +28,15 @@ module photon_gatherer_candidates #(
     input  logic [     ContextBits-1:0] in_context_i,
     input  logic [        BeatBits-1:0] in_beat_i,
     input  logic                        in_last_i,
+    input  logic                        in_first_i,
     input  logic [           Lanes-1:0] in_mask_i,
     input  logic [    Lanes*R2Bits-1:0] in_d2_i,
-    input  logic [  Lanes*LoadBits-1:0] in_load_i,
+    output logic                        load_read_o,
+    input  logic [  Lanes*LoadBits-1:0] load_i,
+    // leaves without candidates
+    output logic                        empty_valid_o,
+    input  logic                        empty_ready_i,
+    output logic [     ContextBits-1:0] empty_context_o,
     // context state
     output logic [     ContextBits-1:0] bound_context_o,
     input  logic [          R2Bits-1:0] bound_i,
@@ -39,12 +47,17 @@ module photon_gatherer_candidates #(
     input  logic                        snapshot_i,
     output logic                        snapshot_taken_o,
     input  logic [     ContextBits-1:0] snapshot_context_i,
+    // clears
+    input  logic                        clear_i,
+    output logic                        clear_taken_o,
+    input  logic [     ContextBits-1:0] clear_context_i,
     // tokens
     output logic                        out_valid_o,
     output logic [     ContextBits-1:0] out_context_o,
     output logic                        out_candidate_o,  // and in front
     output logic                        out_last_o,
     output logic                        out_snapshot_o,
+    output logic                        out_clear_o,
     output logic [       IndexBits-1:0] out_index_o,
     output logic [          R2Bits-1:0] out_d2_o,
     output logic [        LoadBits-1:0] out_load_o
@@ -55,12 +68,11 @@ module photon_gatherer_candidates #(
   localparam int unsigned N = NormalBits + 2;
 
   // ---- the beat in hand ----
-  logic held_q, last_q, finished, emit;
+  logic held_q, last_q, finished, emit, nothing, merge, take;
   logic [ContextBits-1:0] context_q;
   logic [BeatBits-1:0] beat_q;
   logic [Lanes-1:0] mask_q, near, rest;
   logic [Lanes*R2Bits-1:0] d2_q;
-  logic [Lanes*LoadBits-1:0] load_q;
   logic [LaneBits-1:0] lane;
   logic [R2Bits-1:0] d2;
   logic [LoadBits-1:0] load;
@@ -73,12 +85,12 @@ module photon_gatherer_candidates #(
   always_comb begin
     lane = '0;
     d2 = d2_q[0+:R2Bits];
-    load = load_q[0+:LoadBits];
+    load = load_i[0+:LoadBits];
     for (int unsigned i = Lanes; i > 0; i--) begin
       if (mask_q[i-1]) begin
         lane = LaneBits'(i - 1);
         d2 = d2_q[R2Bits*(i-1)+:R2Bits];
-        load = load_q[LoadBits*(i-1)+:LoadBits];
+        load = load_i[LoadBits*(i-1)+:LoadBits];
       end
     end
     rest = mask_q & (mask_q - 1'b1) & near;
@@ -87,26 +99,36 @@ module photon_gatherer_candidates #(
   assign snapshot_taken_o = snapshot_i;
   assign emit = held_q && !snapshot_i;
   assign finished = emit && rest == '0;
-  assign in_ready_o = !held_q || finished;
+  assign clear_taken_o = clear_i && !held_q && !snapshot_i;
+
+  // A beat without candidates is the end of a leaf: of the beat in hand if an earlier one of the leaf was kept and has
+  // not gone yet, of an empty leaf if none was kept.
+  assign nothing = in_mask_i == '0;
+  assign merge = in_valid_i && nothing && !in_first_i && held_q;
+  assign empty_valid_o = in_valid_i && nothing && in_first_i;
+  assign empty_context_o = in_context_i;
+  assign take = !held_q || finished;
+  assign load_read_o = take && in_valid_i && !merge && !empty_valid_o;
+  assign in_ready_o = nothing && in_first_i ? empty_ready_i : merge || take;
 
   always_ff @(posedge clk_i) begin
-    if (in_ready_o) begin
-      held_q <= in_valid_i;
+    if (take) begin
+      held_q <= load_read_o;
       context_q <= in_context_i;
       beat_q <= in_beat_i;
       last_q <= in_last_i;
       mask_q <= in_mask_i;
       d2_q <= in_d2_i;
-      load_q <= in_load_i;
-    end else if (emit) begin
-      mask_q <= rest;
+    end else begin
+      if (emit) mask_q <= rest;
+      if (merge) last_q <= 1'b1;
     end
     if (rst_i) held_q <= 1'b0;
   end
 
   // ---- decode | multiply | sign | out ----
   localparam int unsigned Stages = 4;
-  logic [Stages-1:0] valid_q, candidate_q, leaf_last_q, snapshot_q;
+  logic [Stages-1:0] valid_q, candidate_q, leaf_last_q, snapshot_q, clear_q;
   logic [ContextBits-1:0] context_s_q[0:Stages-1];
   logic [R2Bits-1:0] d2_s_q[0:Stages-1];
   logic [LoadBits-1:0] load_s_q[0:Stages-1];
@@ -137,11 +159,12 @@ module photon_gatherer_candidates #(
   assign state_context_o = context_s_q[0];
 
   always_ff @(posedge clk_i) begin
-    valid_q <= {valid_q[Stages-2:0], emit || snapshot_i};
+    valid_q <= {valid_q[Stages-2:0], emit || snapshot_i || clear_taken_o};
     candidate_q <= {candidate_q[Stages-2:0], emit && mask_q != '0};
-    leaf_last_q <= {leaf_last_q[Stages-2:0], finished && last_q};
+    leaf_last_q <= {leaf_last_q[Stages-2:0], finished && (last_q || merge)};
     snapshot_q <= {snapshot_q[Stages-2:0], snapshot_i};
-    context_s_q[0] <= snapshot_i ? snapshot_context_i : context_q;
+    clear_q <= {clear_q[Stages-2:0], clear_taken_o};
+    context_s_q[0] <= snapshot_i ? snapshot_context_i : held_q ? context_q : clear_context_i;
     d2_s_q[0] <= d2;
     load_s_q[0] <= load;
     slot_q <= SlotBits'(beat_q * Lanes) + SlotBits'(lane);
@@ -163,6 +186,7 @@ module photon_gatherer_candidates #(
   assign out_candidate_o = candidate_q[Stages-1] && front_q;
   assign out_last_o = leaf_last_q[Stages-1];
   assign out_snapshot_o = snapshot_q[Stages-1];
+  assign out_clear_o = clear_q[Stages-1];
   assign out_index_o = index_s_q[Stages-1];
   assign out_d2_o = d2_s_q[Stages-1];
   assign out_load_o = load_s_q[Stages-1];

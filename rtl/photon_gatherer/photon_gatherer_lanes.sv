@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Leaf lines to candidates. A line is cut into beats of Lanes photons; each lane computes its photon's exact squared
 // distance and drops it when the slot is unused or it is beyond the bound of that moment (a bound only shrinks, so
-// this never drops what the list would take). Beats that keep a photon, and the last of each line, wait in a FIFO.
+// this never drops what the list would take). Beats that keep a photon, and the last of each line, wait in a FIFO; the
+// loads of their photons wait beside it in block RAM.
 //
 // A line may come every Bucket / Lanes cycles and is announced by issue_i as many cycles ahead as its sender likes;
 // ready_o says that one more may be issued, and room for all that were is held. Latency 6 from line to FIFO.
@@ -38,14 +39,17 @@ module photon_gatherer_lanes #(
     output logic [      ContextBits-1:0] out_context_o,
     output logic [         BeatBits-1:0] out_beat_o,
     output logic                         out_last_o,
+    output logic                         out_first_o,   // no earlier beat of the line was kept
     output logic [            Lanes-1:0] out_mask_o,
     output logic [     Lanes*R2Bits-1:0] out_d2_o,
-    output logic [   Lanes*LoadBits-1:0] out_load_o
+    input  logic                         load_read_i,   // when a beat is taken whose loads are wanted: they come
+    output logic [   Lanes*LoadBits-1:0] load_o         // in the next cycle and stay until the next such
 );
   localparam int unsigned P = PositionBits;
   localparam int unsigned Depth = 2 * Beats > 16 ? 2 * Beats : 16;
   localparam int unsigned RoomBits = $clog2(Depth + 1);
-  localparam int unsigned WordBits = Lanes * (R2Bits + LoadBits + 1) + ContextBits + BeatBits + 1;
+  localparam int unsigned WordBits = Lanes * (R2Bits + 1) + ContextBits + BeatBits + 2;
+  localparam int unsigned FifoDepth = 1 << $clog2(Depth);
 
   if (Bucket % Lanes != 0) begin : gen_bad_lanes
     lanes_must_divide_bucket bad_lanes ();
@@ -146,7 +150,8 @@ module photon_gatherer_lanes #(
   end
 
   // ---- the FIFO ----
-  logic keep;
+  logic keep, kept_q;
+  logic [$clog2(FifoDepth)-1:0] write_q, read_q;
   /* verilator lint_off UNUSEDSIGNAL */  // room was reserved
   logic fifo_ready;
   /* verilator lint_on UNUSEDSIGNAL */
@@ -155,17 +160,41 @@ module photon_gatherer_lanes #(
   assign drop = valid_q[Stages-1] && !keep;
   assign pop = out_valid_o && out_ready_i;
 
+  always_ff @(posedge clk_i) begin
+    if (valid_q[Stages-1]) kept_q <= (keep || kept_q) && !last_q[Stages-1];
+    if (keep) write_q <= write_q + 1'b1;
+    if (pop) read_q <= read_q + 1'b1;
+    if (rst_i) begin
+      kept_q <= 1'b0;
+      write_q <= '0;
+      read_q <= '0;
+    end
+  end
+
+  block_ram #(
+      .Width(Lanes * LoadBits),
+      .Depth(FifoDepth)
+  ) loads (
+      .clk_i(clk_i),
+      .write_i(keep),
+      .write_address_i(write_q),
+      .write_data_i(load_q[Stages-1]),
+      .read_i(load_read_i),
+      .read_address_i(read_q),
+      .read_data_o(load_o)
+  );
+
   fifo #(
       .Width(WordBits),
-      .Depth(1 << $clog2(Depth))
+      .Depth(FifoDepth)
   ) beats (
       .clk_i(clk_i),
       .rst_i(rst_i),
       .in_valid_i(keep),
       .in_ready_o(fifo_ready),
-      .in_i({context_q[Stages-1], beat_q[Stages-1], last_q[Stages-1], mask_q, d2_q, load_q[Stages-1]}),
+      .in_i({context_q[Stages-1], beat_q[Stages-1], last_q[Stages-1], !kept_q, mask_q, d2_q}),
       .out_valid_o(out_valid_o),
       .out_ready_i(out_ready_i),
-      .out_o({out_context_o, out_beat_o, out_last_o, out_mask_o, out_d2_o, out_load_o})
+      .out_o({out_context_o, out_beat_o, out_last_o, out_first_o, out_mask_o, out_d2_o})
   );
 endmodule

@@ -5,8 +5,11 @@
 // a write enable and a two-way choice. A new entry takes the next place while the list is not full, afterwards the
 // place of the entry that falls out; so places 0 .. n-1 are always the list's, in some order.
 //
-// bounds: K-th d2 of a full list, else r2_max of the query's map; a candidate is counted and stored iff it enters.
-// Everything is done in the token's cycle; store_* and leaf_done_* come a cycle later.
+// A candidate is counted and stored iff it enters. A clear or a snapshot token empties the list for the next query:
+// empty entries hold the largest key, which no candidate has, since d2 < 2^R2Bits - 1.
+//
+// Bounds: r2_max of the query's map from its start, the K-th d2 once the list is full. Everything is done in the
+// token's cycle; store_* comes a cycle later, and so does the new bound.
 module photon_gatherer_list #(
     parameter int unsigned K = 16,
     parameter int unsigned R2Bits = 34,
@@ -21,21 +24,21 @@ module photon_gatherer_list #(
 ) (
     input  logic                           clk_i,
     input  logic                           rst_i,
-    // a new query
-    input  logic                           clear_i,
-    input  logic [        ContextBits-1:0] clear_context_i,
+    // a new query; not while bound_busy_o
+    output logic                           bound_busy_o,
+    input  logic                           start_i,
+    input  logic [        ContextBits-1:0] start_context_i,
+    input  logic [             R2Bits-1:0] start_r2_max_i,
     // tokens
     input  logic                           in_valid_i,
     input  logic [        ContextBits-1:0] in_context_i,
     input  logic                           in_candidate_i,
-    input  logic                           in_last_i,
     input  logic                           in_snapshot_i,
+    input  logic                           in_clear_i,
     input  logic [          IndexBits-1:0] in_index_i,
     input  logic [             R2Bits-1:0] in_d2_i,
     input  logic [           LoadBits-1:0] in_load_i,
     // bounds
-    input  logic [           2*R2Bits-1:0] r2_max_i,        // of the caustic, the global map
-    input  logic [           Contexts-1:0] map_i,
     input  logic [Readers*ContextBits-1:0] bound_context_i,
     output logic [     Readers*R2Bits-1:0] bound_o,
     // count and insertions of a context
@@ -48,9 +51,6 @@ module photon_gatherer_list #(
     output logic [        ContextBits-1:0] store_context_o,
     output logic [          PlaceBits-1:0] store_place_o,
     output logic [          StoreBits-1:0] store_data_o,    // load, d2, index
-    // leaf done
-    output logic                           leaf_done_o,
-    output logic [        ContextBits-1:0] leaf_done_context_o,
     // snapshot: places in list order, the first lowest
     output logic                           snapshot_o,
     output logic [          CountBits-1:0] snapshot_count_o,
@@ -68,13 +68,14 @@ module photon_gatherer_list #(
   logic [CountBits-1:0] count;
   logic [PlaceBits-1:0] place;
   logic [IndexBits:0] insertions;
-  logic enters, is_full;
+  logic enters, empties, is_full;
 
   assign key = {in_d2_i, in_index_i};
   assign is_full = count == CountBits'(K);
   assign place = is_full ? words[WordBits*(K-1)+:PlaceBits] : PlaceBits'(count);
   assign word = {key, place};
   assign enters = in_valid_i && in_candidate_i && less[K-1];
+  assign empties = in_valid_i && (in_clear_i || in_snapshot_i);
   assign insert_o = enters;
 
   for (genvar j = 0; j < K; j++) begin : gen_entry
@@ -90,39 +91,50 @@ module photon_gatherer_list #(
         .Depth(Contexts)
     ) entry (
         .clk_i(clk_i),
-        .write_i(enters && less[j]),
+        .write_i((enters && less[j]) || empties),
         .write_address_i(in_context_i),
-        .write_data_i(left),
+        .write_data_i(empties ? '1 : left),
         .read_address_i(in_context_i),
         .read_data_o(words[WordBits*j+:WordBits])
     );
 
-    assign less[j] = count <= CountBits'(j) || key < words[WordBits*j+PlaceBits+:KeyBits];
+    assign less[j] = key < words[WordBits*j+PlaceBits+:KeyBits];
     assign snapshot_places_o[PlaceBits*j+:PlaceBits] = words[WordBits*j+:PlaceBits];
   end
 
-  photon_gatherer_tally #(
-      .Width(CountBits),
-      .Contexts(Contexts)
-  ) counts (
-      .clk_i(clk_i),
-      .clear_i(clear_i),
-      .clear_context_i(clear_context_i),
-      .step_i(enters && !is_full),
-      .step_context_i(in_context_i),
-      .step_value_o(count),
-      .step_next_i(count + 1'b1),
-      .read_context_i(read_context_i),
-      .read_value_o(count_o)
-  );
+  // ---- count and insertions ----
+  logic [CountBits-1:0] count_next;
+  assign count_next = empties ? '0 : is_full ? count : count + 1'b1;
 
+  lut_ram #(
+      .Width(CountBits),
+      .Depth(Contexts)
+  ) count_for_list (
+      .clk_i(clk_i),
+      .write_i(enters || empties),
+      .write_address_i(in_context_i),
+      .write_data_i(count_next),
+      .read_address_i(in_context_i),
+      .read_data_o(count)
+  );
+  lut_ram #(
+      .Width(CountBits),
+      .Depth(Contexts)
+  ) count_to_read (
+      .clk_i(clk_i),
+      .write_i(enters || empties),
+      .write_address_i(in_context_i),
+      .write_data_i(count_next),
+      .read_address_i(read_context_i),
+      .read_data_o(count_o)
+  );
   photon_gatherer_tally #(
       .Width(IndexBits + 1),
       .Contexts(Contexts)
   ) insertion_counts (
       .clk_i(clk_i),
-      .clear_i(clear_i),
-      .clear_context_i(clear_context_i),
+      .clear_i(start_i),
+      .clear_context_i(start_context_i),
       .step_i(enters),
       .step_context_i(in_context_i),
       .step_value_o(insertions),
@@ -132,11 +144,11 @@ module photon_gatherer_list #(
   );
 
   // ---- bounds ----
-  logic becomes_full;
-  logic [Contexts-1:0] full_q;
-  logic [R2Bits-1:0] last_d2;
+  logic bound_q;
+  logic [ContextBits-1:0] bound_context_q;
+  logic [R2Bits-1:0] last_d2, bound_d2_q;
 
-  assign becomes_full = enters && (is_full || count == CountBits'(K - 1));
+  assign bound_busy_o = bound_q;
   if (K == 1) begin : gen_one
     assign last_d2 = in_d2_i;
   end else begin : gen_many
@@ -144,42 +156,34 @@ module photon_gatherer_list #(
   end
 
   for (genvar r = 0; r < Readers; r++) begin : gen_bound
-    logic [R2Bits-1:0] stored;
-    logic [ContextBits-1:0] context_r;
-    assign context_r = bound_context_i[ContextBits*r+:ContextBits];
-
     lut_ram #(
         .Width(R2Bits),
         .Depth(Contexts)
     ) bound (
         .clk_i(clk_i),
-        .write_i(becomes_full),
-        .write_address_i(in_context_i),
-        .write_data_i(last_d2),
-        .read_address_i(context_r),
-        .read_data_o(stored)
+        .write_i(bound_q || start_i),
+        .write_address_i(bound_q ? bound_context_q : start_context_i),
+        .write_data_i(bound_q ? bound_d2_q : start_r2_max_i),
+        .read_address_i(bound_context_i[ContextBits*r+:ContextBits]),
+        .read_data_o(bound_o[R2Bits*r+:R2Bits])
     );
-
-    assign bound_o[R2Bits*r+:R2Bits] = full_q[context_r] ? stored :
-        map_i[context_r] ? r2_max_i[R2Bits+:R2Bits] : r2_max_i[0+:R2Bits];
   end
 
   assign snapshot_o = in_valid_i && in_snapshot_i;
   assign snapshot_count_o = count;
 
   always_ff @(posedge clk_i) begin
-    if (becomes_full) full_q[in_context_i] <= 1'b1;
-    if (clear_i) full_q[clear_context_i] <= 1'b0;
+    bound_q <= enters && (is_full || count == CountBits'(K - 1));
+    bound_context_q <= in_context_i;
+    bound_d2_q <= last_d2;
 
     store_o <= enters;
     store_context_o <= in_context_i;
     store_place_o <= place;
     store_data_o <= {in_load_i, key};
-    leaf_done_o <= in_valid_i && in_last_i;
-    leaf_done_context_o <= in_context_i;
     if (rst_i) begin
+      bound_q <= 1'b0;
       store_o <= 1'b0;
-      leaf_done_o <= 1'b0;
     end
   end
 endmodule

@@ -20,7 +20,7 @@ module photon_gatherer_nodes #(
     localparam int unsigned ContextBits = Contexts > 1 ? $clog2(Contexts) : 1,
     localparam int unsigned NodeBits = LineBits + 1,
     localparam int unsigned NodeAddressBits = NodeWords > 1 ? $clog2(NodeWords) : 1,
-    localparam int unsigned EntryBits = NodeBits + 3 * PositionBits + DistanceBits
+    localparam int unsigned EntryBits = 1 + NodeBits + 3 * PositionBits + DistanceBits
 ) (
     input  logic                       clk_i,
     input  logic                       rst_i,
@@ -53,7 +53,7 @@ module photon_gatherer_nodes #(
     output logic                       push_o,
     output logic [    ContextBits-1:0] push_context_o,
     output logic [      StackBits-1:0] push_stack_o,
-    output logic [      EntryBits-1:0] push_entry_o
+    output logic [      EntryBits-1:0] push_entry_o      // is a leaf, node, offsets, scaled distance
 );
   localparam int unsigned P = PositionBits;
 
@@ -165,7 +165,8 @@ module photon_gatherer_nodes #(
 
   // ---- the far child, behind the ring ----
   localparam int unsigned Behind = 4;  // stages from 3 to the scaled distance
-  localparam int unsigned RideBits = ContextBits + StackBits + NodeBits + 3 * P;
+  localparam int unsigned SubtreeBits = 1 + NodeBits + 3 * P;
+  localparam int unsigned RideBits = ContextBits + StackBits + SubtreeBits;
 
   logic [Behind-1:0] push_valid_q;
   logic [RideBits-1:0] ride_q[0:Behind-1];
@@ -185,14 +186,14 @@ module photon_gatherer_nodes #(
 
   always_ff @(posedge clk_i) begin
     push_valid_q <= {push_valid_q[Behind-2:0], valid_2_q};
-    ride_q[0] <= {context_2_q, stack_2_q, node_2_q, !right, offsets};
+    ride_q[0] <= {context_2_q, stack_2_q, right ? left_leaf_2_q : right_leaf_2_q, node_2_q, !right, offsets};
     for (int unsigned i = 1; i < Behind; i++) ride_q[i] <= ride_q[i-1];
     scaled_q <= DistanceBits'(distance) * DistanceBits'(EpsilonFactor);
     if (rst_i) push_valid_q <= '0;
   end
 
   assign push_o = push_valid_q[Behind-1];
-  assign push_context_o = ride_q[Behind-1][NodeBits+3*P+StackBits+:ContextBits];
-  assign push_stack_o = ride_q[Behind-1][NodeBits+3*P+:StackBits];
-  assign push_entry_o = {ride_q[Behind-1][NodeBits+3*P-1:0], scaled_q};
+  assign push_context_o = ride_q[Behind-1][SubtreeBits+StackBits+:ContextBits];
+  assign push_stack_o = ride_q[Behind-1][SubtreeBits+:StackBits];
+  assign push_entry_o = {ride_q[Behind-1][SubtreeBits-1:0], scaled_q};
 endmodule

@@ -97,8 +97,10 @@ module photon_gatherer_photons #(
       left_q <= left_q - 1'b1;
       places_q <= places_q >> PlaceBits;
     end
-    if (start_i) done_q[start_context_i] <= 1'b0;
-    if (done_i) done_q[done_context_i] <= 1'b1;
+    for (int unsigned c = 0; c < Contexts; c++) begin
+      if (start_i && start_context_i == ContextBits'(c)) done_q[c] <= 1'b0;
+      if (done_i && done_context_i == ContextBits'(c)) done_q[c] <= 1'b1;
+    end
 
     read_1_q <= read;
     last_1_q <= last;

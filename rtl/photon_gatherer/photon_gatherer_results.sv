@@ -209,14 +209,16 @@ module photon_gatherer_results #(
       if (result_ready_i) begin
         state_q <= Look;
         head_q <= head_q + 1'b1;
-        complete_q[head_q[SlotBits-1:0]] <= 1'b0;
       end
     endcase
     if (start_i) begin
       tail_q <= tail_q + 1'b1;
-      if (start_flush_i) complete_q[tail_q[SlotBits-1:0]] <= 1'b1;
     end
-    if (done) complete_q[done_slot] <= 1'b1;
+    for (int unsigned s = 0; s < Slots; s++) begin
+      if (state_q == Out && result_ready_i && head_q[SlotBits-1:0] == SlotBits'(s)) complete_q[s] <= 1'b0;
+      if (start_i && start_flush_i && tail_q[SlotBits-1:0] == SlotBits'(s)) complete_q[s] <= 1'b1;
+      if (done && done_slot == SlotBits'(s)) complete_q[s] <= 1'b1;
+    end
     if (rst_i) begin
       state_q <= Look;
       head_q <= '0;

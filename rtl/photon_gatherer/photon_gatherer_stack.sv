@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// The stacks of all contexts in one block RAM, and a ring of three stages that takes entries off: one entry a cycle,
-// three queries at a time. A query enters when its leaf is done; entries whose subtree is too far are dropped; the
-// first that is not leaves by next_*, with its offsets; a query with nothing left, or told to stop, leaves by done_*.
-// A subtree is too far iff distance^2 * E > bound * 2^EpsilonShift (the product is what was pushed).
+// The stacks of all contexts in block RAM, and a ring of three stages that takes entries off, two of a query at a time:
+// up to two entries a cycle, three queries in turn. A query enters when its leaf is done; entries whose subtree is too
+// far are dropped; the first that is not leaves by next_*, with its offsets; a query with nothing left, or told to
+// stop, leaves by done_*. A subtree is too far iff distance^2 * E > bound * 2^EpsilonShift (the left side was pushed).
 module photon_gatherer_stack #(
     parameter int unsigned PositionBits = 16,
     parameter int unsigned LineBits = 13,
@@ -13,16 +13,14 @@ module photon_gatherer_stack #(
     localparam int unsigned R2Bits = 2 * PositionBits + 2,
     localparam int unsigned ContextBits = Contexts > 1 ? $clog2(Contexts) : 1,
     localparam int unsigned NodeBits = LineBits + 1,
-    localparam int unsigned EntryBits = NodeBits + 3 * PositionBits + DistanceBits
+    localparam int unsigned EntryBits = 1 + NodeBits + 3 * PositionBits + DistanceBits
 ) (
     input  logic                      clk_i,
     input  logic                      rst_i,
     // push
     input  logic                      push_i,
     input  logic [   ContextBits-1:0] push_context_i,
-    /* verilator lint_off UNUSEDSIGNAL */  // a push never meets a full stack, so its top bit may be idle
-    input  logic [     StackBits-1:0] push_stack_i,
-    /* verilator lint_on UNUSEDSIGNAL */
+    input  logic [     StackBits-1:0] push_stack_i,    // entries below it
     input  logic [     EntryBits-1:0] push_entry_i,
     // a leaf is done
     input  logic                      in_valid_i,
@@ -36,45 +34,53 @@ module photon_gatherer_stack #(
     // the next subtree
     output logic                      next_valid_o,
     output logic [   ContextBits-1:0] next_context_o,
+    output logic                      next_leaf_o,     // it is a leaf
     output logic [      NodeBits-1:0] next_node_o,
     output logic [     StackBits-1:0] next_stack_o,
     output logic [3*PositionBits-1:0] next_offsets_o,
     // or the end
     output logic                      done_valid_o,
     output logic [   ContextBits-1:0] done_context_o,
-    // an entry dropped
-    output logic                      drop_o
+    // entries dropped in this cycle
+    output logic [               1:0] drop_o
 );
-  localparam int unsigned DepthBits = LineBits > 1 ? $clog2(LineBits) : 1;
+  // Entry i is in bank i % 2, so the top two are always in different banks.
+  localparam int unsigned RowBits = StackBits > 1 ? StackBits - 1 : 1;
+  localparam int unsigned RamBits = ContextBits + RowBits;
   localparam int unsigned CompareBits = (DistanceBits > R2Bits + EpsilonShift) ? DistanceBits : R2Bits + EpsilonShift;
 
   logic valid_0_q, valid_1_q, valid_2_q, stop_0_q, stop_1_q, stop_2_q;
   logic [ContextBits-1:0] context_0_q, context_1_q, context_2_q;
-  logic [StackBits-1:0] stack_0_q, stack_1_q, stack_2_q, rest;
+  logic [StackBits-1:0] stack_0_q, stack_1_q, stack_2_q, top_0, second_0, rest_1, rest_2;
   logic [R2Bits-1:0] bound_2_q;
-  logic [EntryBits-1:0] entry, entry_2_q;
-  logic loop, far;
-  logic [DepthBits-1:0] push_depth;
+  logic [EntryBits-1:0] even, odd, top_2_q, second_2_q;
+  logic loop, far_top, far_second, two, go_top, go_second;
 
-  assign push_depth = push_stack_i[DepthBits-1:0];
+  assign top_0 = stack_0_q - StackBits'(1);
+  assign second_0 = stack_0_q - StackBits'(2);
 
-  block_ram #(
-      .Width(EntryBits),
-      .Depth((1 << ContextBits) << DepthBits)
-  ) entries (
-      .clk_i(clk_i),
-      .write_i(push_i),
-      .write_address_i({push_context_i, push_depth}),
-      .write_data_i(push_entry_i),
-      .read_i(1'b1),
-      .read_address_i({context_0_q, DepthBits'(stack_0_q - 1'b1)}),
-      .read_data_o(entry)
-  );
+  for (genvar bank = 0; bank < 2; bank++) begin : gen_bank
+    logic [EntryBits-1:0] word;
+    block_ram #(
+        .Width(EntryBits),
+        .Depth(1 << RamBits)
+    ) entries (
+        .clk_i(clk_i),
+        .write_i(push_i && push_stack_i[0] == (bank == 1)),
+        .write_address_i({push_context_i, RowBits'(push_stack_i >> 1)}),
+        .write_data_i(push_entry_i),
+        .read_i(1'b1),
+        .read_address_i({context_0_q, RowBits'((top_0[0] == (bank == 1) ? top_0 : second_0) >> 1)}),
+        .read_data_o(word)
+    );
+  end
+  assign even = gen_bank[0].word;
+  assign odd = gen_bank[1].word;
 
   always_ff @(posedge clk_i) begin
     valid_0_q <= loop || in_valid_i;
     context_0_q <= loop ? context_2_q : in_context_i;
-    stack_0_q <= loop ? rest : in_stack_i;
+    stack_0_q <= loop ? rest_2 : in_stack_i;
     stop_0_q <= loop ? 1'b0 : in_stop_i || in_stack_i == '0;
 
     valid_1_q <= valid_0_q;
@@ -86,7 +92,9 @@ module photon_gatherer_stack #(
     context_2_q <= context_1_q;
     stack_2_q <= stack_1_q;
     stop_2_q <= stop_1_q;
-    entry_2_q <= entry;
+    // The top entry's number is one less than their count.
+    top_2_q <= stack_1_q[0] ? even : odd;
+    second_2_q <= stack_1_q[0] ? odd : even;
     bound_2_q <= bound_i;
     if (rst_i) begin
       valid_0_q <= 1'b0;
@@ -96,15 +104,22 @@ module photon_gatherer_stack #(
   end
 
   assign bound_context_o = context_1_q;
-  assign rest = stack_2_q - 1'b1;
-  assign far = CompareBits'(entry_2_q[DistanceBits-1:0]) > CompareBits'(bound_2_q) << EpsilonShift;
-  assign loop = valid_2_q && !stop_2_q && far && rest != '0;
+  assign rest_1 = stack_2_q - StackBits'(1);
+  assign rest_2 = stack_2_q - StackBits'(2);
+  assign two = rest_1 != '0;
+  assign far_top = CompareBits'(top_2_q[DistanceBits-1:0]) > CompareBits'(bound_2_q) << EpsilonShift;
+  assign far_second = CompareBits'(second_2_q[DistanceBits-1:0]) > CompareBits'(bound_2_q) << EpsilonShift;
+  assign go_top = !far_top;
+  assign go_second = far_top && two && !far_second;
+
+  assign loop = valid_2_q && !stop_2_q && far_top && two && far_second && rest_2 != '0;
   assign in_ready_o = !loop;
-  assign next_valid_o = valid_2_q && !stop_2_q && !far;
+  assign next_valid_o = valid_2_q && !stop_2_q && (go_top || go_second);
   assign next_context_o = context_2_q;
-  assign next_stack_o = rest;
-  assign {next_node_o, next_offsets_o} = entry_2_q[EntryBits-1:DistanceBits];
-  assign done_valid_o = valid_2_q && (stop_2_q || (far && rest == '0));
+  assign next_stack_o = far_top ? rest_2 : rest_1;
+  assign {next_leaf_o, next_node_o, next_offsets_o} = far_top ? second_2_q[EntryBits-1:DistanceBits] :
+                                                   top_2_q[EntryBits-1:DistanceBits];
+  assign done_valid_o = valid_2_q && (stop_2_q || (far_top && (!two || (far_second && rest_2 == '0))));
   assign done_context_o = context_2_q;
-  assign drop_o = valid_2_q && !stop_2_q && far;
+  assign drop_o = {2{valid_2_q && !stop_2_q && far_top}} & {two && far_second, !(two && far_second)};
 endmodule

@@ -46,7 +46,9 @@ module photon_gatherer_tally #(
   assign read_value_o = zero_q[read_context_i] ? '0 : read_stored;
 
   always_ff @(posedge clk_i) begin
-    if (step_i) zero_q[step_context_i] <= 1'b0;
-    if (clear_i) zero_q[clear_context_i] <= 1'b1;
+    for (int unsigned c = 0; c < Contexts; c++) begin
+      if (step_i && step_context_i == ContextBits'(c)) zero_q[c] <= 1'b0;
+      if (clear_i && clear_context_i == ContextBits'(c)) zero_q[c] <= 1'b1;
+    end
   end
 endmodule

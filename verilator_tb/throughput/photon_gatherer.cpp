@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Cycles per gather of the photon gatherer, fill and drain included, beside what its busiest port needs:
-// max(inner nodes, bucket / lanes * leaves, insertions), as golden counts them. Photons and final-gather queries of a
-// scene, the queries in the order in which a sweep over Hilbert-prefix bins lets them go; no maximum radius. Every
-// packet is compared with golden. Twice per k: with an ideal memory (a line a cycle, latency 1), and with latency 60,
-// 128 bits a cycle and the plan's cache.
+// Cycles per gather of the photon gatherer, fill and drain included, beside what its busiest port
+// needs: max(inner nodes, bucket / lanes * leaves, insertions), as golden counts them. Photons and
+// final-gather queries of a scene, the queries in the order in which a sweep over Hilbert-prefix
+// bins lets them go; no maximum radius. Every packet is compared with golden. Twice per k: with an
+// ideal memory (a line a cycle, latency 1), and with latency 60, 128 bits a cycle and the plan's
+// cache.
 #include <fmt/core.h>
 
 #include <CLI/CLI.hpp>
@@ -94,7 +95,8 @@ Measured measure(const Plan& plan, const PhotonMap& map, const std::vector<Gathe
   rtl->process(queries, results, photons);
   const double seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  if (results != expected) throw std::runtime_error(fmt::format("k = {}: RTL and golden differ", plan.k));
+  if (results != expected)
+    throw std::runtime_error(fmt::format("k = {}: RTL and golden differ", plan.k));
 
   Measured m;
   m.memory = ideal ? "ideal" : "60 cycles, 128 bits";
@@ -153,27 +155,41 @@ int run(const Options& o) {
     queries = std::move(ordered);
   }
 
-  fmt::print("photon_gatherer: {} photons, {} queries, {} contexts, {} lanes, cache {} bytes in {} ways, {} misses\n",
-             map.count, queries.size(), plan.contexts, plan.lanes, plan.cache_bytes,
-             plan.cache_ways, plan.cache_misses);
-  fmt::print("{:>3} {:<20} {:>6} {:>6} {:>10} {:>6} {:>13} {:>6} {:>7} {:>6} {:>10} {:>9}\n", "k", "memory", "nodes",
-             "leaves", "insertions", "bound", "cycles/gather", "ratio", "dropped", "hits", "candidates", "kcycles/s");
+  fmt::print(
+      "photon_gatherer: {} photons, {} queries, {} contexts, {} lanes, cache {} bytes in {} ways, "
+      "{} misses\n",
+      map.count, queries.size(), plan.contexts, plan.lanes, plan.cache_bytes, plan.cache_ways,
+      plan.cache_misses);
+  fmt::print("{:>3} {:<20} {:>6} {:>6} {:>10} {:>6} {:>13} {:>6} {:>7} {:>6} {:>10} {:>9}\n", "k",
+             "memory", "nodes", "leaves", "insertions", "bound", "cycles/gather", "ratio",
+             "dropped", "hits", "candidates", "kcycles/s");
   nlohmann::json rows = nlohmann::json::array();
   for (const int k : o.ks)
     for (const bool ideal : {true, false}) {
       plan.k = k;
       const Measured m = measure(plan, map, queries, ideal, o);
       const double n = static_cast<double>(queries.size());
-      const auto per = [&](const char* name) { return static_cast<double>(m.counters.at(name)) / n; };
+      const auto per = [&](const char* name) {
+        return static_cast<double>(m.counters.at(name)) / n;
+      };
       const double hits = per("cache hits") / std::max(1e-9, per("leaves"));
-      fmt::print("{:>3} {:<20} {:>6.1f} {:>6.1f} {:>10.1f} {:>6.1f} {:>13.1f} {:>6.2f} {:>7.1f} {:>6.2f} {:>10.1f} {:>9.0f}\n", k, m.memory,
-                 m.nodes, m.leaves, m.insertions, m.bound, m.cycles, m.cycles / m.bound,
-                 per("dropped"), hits, per("candidates"), m.cycles_per_second / 1000);
+      fmt::print(
+          "{:>3} {:<20} {:>6.1f} {:>6.1f} {:>10.1f} {:>6.1f} {:>13.1f} {:>6.2f} {:>7.1f} {:>6.2f} "
+          "{:>10.1f} {:>9.0f}\n",
+          k, m.memory, m.nodes, m.leaves, m.insertions, m.bound, m.cycles, m.cycles / m.bound,
+          per("dropped"), hits, per("candidates"), m.cycles_per_second / 1000);
       std::fflush(stdout);
-      rows.push_back({{"k", k}, {"memory", m.memory}, {"queries", queries.size()}, {"nodes", m.nodes},
-                      {"leaves", m.leaves}, {"insertions", m.insertions}, {"bound", m.bound},
-                      {"cycles_per_gather", m.cycles}, {"ratio", m.cycles / m.bound},
-                      {"cycles_per_second", m.cycles_per_second}, {"counters", m.counters}});
+      rows.push_back({{"k", k},
+                      {"memory", m.memory},
+                      {"queries", queries.size()},
+                      {"nodes", m.nodes},
+                      {"leaves", m.leaves},
+                      {"insertions", m.insertions},
+                      {"bound", m.bound},
+                      {"cycles_per_gather", m.cycles},
+                      {"ratio", m.cycles / m.bound},
+                      {"cycles_per_second", m.cycles_per_second},
+                      {"counters", m.counters}});
     }
   if (!o.json.empty()) write_file(o.json, nlohmann::json{{"photon_gatherer", rows}}.dump(2) + "\n");
   return 0;
@@ -184,7 +200,9 @@ int run(const Options& o) {
 
 int main(int argc, char** argv) {
   photonloom::Options o;
-  CLI::App app{"Cycles per gather of the RTL photon gatherer on the photons and final-gather queries of a scene."};
+  CLI::App app{
+      "Cycles per gather of the RTL photon gatherer on the photons and final-gather queries of a "
+      "scene."};
   app.add_option("scene", o.scene, "Scene file.");
   app.add_option("--photons", o.photons, "Stored photons.");
   app.add_option("--queries", o.queries, "Queries at least.");
