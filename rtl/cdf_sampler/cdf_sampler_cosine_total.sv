@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// TB, the sum of B(c) = max(0, o(c) . o(n)) J(c) over all cells, in 2^(CellBits-1) + 1 steps instead of 4^CellBits: the
-// cells whose centres differ in signs only share J, and with a, b, c = |x nx|, |y ny|, |z nz| the eight of them add up to
-// max(2 (a + b + c), 4 max(a, b, c)); the four of a centre on the octahedron's equator to half of that.
+// TB, the sum of B(c) = max(0, o(c) . o(n)) J(c) over all cells, in ceil((2^(CellBits-1) + 1) / 2) steps instead of
+// 4^CellBits: the cells whose centres differ in signs only share J, and with a, b, c = |x nx|, |y ny|, |z nz| the eight of
+// them add up to max(2 (a + b + c), 4 max(a, b, c)); the four of a centre on the octahedron's equator to half of that.
 // last_o comes with the last step, the total 5 cycles after it; start_i begins anew at any time.
 module cdf_sampler_cosine_total #(
     parameter int unsigned CellBits = 4,
@@ -18,9 +18,14 @@ module cdf_sampler_cosine_total #(
     output logic [TotalBits-1:0] total_o
 );
   localparam int unsigned Half = 1 << (CellBits - 1);
-  localparam int unsigned Lanes = Half > 1 ? Half / 2 : 1;
-  localparam int unsigned Steps = Half > 1 ? Half + 1 : 1;
+  // Rows j and Half - 1 - j of the first quadrant's triangle have Half + 1 cells together: a track. Two lanes share it.
+  localparam int unsigned Tracks = Half > 1 ? Half / 2 : 1;
+  localparam int unsigned Length = Half > 1 ? Half + 1 : 1;
+  localparam int unsigned Steps = (Length + 1) / 2;
+  localparam int unsigned LanesOfTrack = Half > 1 ? 2 : 1;
+  localparam int unsigned Lanes = Tracks * LanesOfTrack;
   localparam int unsigned StepBits = $clog2(Steps + 1);
+  localparam int unsigned PlaceBits = $clog2(2 * Steps + 1);
   localparam int unsigned TermBits = CellBits + NormalBits + 1;  // a, b, c
   localparam int unsigned IndexBits = CellBits > 1 ? CellBits - 1 : 1;
 
@@ -29,36 +34,59 @@ module cdf_sampler_cosine_total #(
   logic [3:0] valid_q;
   assign last_o = !start_i && (!running_q || step_q == StepBits'(Steps - 1));
 
-  // Each lane goes along a row of the first quadrant's triangle and then along the row that fills the time.
+  // By additions: the factors are small constants.
+  function automatic [TermBits-1:0] times(input [TermBits-1:0] value, input integer factor);
+    integer i;
+    begin
+      times = '0;
+      for (i = 0; i < CellBits + 1; i = i + 1) begin
+        if (factor[i]) times = times + (value << i);
+      end
+    end
+  endfunction
+
   logic [Lanes*TotalBits-1:0] products;
   for (genvar lane = 0; lane < Lanes; lane++) begin : gen_lane
-    localparam int unsigned Other = Half - 1 - lane;
-    localparam logic [StepBits-1:0] Turn = StepBits'(Half - 1 - lane);  // last step of the first row
+    localparam int unsigned Track = lane / LanesOfTrack;
+    localparam int unsigned First = (lane % LanesOfTrack) * Steps;  // its first place on the track
+    localparam int unsigned Other = Half - 1 - Track;
+    localparam int unsigned Turn = Half - 1 - Track;  // last place on the track's first row
+    localparam int unsigned FirstRow = First <= Turn ? Track : Other;
+    localparam int unsigned FirstColumn = First <= Turn ? First : First - Turn - 1;
 
     logic [TermBits-1:0] a_q, b_q, c_q, largest_q;
     logic [TermBits+1:0] sum_q;
     logic [TermBits+2:0] octants_q;
-    logic equator, equator1_q;
-    logic [IndexBits-1:0] column;
+    logic [PlaceBits-1:0] place;
+    logic equator, equator1_q, inside1_q, turning, turned;
+    logic [IndexBits-1:0] column, row;
     logic [7:0] jacobian, jacobian1_q, jacobian2_q;
     logic [TotalBits-1:0] product_q;
 
-    assign column  = IndexBits'(step_q <= Turn ? step_q : step_q - Turn - 1'b1);
-    assign equator = step_q == Turn || step_q == StepBits'(Steps - 1);
+    assign place = PlaceBits'(First) + PlaceBits'(step_q);
+    assign turning = place == PlaceBits'(Turn);
+    assign turned = place > PlaceBits'(Turn);
+    assign column = IndexBits'(turned ? place - PlaceBits'(Turn) - 1'b1 : place);
+    assign row = turned ? IndexBits'(Other) : IndexBits'(Track);
+    assign equator = turning || place == PlaceBits'(Length - 1);
 
     cdf_sampler_jacobian #(
         .CellBits(CellBits)
     ) table_of_cells (
         .column_i(column),
-        .row_i(step_q <= Turn ? IndexBits'(lane) : IndexBits'(Other)),
+        .row_i(row),
         .jacobian_o(jacobian)
     );
 
     always_ff @(posedge clk_i) begin
-      if (start_i || step_q == Turn) begin
+      if (start_i) begin
+        a_q <= times(TermBits'(x_i), 2 * FirstColumn + 1);
+        b_q <= times(TermBits'(y_i), 2 * FirstRow + 1);
+        c_q <= times(TermBits'(z_i), 2 * Half - 2 - 2 * FirstRow - 2 * FirstColumn);
+      end else if (turning) begin
         a_q <= TermBits'(x_i);
-        b_q <= TermBits'(y_i) * TermBits'(start_i ? 2 * lane + 1 : 2 * Other + 1);
-        c_q <= TermBits'(z_i) * TermBits'(start_i ? 2 * Half - 2 - 2 * lane : 2 * Half - 2 - 2 * Other);
+        b_q <= times(TermBits'(y_i), 2 * Other + 1);
+        c_q <= times(TermBits'(z_i), 2 * Half - 2 - 2 * Other);
       end else begin
         a_q <= a_q + (TermBits'(x_i) << 1);
         c_q <= c_q - (TermBits'(z_i) << 1);
@@ -67,9 +95,11 @@ module cdf_sampler_cosine_total #(
       sum_q <= (TermBits + 2)'(a_q) + (TermBits + 2)'(b_q) + (TermBits + 2)'(c_q);
       largest_q <= a_q >= b_q ? (a_q >= c_q ? a_q : c_q) : (b_q >= c_q ? b_q : c_q);
       equator1_q <= equator;
+      inside1_q <= place < PlaceBits'(Length);
       jacobian1_q <= jacobian;
 
-      octants_q <= (sum_q >= {1'b0, largest_q, 1'b0} ? {sum_q, 1'b0} : {1'b0, largest_q, 2'b00}) >> equator1_q;
+      octants_q <= !inside1_q ? '0 :
+          (sum_q >= {1'b0, largest_q, 1'b0} ? {sum_q, 1'b0} : {1'b0, largest_q, 2'b00}) >> equator1_q;
       jacobian2_q <= jacobian1_q;
 
       product_q <= TotalBits'(octants_q) * TotalBits'(jacobian2_q);

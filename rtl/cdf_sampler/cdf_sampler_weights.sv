@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // Weights of the cells, one a cycle in the order of their numbers: exact sum P TB + B max(TP, 1), or product P' B,
-// narrowed once by a shift, at least 1 where the cell touches the open upper hemisphere, else 0. Latency 11 from walk_i
+// narrowed once by a shift, at least 1 where the cell touches the open upper hemisphere, else 0. Latency 10 from walk_i
 // to weight_valid_o. The totals must be there 4 cycles after the first walk_i (TP: 5, for the shift) and stay until the
 // last weight. Mirrors build_sample_table of golden/unit/cdf_sampler.cpp.
 //
-//   cycle 0  number -> centre                          5-7  products, limb by limb
-//         1  centre x normal; cell's power asked for   8    sum
-//         2  B's Jacobian; margin of the corners       9    shift, coarse and
-//         3  dot product                               10   fine
-//         4  B, touching; P                            11   floor
+//   cycle 0  number -> centre                          4-6  products, limb by limb
+//         1  centre x normal                           7    sum
+//         2  dot product, J; the cell's power is read  8    shift, coarse
+//         3  B; how high the highest corner lies       9    shift, fine; floor
 module cdf_sampler_weights #(
     parameter int unsigned CellBits = 4,
     parameter int unsigned NormalBits = 8,
@@ -40,17 +39,17 @@ module cdf_sampler_weights #(
   localparam int unsigned WidthBits = $clog2(PowerBits + CosineBits + BBits + 2);  // of a number of bits
 
   // What goes along: number and validity of the cell in each cycle.
-  logic [11:1] valid_q;
-  logic [11*IndexBits-1:0] cells_q;
+  logic [10:1] valid_q;
+  logic [10*IndexBits-1:0] cells_q;
   always_ff @(posedge clk_i) begin
-    valid_q <= {valid_q[10:1], walk_i};
-    cells_q <= (11 * IndexBits)'({cells_q, cell_i});
+    valid_q <= {valid_q[9:1], walk_i};
+    cells_q <= (10 * IndexBits)'({cells_q, cell_i});
     if (rst_i) valid_q <= '0;
   end
   assign power_read_o = valid_q[2];
   assign power_cell_o = cells_q[IndexBits+:IndexBits];
-  assign weight_valid_o = valid_q[11];
-  assign weight_cell_o = cells_q[10*IndexBits+:IndexBits];
+  assign weight_valid_o = valid_q[10];
+  assign weight_cell_o = cells_q[9*IndexBits+:IndexBits];
 
   // 0: the centre.
   logic [CellBits-1:0] column, row;
@@ -80,26 +79,28 @@ module cdf_sampler_weights #(
   // 1: products with the normal, and the differences whose sum is how far the highest corner lies above the centre:
   // |a - nz| + |b - nz| on the upper half of the octahedron, |a + nz| + |b + nz| on the lower, and on the cells that fold
   // over its equator the larger of |a - b| and 2 |nz| - a - b, where a and b are nx and ny with the quadrant's signs.
+  localparam int unsigned WideBits = AxisBits + 3;
   logic signed [AxisBits-1:0] nx, ny, nz;
-  logic signed [AxisBits:0] a, b;
-  logic signed [AxisBits+2:0] first, second, first2_q, second2_q;
+  logic signed [WideBits-1:0] wide_x, wide_y, wide_z, a, b, first, second, first2_q, second2_q;
   logic signed [DotBits-1:0] px2_q, py2_q, pz2_q;
   logic equator2_q, equator3_q;
 
   assign {nz, ny, nx} = normal_i;
-  assign a = left1_q ? -(AxisBits + 1)'(nx) : (AxisBits + 1)'(nx);
-  assign b = front1_q ? -(AxisBits + 1)'(ny) : (AxisBits + 1)'(ny);
+  assign wide_x = WideBits'(nx);
+  assign wide_y = WideBits'(ny);
+  assign wide_z = WideBits'(nz);
+  assign a = left1_q ? -wide_x : wide_x;
+  assign b = front1_q ? -wide_y : wide_y;
   always_comb begin
     if (z1_q == '0) begin
-      first  = (AxisBits + 3)'(a) - (AxisBits + 3)'(b);
-      second = (nz[AxisBits-1] ? -((AxisBits + 3)'(nz) <<< 1) : (AxisBits + 3)'(nz) <<< 1) - (AxisBits + 3)'(a) -
-          (AxisBits + 3)'(b);
+      first  = a - b;
+      second = (nz[AxisBits-1] ? -wide_z - wide_z : wide_z + wide_z) - a - b;
     end else if (z1_q[CentreBits-1]) begin
-      first  = (AxisBits + 3)'(a) + (AxisBits + 3)'(nz);
-      second = (AxisBits + 3)'(b) + (AxisBits + 3)'(nz);
+      first  = a + wide_z;
+      second = b + wide_z;
     end else begin
-      first  = (AxisBits + 3)'(a) - (AxisBits + 3)'(nz);
-      second = (AxisBits + 3)'(b) - (AxisBits + 3)'(nz);
+      first  = a - wide_z;
+      second = b - wide_z;
     end
   end
   always_ff @(posedge clk_i) begin
@@ -113,7 +114,7 @@ module cdf_sampler_weights #(
 
   // 2: the dot product, the magnitudes, the Jacobian.
   logic signed [DotBits-1:0] dot3_q;
-  logic signed [AxisBits+2:0] first3_q, second3_q;
+  logic signed [WideBits-1:0] first3_q, second3_q;
   logic [7:0] jacobian, jacobian3_q;
   cdf_sampler_jacobian #(
       .CellBits(CellBits)
@@ -124,8 +125,8 @@ module cdf_sampler_weights #(
   );
   always_ff @(posedge clk_i) begin
     dot3_q <= px2_q + py2_q + pz2_q;
-    first3_q <= first2_q[AxisBits+2] ? -first2_q : first2_q;
-    second3_q <= second2_q[AxisBits+2] && !equator2_q ? -second2_q : second2_q;
+    first3_q <= first2_q[WideBits-1] ? -first2_q : first2_q;
+    second3_q <= second2_q[WideBits-1] && !equator2_q ? -second2_q : second2_q;
     equator3_q <= equator2_q;
     jacobian3_q <= jacobian;
   end
@@ -231,18 +232,15 @@ module cdf_sampler_weights #(
     narrow_q <= bound > WidthBits'(ProbabilityBits) ? bound - WidthBits'(ProbabilityBits) : '0;
   end
 
-  // 8 to 10: shifted by its multiples of 8, then by the rest; what is left fits.
+  // 8 and 9: shifted by its multiples of 8, then by the rest; what is left fits. The floor.
   localparam int unsigned FineBits = ProbabilityBits + 7;
   logic [FineBits-1:0] coarse9_q;
-  logic [ProbabilityBits-1:0] narrow10_q;
+  logic [ProbabilityBits-1:0] narrow;
+  logic [9:5] touches_q;
+  assign narrow = ProbabilityBits'(coarse9_q >> narrow_q[2:0]);
   always_ff @(posedge clk_i) begin
-    coarse9_q  <= FineBits'(exact8_q >> {narrow_q[WidthBits-1:3], 3'b000});
-    narrow10_q <= ProbabilityBits'(coarse9_q >> narrow_q[2:0]);
-  end
-
-  logic [10:5] touches_q;
-  always_ff @(posedge clk_i) begin
-    touches_q <= {touches_q[9:5], touches4_q};
-    weight_o <= !touches_q[10] ? '0 : narrow10_q == '0 ? ProbabilityBits'(1) : narrow10_q;
+    coarse9_q <= FineBits'(exact8_q >> {narrow_q[WidthBits-1:3], 3'b000});
+    touches_q <= {touches_q[8:5], touches4_q};
+    weight_o  <= !touches_q[9] ? '0 : narrow == '0 ? ProbabilityBits'(1) : narrow;
   end
 endmodule
