@@ -254,13 +254,16 @@ module cdf_sampler #(
     if (end_photons) begin
       prefix_q <= '0;
       finished_q[table_q] <= 1'b0;
-      pixels_q[PixelBits*table_q+:PixelBits] <= header_pixel_q;
-      samples_q[SampleBits*table_q+:SampleBits] <= header_sample_q;
+      if (table_q) pixels_q[PixelBits+:PixelBits] <= header_pixel_q;
+      else pixels_q[0+:PixelBits] <= header_pixel_q;
+      if (table_q) samples_q[SampleBits+:SampleBits] <= header_sample_q;
+      else samples_q[0+:SampleBits] <= header_sample_q;
     end
     if (weight_valid) prefix_q <= prefix_next;
     if (last_weight) begin
       finished_q[table_q] <= 1'b1;
-      totals_q[TotalBits*table_q+:TotalBits] <= prefix_next;
+      if (table_q) totals_q[TotalBits+:TotalBits] <= prefix_next;
+      else totals_q[0+:TotalBits] <= prefix_next;
     end
     if (rst_i) finished_q <= '0;
   end

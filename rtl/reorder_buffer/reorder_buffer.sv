@@ -30,9 +30,13 @@ module reorder_buffer #(
 );
   localparam int unsigned Width = photonloom_pkg::GatherQueryPacketBits;
 
-  logic in_taken, out_taken;
-  assign in_taken  = in_valid_i && in_ready_o;
+  // Fields of a packet are read here: some synthesis tools find no fields of what a generate block declares.
+  logic in_taken, out_taken, in_flush;
+  logic [3*PositionBits-1:0] in_position;
+  assign in_taken = in_valid_i && in_ready_o;
   assign out_taken = out_valid_o && out_ready_i;
+  assign in_flush = in_i.flush;
+  assign in_position = in_i.position;
 
   counter packets (
       .clk_i(clk_i),
@@ -43,7 +47,7 @@ module reorder_buffer #(
   counter flushes (
       .clk_i(clk_i),
       .rst_i(rst_i),
-      .event_i(in_taken && in_i.flush),
+      .event_i(in_taken && in_flush),
       .count_o(count_flushes_o)
   );
   counter cycles_busy (
@@ -67,6 +71,8 @@ module reorder_buffer #(
         .out_o(out_o)
     );
     assign count_choice_waits_o = '0;
+    logic unused;
+    assign unused = &{1'b0, in_position};
   end else begin : gen_reorder
     // Binary searches want at least two bits.
     localparam int unsigned BinBits = $clog2(Bins) > 2 ? $clog2(Bins) : 2;
@@ -79,21 +85,21 @@ module reorder_buffer #(
     logic [BinBits-1:0] key_bin, head_bin, bin;
     logic [KeyLatency-1:0] key_valid_q;
     logic wait_ready, wait_valid, head_valid, key_valid, key_ready, join_ready, join_ok;
-    logic [Width-1:0] wait_packet;
-    photonloom_pkg::gather_query_t packet;
-    logic packet_valid, packet_ready;
+    logic [Width:0] wait_packet;  // the flush bit on top
+    logic [Width-1:0] packet;
+    logic packet_valid, packet_ready, packet_flush;
 
     assign in_ready_o = wait_ready;
 
     fifo #(
-        .Width(Width),
+        .Width(Width + 1),
         .Depth(KeyDepth)
     ) waiting (
         .clk_i(clk_i),
         .rst_i(rst_i),
         .in_valid_i(in_valid_i),
         .in_ready_o(wait_ready),
-        .in_i(in_i),
+        .in_i({in_flush, in_i}),
         .out_valid_o(wait_valid),
         .out_ready_i(join_ok),
         .out_o(wait_packet)
@@ -107,7 +113,7 @@ module reorder_buffer #(
         .BinBits(BinBits)
     ) key (
         .clk_i(clk_i),
-        .position_i(in_i.position),
+        .position_i(in_position),
         .bin_o(key_bin)
     );
     always_ff @(posedge clk_i) begin
@@ -132,7 +138,7 @@ module reorder_buffer #(
     assign join_ok = head_valid && wait_valid && join_ready;
 
     skid_buffer #(
-        .Width(BinBits + Width)
+        .Width(BinBits + 1 + Width)
     ) joined (
         .clk_i(clk_i),
         .rst_i(rst_i),
@@ -141,7 +147,7 @@ module reorder_buffer #(
         .in_i({head_bin, wait_packet}),
         .out_valid_o(packet_valid),
         .out_ready_i(packet_ready),
-        .out_o({bin, packet})
+        .out_o({bin, packet_flush, packet})
     );
 
     // One operation a cycle: an insertion, a removal, or both.
@@ -153,11 +159,11 @@ module reorder_buffer #(
     logic [BinBits-1:0] take_bin;
 
     assign operate = lists_ready && choice_ready && credit_q != '0 && !flushing_q;
-    assign insert = operate && packet_valid && !packet.flush && !pending_q;
+    assign insert = operate && packet_valid && !packet_flush && !pending_q;
     assign take_wanted = operate && (pending_q || (packet_valid &&
-        (packet.flush ? held_q != '0 : held_q == CountBits'(Packets - 1))));
+        (packet_flush ? held_q != '0 : held_q == CountBits'(Packets - 1))));
     assign take = take_wanted && take_ready;
-    assign flush = operate && packet_valid && packet.flush && held_q == '0 && !pending_q;
+    assign flush = operate && packet_valid && packet_flush && held_q == '0 && !pending_q;
     assign packet_ready = insert || flush;
 
     if (Drain == 0) begin : gen_sweep

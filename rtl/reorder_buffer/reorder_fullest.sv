@@ -66,7 +66,14 @@ module reorder_fullest #(
     logic unused_entry;
     assign unused_entry = &{1'b0, entry};
     if (l == 0) begin : gen_leaf
-      assign new_count = update_chosen_q ? '0 : word[CountBits*player+:CountBits] + 1'b1;
+      logic [CountBits-1:0] old_count;
+      always_comb begin
+        old_count = '0;
+        for (int unsigned p = 0; p < 4; p++) begin
+          if (player == 2'(p)) old_count = old_count | word[CountBits*p+:CountBits];
+        end
+      end
+      assign new_count = update_chosen_q ? '0 : old_count + 1'b1;
     end
 
     lut_ram #(
@@ -83,7 +90,9 @@ module reorder_fullest #(
 
     always_comb begin
       new_word = word;
-      new_word[PlayerBits*player+:PlayerBits] = entry[PlayerBits-1:0];
+      for (int unsigned p = 0; p < 4; p++) begin
+        if (player == 2'(p)) new_word[PlayerBits*p+:PlayerBits] = entry[PlayerBits-1:0];
+      end
     end
 
     // All pairs at once; the lower number wins a tie.
@@ -106,10 +115,18 @@ module reorder_fullest #(
       else winner = 2'd3;
     end
 
+    logic [PlayerBits-1:0] best;
+    always_comb begin
+      best = '0;
+      for (int unsigned p = 0; p < 4; p++) begin
+        if (winner == 2'(p)) best = best | new_word[PlayerBits*p+:PlayerBits];
+      end
+    end
+
     always_ff @(posedge clk_i) begin
       valid_q <= valid[l];
       bin_q   <= bin;
-      if (valid[l]) entry_q <= EntryBits'({winner, new_word[PlayerBits*winner+:PlayerBits]});
+      if (valid[l]) entry_q <= EntryBits'({winner, best});
       if (walking) entry_q <= '0;
       if (rst_i) valid_q <= 1'b0;
     end
