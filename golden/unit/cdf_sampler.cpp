@@ -4,6 +4,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <array>
 #include <bit>
 
 #include "golden/plan/plan_file.hpp"
@@ -29,24 +30,57 @@ uint32_t cell_jacobian(const IVec3& o, int a) {
   return static_cast<uint32_t>((uint64_t{28} << (4 * a)) / (r2 * r2));
 }
 
-CellGeometry::CellGeometry(int cell_bits) : cell_bits_(cell_bits) {
-  const size_t n = edge();
-  for (uint32_t row = 0; row < n; ++row)
-    for (uint32_t column = 0; column < n; ++column) {
-      centres_.push_back(oct_decode({column, row}, cell_bits));
-      jacobians_.push_back(cell_jacobian(centres_.back(), cell_bits));
+CellGeometry::CellGeometry(int cell_bits) : edge_(size_t{1} << cell_bits) {
+  for (uint32_t row = 0; row < edge_; ++row)
+    for (uint32_t column = 0; column < edge_; ++column) {
+      const IVec3 centre = oct_decode({column, row}, cell_bits);
+      centres_.push_back(centre);
+      jacobians_.push_back(cell_jacobian(centre, cell_bits));
     }
-  for (size_t row = 0; row <= n; ++row)
-    for (size_t column = 0; column <= n; ++column)
+  for (size_t row = 0; row <= edge_; ++row)
+    for (size_t column = 0; column <= edge_; ++column)
       corners_.push_back(decode_corner(column, row, cell_bits));
 }
 
+namespace {
+
+// dots[i] = points[i] . n: at most 2^(6 + 14) in magnitude, so 32 bits hold it.
+void dot_all(const CellGeometry::Points& points, const IVec3& n, int32_t* dots) {
+  const int32_t *x = points.x.data(), *y = points.y.data(), *z = points.z.data();
+  for (size_t i = 0; i < points.size(); ++i) dots[i] = x[i] * n[0] + y[i] * n[1] + z[i] * n[2];
+}
+
+// The prefix sums of the narrowed weights; Exact holds the largest exact weight.
+template <class Exact>
+void sum_weights(const CellGeometry& geometry, const int32_t* above, const uint64_t* power,
+                 const uint32_t* cosine, uint64_t power_factor, uint64_t cosine_factor,
+                 bool product, int narrow, uint64_t* prefix) {
+  const size_t edge = geometry.edge();
+  prefix[0] = 0;
+  for (size_t row = 0, c = 0; row < edge; ++row)
+    for (size_t column = 0; column < edge; ++column, ++c) {
+      const int32_t* corner = above + row * (edge + 1) + column;
+      uint64_t weight = 0;
+      if (corner[0] > 0 || corner[1] > 0 || corner[edge + 1] > 0 || corner[edge + 2] > 0) {
+        const Exact exact = product
+                                ? Exact{power[c]} * cosine[c]
+                                : Exact{power[c]} * power_factor + Exact{cosine[c]} * cosine_factor;
+        weight = std::max<uint64_t>(1, static_cast<uint64_t>(exact >> narrow));
+      }
+      prefix[c + 1] = prefix[c] + weight;
+    }
+}
+
+}  // namespace
+
 SampleTable build_sample_table(const Plan& plan, const CellGeometry& geometry, OctCode normal,
                                std::span<const SamplerPhoton> photons) {
-  const size_t cells = geometry.cells(), edge = geometry.edge();
+  constexpr size_t kMostCells = size_t{1} << 12, kMostCorners = 65 * 65;  // cell_bits <= 6
+  const size_t cells = geometry.cells();
   const IVec3 n = oct_decode(normal, plan.normal_bits);
 
-  std::vector<uint64_t> power(cells);
+  std::array<uint64_t, kMostCells> power;
+  std::fill_n(power.begin(), cells, 0);
   uint64_t power_total = 0;
   const int shift = plan.direction_bits - plan.cell_bits;
   for (const SamplerPhoton& p : photons.first(std::min(photons.size(), size_t(plan.k)))) {
@@ -57,39 +91,30 @@ SampleTable build_sample_table(const Plan& plan, const CellGeometry& geometry, O
     power_total += value;
   }
 
-  std::vector<uint64_t> cosine(cells);
+  std::array<int32_t, kMostCells> dots;
+  std::array<uint32_t, kMostCells> cosine;
+  dot_all(geometry.centres(), n, dots.data());
   uint64_t cosine_total = 0;
   for (size_t c = 0; c < cells; ++c) {
-    const int64_t dot = oct_dot(geometry.centre(c), n);
-    cosine[c] = dot > 0 ? static_cast<uint64_t>(dot) * geometry.jacobian(c) : 0;
+    cosine[c] = static_cast<uint32_t>(std::max(dots[c], 0)) * geometry.jacobians()[c];
     cosine_total += cosine[c];
   }
-  std::vector<uint8_t> above((edge + 1) * (edge + 1));
-  for (size_t row = 0, i = 0; row <= edge; ++row)
-    for (size_t column = 0; column <= edge; ++column, ++i)
-      above[i] = oct_dot(geometry.corner(column, row), n) > 0;
+  std::array<int32_t, kMostCorners> above;
+  dot_all(geometry.corners(), n, above.data());
 
   const uint64_t power_weight = std::max<uint64_t>(power_total, 1);
   const bool product = plan.combine == TableCombine::kProduct;
-  const int bits =
-      std::bit_width(power_weight) + (product ? plan.cell_bits + plan.normal_bits + 8
-                                              : static_cast<int>(std::bit_width(cosine_total)) + 1);
+  const int bits = static_cast<int>(std::bit_width(power_weight)) +
+                   (product ? plan.cell_bits + plan.normal_bits + 8
+                            : static_cast<int>(std::bit_width(cosine_total)) + 1);
   const int narrow = std::max(0, bits - plan.probability_bits);
+  if (product && power_total == 0) std::fill_n(power.begin(), cells, 1);
 
   SampleTable table;
   table.prefix.resize(cells + 1);
-  for (size_t row = 0, c = 0; row < edge; ++row)
-    for (size_t column = 0; column < edge; ++column, ++c) {
-      const uint8_t* corner = &above[row * (edge + 1) + column];
-      uint64_t weight = 0;
-      if (corner[0] | corner[1] | corner[edge + 1] | corner[edge + 2]) {
-        const UInt128 exact =
-            product ? UInt128{power_total ? power[c] : 1} * cosine[c]
-                    : UInt128{power[c]} * cosine_total + UInt128{cosine[c]} * power_weight;
-        weight = std::max<uint64_t>(1, static_cast<uint64_t>(exact >> narrow));
-      }
-      table.prefix[c + 1] = table.prefix[c] + weight;
-    }
+  const auto sum = bits <= 64 ? sum_weights<uint64_t> : sum_weights<UInt128>;
+  sum(geometry, above.data(), power.data(), cosine.data(), cosine_total, power_weight, product,
+      narrow, table.prefix.data());
   return table;
 }
 

@@ -21,21 +21,30 @@ uint32_t cell_jacobian(const IVec3& centre, int a);
 // What is the same for every table of a plan: the cells' centres, corners and Jacobians.
 class CellGeometry {
  public:
+  // Points by coordinate, |x| + |y| + |z| = 2^a; a loop over all of them vectorises.
+  struct Points {
+    std::vector<int32_t> x, y, z;
+    void push_back(const IVec3& p) {
+      x.push_back(p[0]);
+      y.push_back(p[1]);
+      z.push_back(p[2]);
+    }
+    size_t size() const { return x.size(); }
+    IVec3 operator[](size_t i) const { return {x[i], y[i], z[i]}; }
+  };
+
   explicit CellGeometry(int cell_bits);
 
-  int cell_bits() const { return cell_bits_; }
+  size_t edge() const { return edge_; }
   size_t cells() const { return centres_.size(); }
-  const IVec3& centre(size_t cell) const { return centres_[cell]; }
-  uint32_t jacobian(size_t cell) const { return jacobians_[cell]; }
-  // Corner (column, row) of the grid, each 0 .. 2^a; the direction has |x| + |y| + |z| = 2^a.
-  const IVec3& corner(size_t column, size_t row) const {
-    return corners_[row * (edge() + 1) + column];
-  }
-  size_t edge() const { return size_t{1} << cell_bits_; }
+  IVec3 centre(size_t cell) const { return centres_[cell]; }
+  const Points& centres() const { return centres_; }
+  const Points& corners() const { return corners_; }  // of the grid, row * (edge + 1) + column
+  const std::vector<uint32_t>& jacobians() const { return jacobians_; }
 
  private:
-  int cell_bits_;
-  std::vector<IVec3> centres_, corners_;
+  size_t edge_;
+  Points centres_, corners_;
   std::vector<uint32_t> jacobians_;
 };
 
