@@ -2,7 +2,7 @@
 # The daily workflow. Each verb first installs its own missing packages (scripts/setup), and only those.
 JOBS := $(shell nproc)
 .DEFAULT_GOAL := build
-.PHONY: help build demo test test-full gallery asan fuzz format clean
+.PHONY: help build demo test test-full gallery mutate bench-rtl asan fuzz format clean
 
 help: ## this list
 	@sed -n 's/^\([a-z-]*\):[^#]*## \(.*\)/  make \1\t\2/p' Makefile | expand -t 24
@@ -30,6 +30,17 @@ test-full: ## all tests, the slow ones too
 
 gallery: build ## all scenes by both integrators, with metrics: docs/gallery.md and its contact sheet
 	@scripts/gallery
+
+mutate: ## planted bugs in the RTL, each caught by a bench
+	@scripts/setup mutate
+	@cmake --preset release
+	@cmake --build build --target bench_photon_gatherer bench_reorder_buffer bench_cdf_sampler
+	@scripts/mutate
+
+bench-rtl: ## throughput of the RTL units beside its goals
+	@scripts/setup bench-rtl
+	@cmake --preset release
+	@scripts/bench-rtl
 
 asan: ## the quick tests under AddressSanitizer and UndefinedBehaviorSanitizer
 	@scripts/setup asan
