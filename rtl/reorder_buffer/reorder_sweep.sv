@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // Which bin the next packet leaves: sweep. Stays on a bin until it is empty, packets that join meanwhile included, then
 // takes the next non-empty bin in cyclic order. One insertion and one choice a cycle, the choice sees the insertion of
-// its cycle; passing from the last bin to the first takes 4 cycles in which take_ready_o is 0. Mirrors the sweep of
+// its cycle; passing from the last bin to the first takes 5 cycles in which take_ready_o is 0. Mirrors the sweep of
 // golden/unit/reorder_buffer.cpp.
 //
 // A pass goes through the bins upwards. A packet whose bin lies ahead belongs to this pass, one whose bin lies behind to
 // the next. Each pass has its bitmap of non-empty bins, in words of which `this_q` and `later_q` say which are in use;
-// bits are never cleared, those at and below the current bin are masked and a word out of use counts as 0. The next bin
-// and the next word after it are kept in registers, so that a choice is one compare and the search runs beside it.
+// bits are never cleared, those at and below the current bin are masked and a word out of use counts as 0. What comes
+// next is fetched ahead into registers, and every insertion is put in its place there: the next bin, the rest of its
+// word, the next word in use with its bits, and the number of the word after that.
 module reorder_sweep #(
     parameter int unsigned BinBits = 9,    // at least 2
     parameter int unsigned CountBits = 12  // of the number of packets held
@@ -30,17 +31,19 @@ module reorder_sweep #(
   typedef enum logic [1:0] {
     Run,
     Wrap,
-    LoadWord,
-    LoadBin
+    FindWord,
+    Fetch
   } state_t;
 
   state_t state_q;
   logic start_q;  // no bin yet in this pass: all bins lie ahead
   logic parity_q;  // which bitmap is this pass's
-  logic [BinBits-1:0] current_q, next_q;
+  logic [BinBits-1:0] current_q;
   logic [CountBits-1:0] left_q;  // packets of the current bin
-  logic next_valid_q, word_valid_q;
-  logic [WordBits-1:0] word_q;  // the next word in use after next_q's
+  logic next_valid_q, word_valid_q, third_valid_q;
+  logic [BinBits-1:0] next_q;
+  logic [WordWidth-1:0] rest_q, word_bits_q;  // bits above next_q in its word; bits of word_q
+  logic [WordBits-1:0] word_q, third_q;  // the next words in use after next_q's
   logic [Words-1:0] this_q, later_q;
 
   assign ready_o = 1'b1;
@@ -64,8 +67,8 @@ module reorder_sweep #(
   assign move = take && !stay;
   assign bin_o = stay ? current_q : becomes_next ? insert_bin_i : next_q;
 
-  // The bitmaps: one write port, three readers.
-  logic [WordWidth-1:0] insert_bits, next_bits, word_bits, insert_set;
+  // The bitmaps: one write port, two readers.
+  logic [WordWidth-1:0] insert_bits, third_bits, insert_set;
   logic insert_in_use, insert_known;
   logic [WordBits:0] insert_address;
 
@@ -88,24 +91,13 @@ module reorder_sweep #(
   lut_ram #(
       .Width(WordWidth),
       .Depth(2 * Words)
-  ) bitmap_next (
+  ) bitmap_third (
       .clk_i(clk_i),
       .write_i(insert_i && !hit),
       .write_address_i(insert_address),
       .write_data_i((insert_in_use ? insert_bits : '0) | insert_set),
-      .read_address_i({parity_q, next_word}),
-      .read_data_o(next_bits)
-  );
-  lut_ram #(
-      .Width(WordWidth),
-      .Depth(2 * Words)
-  ) bitmap_word (
-      .clk_i(clk_i),
-      .write_i(insert_i && !hit),
-      .write_address_i(insert_address),
-      .write_data_i((insert_in_use ? insert_bits : '0) | insert_set),
-      .read_address_i({parity_q, word_q}),
-      .read_data_o(word_bits)
+      .read_address_i({parity_q, third_q}),
+      .read_data_o(third_bits)
   );
 
   // Packets per bin; what stands there counts only while the bin's bit says so.
@@ -135,47 +127,60 @@ module reorder_sweep #(
       .read_data_o(next_count)
   );
 
-  // What follows next_q, from the registers alone: another bit of its word, or the lowest of the next word in use.
-  logic [WordWidth-1:0] above_bits;
-  logic [Words-1:0] above_words;
-  logic same_word, other_word, word_any;
-  logic [BitBits-1:0] same_bit, other_bit;
-  logic [WordBits-1:0] other_index;
+  // Where a packet beyond the next bin falls.
+  logic later, in_rest, in_word, in_third, new_word, new_third;
+  assign later = ahead && next_valid_q && insert_bin_i > next_q;
+  assign in_rest = later && insert_word == next_word;
+  assign in_word = later && word_valid_q && insert_word == word_q;
+  assign in_third = later && third_valid_q && insert_word == third_q;
+  assign new_word = later && insert_word != next_word && (!word_valid_q || insert_word < word_q);
+  assign new_third = later && word_valid_q && insert_word > word_q && (!third_valid_q || insert_word < third_q);
 
-  assign above_bits = next_bits & ~((WordWidth'(2) << next_bit) - 1'b1);
-  assign above_words = state_q == LoadWord ? this_q : this_q & ~((Words'(2) << word_q) - 1'b1);
+  // The lowest bits of what is in the registers, and the word in use after the third.
+  logic [WordWidth-1:0] rest, word_bits, next_set;
+  logic rest_any, word_any, beyond_any, beyond_new, after_third_valid;
+  logic [BitBits-1:0] rest_bit, word_bit;
+  logic [Words-1:0] words_beyond;
+  logic [WordBits-1:0] beyond, after_third;
+
+  assign rest = rest_q | (in_rest ? insert_set : '0);
+  assign word_bits = word_bits_q | (in_word ? insert_set : '0);
+  assign next_set = WordWidth'(1) << next_bit;
+  always_comb begin
+    for (int unsigned i = 0; i < Words; i++) begin
+      words_beyond[i] = this_q[i] && (state_q == FindWord || WordBits'(i) > third_q);
+    end
+  end
 
   lowest_bit #(
       .Width(WordWidth)
-  ) in_same_word (
-      .bits_i(above_bits),
-      .any_o(same_word),
-      .index_o(same_bit)
+  ) of_rest (
+      .bits_i(rest),
+      .any_o(rest_any),
+      .index_o(rest_bit)
   );
   lowest_bit #(
       .Width(WordWidth)
-  ) in_next_word (
+  ) of_word (
       .bits_i(word_bits),
       .any_o(word_any),
-      .index_o(other_bit)
+      .index_o(word_bit)
   );
   lowest_bit #(
       .Width(Words)
   ) of_words (
-      .bits_i(above_words),
-      .any_o(other_word),
-      .index_o(other_index)
+      .bits_i(words_beyond),
+      .any_o(beyond_any),
+      .index_o(beyond)
   );
+  assign beyond_new = later && insert_word > third_q && (!beyond_any || insert_word < beyond);
+  assign after_third_valid = third_valid_q && (beyond_any || beyond_new);
+  assign after_third = beyond_new ? insert_word : beyond;
 
-  logic after_valid, after_word_valid, insert_later;
-  logic [BinBits-1:0] after;
-  logic [WordBits-1:0] after_word_of, after_word;
-  assign after_valid = same_word || word_valid_q;
-  assign after = same_word ? {next_word, same_bit} : {word_q, other_bit};
-  assign after_word_of = same_word ? next_word : word_q;
-  assign after_word_valid = same_word ? word_valid_q : word_valid_q && other_word;
-  assign after_word = same_word ? word_q : other_index;
-  assign insert_later = ahead && !becomes_next && insert_bin_i != next_q;
+  // A step takes the next bin from the rest of its word or else from the next word.
+  logic step, to_word;
+  assign step = (move && !becomes_next) || state_q == Fetch;
+  assign to_word = step && !rest_any && !new_word;
 
   logic unused;
   assign unused = &{1'b0, word_any};
@@ -195,62 +200,71 @@ module reorder_sweep #(
       start_q   <= 1'b0;
     end
 
-    if (move && !becomes_next) begin
-      // Step on; a bin that came just now may lie before what was found.
-      next_valid_q <= after_valid || insert_later;
-      next_q <= after;
-      word_valid_q <= after_word_valid;
-      word_q <= after_word;
-      if (insert_later) begin
-        if (!after_valid || insert_bin_i < after) begin
-          next_q <= insert_bin_i;
-          if (!after_valid) begin
-            word_valid_q <= 1'b0;
-          end else if (after_word_of != insert_word) begin
-            word_valid_q <= 1'b1;
-            word_q <= after_word_of;
-          end
-        end else if (insert_word != after_word_of && (!after_word_valid || insert_word < after_word)) begin
-          word_valid_q <= 1'b1;
-          word_q <= insert_word;
-        end
-      end
+    // The next bin and the rest of its word.
+    if (step) begin
+      next_valid_q <= rest_any || new_word || word_valid_q;
+      next_q <= rest_any ? {next_word, rest_bit} : new_word ? insert_bin_i : {word_q, word_bit};
+      rest_q <= rest_any ? rest & (rest - 1'b1) : new_word || !word_valid_q ? '0 : word_bits & (word_bits - 1'b1);
     end else if (!move && becomes_next) begin
       next_valid_q <= 1'b1;
       next_q <= insert_bin_i;
-      if (next_valid_q && next_word != insert_word) begin
-        word_valid_q <= 1'b1;
-        word_q <= next_word;
-      end
-    end else if (!move && insert_later) begin
-      if (insert_word != next_word && (!word_valid_q || insert_word < word_q)) begin
+      rest_q <= next_valid_q && insert_word == next_word ? rest_q | next_set : '0;
+    end else if (!move) begin
+      rest_q <= rest;
+    end
+
+    // The words after it.
+    if (to_word) begin
+      if (new_third) begin
         word_valid_q <= 1'b1;
         word_q <= insert_word;
+        word_bits_q <= insert_set;
+      end else begin
+        word_valid_q <= third_valid_q;
+        word_q <= third_q;
+        word_bits_q <= third_bits | (in_third ? insert_set : '0);
+        third_valid_q <= after_third_valid;
+        third_q <= after_third;
+      end
+    end else if (!move && becomes_next && next_valid_q && insert_word != next_word) begin
+      word_valid_q <= 1'b1;
+      word_q <= next_word;
+      word_bits_q <= rest_q | next_set;
+      third_valid_q <= word_valid_q;
+      third_q <= word_q;
+    end else if (new_word && !(step && !rest_any)) begin
+      word_valid_q <= 1'b1;
+      word_q <= insert_word;
+      word_bits_q <= insert_set;
+      third_valid_q <= word_valid_q;
+      third_q <= word_q;
+    end else begin
+      word_bits_q <= word_bits;
+      if (new_third) begin
+        third_valid_q <= 1'b1;
+        third_q <= insert_word;
       end
     end
 
     unique case (state_q)
       Run: if (take_i && !take_ready_o) state_q <= Wrap;
       Wrap: begin
-        state_q <= LoadWord;
+        state_q <= FindWord;
         this_q <= later_q;
         later_q <= '0;
         parity_q <= !parity_q;
         start_q <= 1'b1;
         next_valid_q <= 1'b0;
+        rest_q <= '0;
         word_valid_q <= 1'b0;
+        third_valid_q <= 1'b0;
       end
-      LoadWord: begin
-        state_q <= LoadBin;
-        word_q  <= other_index;
+      FindWord: begin
+        state_q <= Fetch;
+        third_valid_q <= beyond_any;
+        third_q <= beyond;
       end
-      default: begin
-        state_q <= Run;
-        next_valid_q <= 1'b1;
-        next_q <= {word_q, other_bit};
-        word_valid_q <= other_word;
-        word_q <= other_index;
-      end
+      default: if (word_valid_q) state_q <= Run;
     endcase
 
     if (rst_i || clear_i) begin
@@ -258,7 +272,9 @@ module reorder_sweep #(
       start_q <= 1'b1;
       left_q <= '0;
       next_valid_q <= 1'b0;
+      rest_q <= '0;
       word_valid_q <= 1'b0;
+      third_valid_q <= 1'b0;
       this_q <= '0;
       later_q <= '0;
     end
