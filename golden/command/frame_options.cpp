@@ -35,7 +35,7 @@ std::pair<int, int> parse_size(const std::string& text) {
 
 void FrameOptions::add_to(CLI::App& c) {
   command_ = &c;
-  c.add_option("SCENE", request_.scene_file, "Mitsuba XML scene (docs/scene.md)")->required();
+  scene_.add_to(c);
   c.add_option(
        "--plan", request_.plan_file,
        "Use this plan.toml instead of deriving one; it then decides size, samples, photons, "
@@ -81,10 +81,6 @@ void FrameOptions::add_to(CLI::App& c) {
                "Caustic photons from a file that `photonloom photons --caustic` wrote, instead of "
                "--caustic-photons")
       ->type_name("PLY");
-  c.add_option("-D,--define", parameters_, "Sets $name in the scene; may be repeated")
-      ->type_name("NAME=VALUE")
-      ->expected(1)
-      ->take_all();
 }
 
 FrameRequest FrameOptions::request() const {
@@ -100,12 +96,8 @@ FrameRequest FrameOptions::request() const {
       throw UsageError(
           fmt::format("{} and {} exclude each other: the file has all its photons", file, number));
   if (!size_.empty()) request.size = parse_size(size_);
-  for (const std::string& p : parameters_) {
-    const size_t equals = p.find('=');
-    if (equals == std::string::npos || equals == 0)
-      throw UsageError(fmt::format("-D: '{}', expected NAME=VALUE", p));
-    request.parameters.emplace_back(p.substr(0, equals), p.substr(equals + 1));
-  }
+  request.scene_file = scene_.path();
+  request.parameters = scene_.parameters();
   return request;
 }
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "golden/command/command.hpp"
+#include "golden/command/scene_option.hpp"
 #include "golden/pipeline/prepare.hpp"
 
 namespace photonloom {
@@ -22,9 +23,9 @@ class FrameOptions {
 
  private:
   CLI::App* command_ = nullptr;
+  SceneOption scene_;
   FrameRequest request_;
   std::string size_;
-  std::vector<std::string> parameters_;
 };
 
 // "WxH" -> pixels; throws UsageError.

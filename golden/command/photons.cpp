@@ -7,6 +7,7 @@
 
 #include "golden/command/command.hpp"
 #include "golden/command/console.hpp"
+#include "golden/command/scene_option.hpp"
 #include "golden/scene/scene.hpp"
 #include "golden/transport/world.hpp"
 #include "golden/unit/photon_file.hpp"
@@ -15,39 +16,28 @@ namespace photonloom {
 namespace {
 
 struct PhotonsOptions {
-  std::string scene, output;
+  SceneOption scene;
+  std::string output;
   bool caustic = false, json = false;
   uint64_t photons = 500000, seed = 1;
-  std::vector<std::string> define;
   ThreadsOption threads;
 };
-
-Parameters parse_parameters(const std::vector<std::string>& define) {
-  Parameters parameters;
-  for (const std::string& text : define) {
-    const size_t equals = text.find('=');
-    if (equals == 0 || equals == std::string::npos)
-      throw UsageError("-D " + text + ": expected NAME=VALUE");
-    parameters.emplace_back(text.substr(0, equals), text.substr(equals + 1));
-  }
-  return parameters;
-}
 
 void photons(const PhotonsOptions& o) {
   o.threads.apply();
   ConsoleProgress progress;
-  World world(load_scene(o.scene, parse_parameters(o.define)));
+  World world(o.scene.load());
   const auto caster = make_double_bvh(world);
   PhotonPass pass = o.caustic ? trace_caustic_photons(world, *caster, o.photons, o.seed, &progress)
                               : trace_global_photons(world, *caster, o.photons, o.seed, &progress);
   for (const std::string& warning : world.scene().warnings)
     fmt::print(stderr, "photonloom: warning: {}\n", warning);
   if (pass.photons.empty())
-    throw std::runtime_error(fmt::format("{}: no {} photon was stored after {} paths: {}", o.scene,
-                                         o.caustic ? "caustic" : "global", pass.paths,
-                                         o.caustic && !world.has_delta()
-                                             ? "the scene has no mirror and no glass"
-                                             : "no light reaches a diffuse surface"));
+    throw std::runtime_error(
+        fmt::format("{}: no {} photon was stored after {} paths: {}", o.scene.path(),
+                    o.caustic ? "caustic" : "global", pass.paths,
+                    o.caustic && !world.has_delta() ? "the scene has no mirror and no glass"
+                                                    : "no light reaches a diffuse surface"));
   if (pass.short_of_request)
     fmt::print(stderr, "photonloom: warning: {} of {} photons stored after {} paths\n",
                pass.photons.size(), o.photons, pass.paths);
@@ -95,7 +85,7 @@ void add_photons(CLI::App& app) {
       "         photonloom photons scenes/cornell_balls.xml --caustic -o caustic.ply\n"
       "         photonloom render scenes/cornell_balls.xml --load-photons global.ply\n"
       "                    --load-caustics caustic.ply -o out.exr");
-  c->add_option("SCENE", o->scene, "Scene file (Mitsuba XML)")->required();
+  o->scene.add_to(*c);
   c->add_option("-o,--output", o->output, "PLY file to write")->required();
   c->add_flag("--caustic", o->caustic, "The caustic map instead of the global one");
   c->add_option("--photons", o->photons,
@@ -106,9 +96,6 @@ void add_photons(CLI::App& app) {
   c->add_option("--seed", o->seed, "Seed; equal seeds give equal maps")
       ->capture_default_str()
       ->type_name("S");
-  c->add_option("-D", o->define, "Set the scene's parameter $NAME")
-      ->type_name("NAME=VALUE")
-      ->allow_extra_args(false);
   c->add_flag("--json", o->json, "Print one JSON object");
   o->threads.add_to(*c);
   c->callback([o] { photons(*o); });

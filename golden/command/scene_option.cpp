@@ -6,18 +6,16 @@
 namespace photonloom {
 
 void SceneOption::add_to(CLI::App& command) {
-  command.add_option("scene", path_, "Mitsuba XML file (docs/scene.md says which elements)")
-      ->required()
-      ->type_name("SCENE");
+  command.add_option("SCENE", path_, "Mitsuba XML file (docs/scene.md says which elements)")
+      ->required();
   command
       .add_option("-D,--define", definitions_,
                   "Value of a $NAME in the scene file; wins over its <default>")
       ->type_name("NAME=VALUE")
-      ->expected(1)
-      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+      ->allow_extra_args(false);  // -D NAME=VALUE SCENE must not take the scene too
 }
 
-Scene SceneOption::load() const {
+Parameters SceneOption::parameters() const {
   Parameters parameters;
   for (const std::string& definition : definitions_) {
     const size_t at = definition.find('=');
@@ -25,7 +23,7 @@ Scene SceneOption::load() const {
       throw UsageError(fmt::format("-D {}: expected NAME=VALUE", definition));
     parameters.emplace_back(definition.substr(0, at), definition.substr(at + 1));
   }
-  return load_scene(path_, parameters);
+  return parameters;
 }
 
 }  // namespace photonloom

@@ -13,8 +13,9 @@ class SceneOption {
  public:
   void add_to(CLI::App& command);
   // Throws UsageError for a malformed -D, SceneError for a bad scene.
-  Scene load() const;
+  Scene load() const { return load_scene(path_, parameters()); }
   const std::string& path() const { return path_; }
+  Parameters parameters() const;
 
  private:
   std::string path_;
