@@ -13,9 +13,8 @@ namespace photonloom::bench {
 // Where the k nearest points of each query are written: k places a query, `count` of them used.
 struct Found {
   uint32_t k = 0;
-  std::vector<uint32_t> index;  // into the points given
-  std::vector<float> d2;        // libraries; golden writes exact ones instead
-  std::vector<uint64_t> exact_d2;
+  std::vector<uint32_t> index;
+  std::vector<float> d2;  // libraries only
   std::vector<uint32_t> count;
   std::vector<double> r2;  // d^2 of the k-th where there are k, else r2_max
 };
@@ -29,6 +28,9 @@ class Contender {
   virtual double build_seconds() const = 0;
   // Of everything a search reads, the points included.
   virtual double bytes_per_point() const = 0;
+  // The number that the point of an index had among the points given: libraries answer with it,
+  // golden with the photon's address in the map.
+  virtual uint32_t number(uint32_t index) const { return index; }
   // Answers queries [begin, end), one after the other, in one thread. r2_max < 0: no radius.
   virtual void search(const std::vector<UVec3>& queries, size_t begin, size_t end, int64_t r2_max,
                       Found& found) const = 0;
@@ -42,7 +44,7 @@ void add_nanoflann(const std::vector<UVec3>& points, Contenders& to);
 void add_flann(const std::vector<UVec3>& points, Contenders& to);
 void add_cgal(const std::vector<UVec3>& points, Contenders& to);
 
-// Seconds of a steady clock.
+// CPU seconds of this thread: what other programs do meanwhile does not count.
 double now();
 
 // Bytes that the heap holds now.

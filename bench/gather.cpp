@@ -3,9 +3,9 @@
 // quantised points, the same run. See docs/photon_map.md for what is measured and how.
 #include <fmt/core.h>
 #include <malloc.h>
+#include <time.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
@@ -21,7 +21,9 @@
 namespace photonloom::bench {
 
 double now() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+  timespec t{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
 }
 
 double heap_bytes() {
@@ -97,20 +99,20 @@ bool tied(uint64_t a, uint64_t b) {
 
 // Whether a library found the same as golden, up to ties, by exact distances of the indices it
 // gave.
-void check_same(const Contender& contender, const std::vector<UVec3>& points,
+void check_same(const Contender& own, const Contender& contender, const std::vector<UVec3>& points,
                 const std::vector<UVec3>& queries, int64_t r2_max, const Found& golden,
                 const Found& other) {
   std::vector<uint64_t> a, b;
   const uint32_t k = golden.k;
   for (size_t i = 0; i < queries.size(); ++i) {
-    const auto distances = [&](const Found& found, std::vector<uint64_t>& d2) {
+    const auto distances = [&](const Contender& by, const Found& found, std::vector<uint64_t>& d2) {
       d2.clear();
       for (uint32_t j = 0; j < found.count[i]; ++j)
-        d2.push_back(square_distance(points[found.index[i * k + j]], queries[i]));
+        d2.push_back(square_distance(points[by.number(found.index[i * k + j])], queries[i]));
       std::sort(d2.begin(), d2.end());
     };
-    distances(golden, a);
-    distances(other, b);
+    distances(own, golden, a);
+    distances(contender, other, b);
     bool same = true;
     const size_t common = std::min(a.size(), b.size());
     for (size_t j = 0; j < common; ++j) same &= tied(a[j], b[j]);
@@ -192,7 +194,7 @@ int run(const Options& options) {
               const double seconds =
                   time_search(*entry.second, order.queries, options.queries, r2_max, other);
               if (repetition < 0)
-                check_same(*entry.second, points, order.queries, r2_max, found, other);
+                check_same(golden, *entry.second, points, order.queries, r2_max, found, other);
               if (repetition >= 0) times[library].push_back(seconds);
               least = std::min(least, seconds);
             }

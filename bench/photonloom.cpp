@@ -1,4 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <memory>
+#include <new>
+
 #include "bench/contender.hpp"
 #include "golden/unit/gather_search.hpp"
 #include "golden/unit/photon_map.hpp"
@@ -24,12 +28,10 @@ class Golden final : public Contender {
   double build_seconds() const override { return seconds_; }
   double bytes_per_point() const override {
     const search::MapView& view = fast_->view();
-    const double slots = static_cast<double>(view.lines) * view.bucket;
-    // Powers and directions are not read where only the nearest photons are asked for; the numbers
-    // that the photons had in the input are.
-    return (static_cast<double>(fast_->search_bytes()) + slots * sizeof(uint32_t)) /
-           static_cast<double>(view.count);
+    // Powers and directions are not read where only the nearest photons are asked for.
+    return static_cast<double>(fast_->search_bytes()) / static_cast<double>(view.count);
   }
+  uint32_t number(uint32_t index) const override { return map_.source[index]; }
   void search(const std::vector<UVec3>& queries, size_t begin, size_t end, int64_t r2_max,
               Found& found) const override {
     search::MapView view = fast_->view();
@@ -38,19 +40,35 @@ class Golden final : public Contender {
     settings.k = found.k;
     const search::Search search = level_.search[0][0][0];
     const uint64_t mask = (uint64_t{1} << view.index_bits) - 1;
-    alignas(64) uint64_t keys[search::kKeys];
-    for (size_t i = begin; i < end; ++i) {
-      const search::QueryView query{{queries[i][0], queries[i][1], queries[i][2]}, {0, 0, 0}};
-      const search::Outcome outcome = search(view, settings, query, keys);
-      uint32_t* const index = &found.index[i * found.k];
-      for (uint32_t j = 0; j < outcome.count; ++j) index[j] = map_.source[keys[j] & mask];
-      found.count[i] = outcome.count;
-      found.r2[i] = static_cast<double>(
-          outcome.count == found.k ? keys[found.k - 1] >> view.index_bits : view.r2_max);
+    const auto keys = aligned_keys();
+    search::QueryView some[search::kGroup];
+    search::Outcome outcomes[search::kGroup];
+    for (size_t i = begin; i < end; i += search::kGroup) {
+      const uint32_t n = static_cast<uint32_t>(std::min<size_t>(search::kGroup, end - i));
+      for (uint32_t j = 0; j < n; ++j)
+        some[j] = {{queries[i + j][0], queries[i + j][1], queries[i + j][2]}, {0, 0, 0}};
+      search(view, settings, some, n, keys.get(), outcomes);
+      for (uint32_t j = 0; j < n; ++j) {
+        const uint64_t* const key = keys.get() + j * search::kKeys;
+        uint32_t* const index = &found.index[(i + j) * found.k];
+        const uint32_t count = outcomes[j].count;
+        for (uint32_t l = 0; l < count; ++l) index[l] = static_cast<uint32_t>(key[l] & mask);
+        found.count[i + j] = count;
+        found.r2[i + j] = static_cast<double>(count == found.k ? key[found.k - 1] >> view.index_bits
+                                                               : view.r2_max);
+      }
     }
   }
 
  private:
+  struct Free {
+    void operator()(uint64_t* keys) const { ::operator delete[](keys, std::align_val_t{64}); }
+  };
+  static std::unique_ptr<uint64_t[], Free> aligned_keys() {
+    return std::unique_ptr<uint64_t[], Free>(static_cast<uint64_t*>(
+        ::operator new[](search::kGroup* search::kKeys * sizeof(uint64_t), std::align_val_t{64})));
+  }
+
   Plan plan_;
   const search::Level& level_;
   PhotonMap map_;

@@ -20,6 +20,7 @@ inline constexpr uint32_t kMaxK = 256;         // of a plan
 inline constexpr uint32_t kKeys = kMaxK + 16;  // room that a search needs for its list
 inline constexpr uint64_t kNoKey = INT64_MAX;  // above every key
 inline constexpr int kKeyBits = 62;
+inline constexpr uint32_t kGroup = 8;  // queries that are best asked at once
 
 // A map in memory. A photon that was found travels as the key d^2 << index_bits | index.
 struct MapView {
@@ -52,8 +53,10 @@ struct Outcome {
   uint32_t count, nodes, leaves, insertions;
 };
 
-// keys: 64-byte aligned, kKeys of them; the first `count` become the result in ascending order.
-using Search = Outcome (*)(const MapView&, const Settings&, const QueryView&, uint64_t* keys);
+// Answers n queries. keys: 64-byte aligned, kKeys of them for each query; the first `count` become
+// its result in ascending order.
+using Search = void (*)(const MapView&, const Settings&, const QueryView*, uint32_t n,
+                        uint64_t* keys, Outcome*);
 // Exact sums of the powers of n photons, by channel.
 using Flux = void (*)(const MapView&, const uint64_t* keys, uint32_t n, uint64_t* flux);
 

@@ -28,7 +28,7 @@ constexpr CompressTable kCompress;
 // gather_search_scalar.cpp.
 struct Avx2 {
   static constexpr uint32_t kLanes = 4;
-  static constexpr uint32_t kUnconditional = 4;
+  static constexpr bool kInRegisters = true;
   using Vector = __m256i;
   static Vector load(const uint64_t* p) {
     return _mm256_load_si256(reinterpret_cast<const __m256i*>(p));
@@ -56,6 +56,12 @@ struct Avx2 {
                               _mm256_permute4x64_epi64(below, 0x93), 0x03);
   }
 
+  static uint32_t below(Vector x, Vector at, uint32_t lane) {
+    return static_cast<uint32_t>(
+               _mm256_movemask_pd(_mm256_castsi256_pd(_mm256_cmpgt_epi64(at, x)))) >>
+               lane &
+           1;
+  }
   struct Query {
     explicit Query(const QueryView& q)
         : x(fill(q.position[0])),

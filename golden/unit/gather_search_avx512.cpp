@@ -10,7 +10,7 @@ namespace {
 // Eight keys, one block at a time. See gather_search_scalar.cpp.
 struct Avx512 {
   static constexpr uint32_t kLanes = 8;
-  static constexpr uint32_t kUnconditional = 8;
+  static constexpr bool kInRegisters = true;
   using Vector = __m512i;
   static Vector load(const uint64_t* p) { return _mm512_load_si512(p); }
   static void store(uint64_t* p, Vector v) { _mm512_store_si512(p, v); }
@@ -35,6 +35,9 @@ struct Avx512 {
 
   static Vector shift_in(Vector at, Vector below) { return _mm512_alignr_epi64(at, below, 7); }
 
+  static uint32_t below(Vector x, Vector at, uint32_t lane) {
+    return _mm512_cmplt_epu64_mask(x, at) >> lane & 1;
+  }
   struct Query {
     explicit Query(const QueryView& q)
         : x(fill(q.position[0])),

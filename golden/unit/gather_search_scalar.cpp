@@ -6,12 +6,12 @@ namespace {
 
 // A vector of one key. What a level offers: keys loaded, stored, compared; exchange(v, stride,
 // size, down): a stage of the bitonic sort inside a vector; shift_in(at, below): every lane takes
-// its left neighbour, lane 0 the last of `below`; pass(): the keys of a block's photons within
+// its left neighbour, lane 0 the last of `below`; below(x, at, lane): whether x is smaller there;
+// kInRegisters: short lists are kept in registers; pass(): the keys of a block's photons within
 // `bound` that face the query, in the order of their slots.
 struct Scalar {
   static constexpr uint32_t kLanes = 1;
-  static constexpr uint32_t kUnconditional =
-      0;  // lists of up to this many vectors have no early out
+  static constexpr bool kInRegisters = false;
   using Vector = uint64_t;
   static Vector load(const uint64_t* p) { return *p; }
   static void store(uint64_t* p, Vector v) { *p = v; }

@@ -246,8 +246,8 @@ class GoldenGatherer final : public ParallelGatherer {
       view.normal[c] = static_cast<int16_t>(normal[c]);
     }
     alignas(64) uint64_t keys[search::kKeys];
-    const search::Outcome outcome =
-        level_.search[fast->wide()][1][epsilon_](fast->view(), settings_, view, keys);
+    search::Outcome outcome;
+    level_.search[fast->wide()][1][epsilon_](fast->view(), settings_, &view, 1, keys, &outcome);
     const int index_bits = fast->view().index_bits;
     Channels64 flux;
     level_.flux(fast->view(), keys, outcome.count, flux.data());
