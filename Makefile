@@ -2,7 +2,7 @@
 # The daily workflow. Each verb first installs its own missing packages (scripts/setup), and only those.
 JOBS := $(shell nproc)
 .DEFAULT_GOAL := build
-.PHONY: help build demo test test-full gallery mutate bench-rtl asan fuzz format clean
+.PHONY: help build demo test test-full gallery mutate bench bench-rtl asan fuzz format clean
 
 help: ## this list
 	@sed -n 's/^\([a-z-]*\):[^#]*## \(.*\)/  make \1\t\2/p' Makefile | expand -t 24
@@ -36,6 +36,10 @@ mutate: ## planted bugs in the RTL, each caught by a bench
 	@cmake --preset release
 	@cmake --build build --target bench_photon_gatherer bench_reorder_buffer bench_cdf_sampler
 	@scripts/mutate
+
+bench: ## the golden gather beside nanoflann, FLANN and CGAL (10 minutes)
+	@scripts/setup bench
+	@scripts/bench
 
 bench-rtl: ## throughput of the RTL units beside its goals
 	@scripts/setup bench-rtl
