@@ -42,13 +42,13 @@ constexpr size_t kGatherRays = 16;
 struct Options {
   std::vector<size_t> sizes = {10000, 100000, 1000000};
   std::vector<uint32_t> ks = {8, 50, 200};
-  size_t queries = 16384; // of a timed repetition
-  size_t trial = 2048;    // queries on which a library's configurations compete
+  size_t queries = 16384;  // of a timed repetition
+  size_t trial = 2048;     // queries on which a library's configurations compete
   std::string json = "gather.json";
 };
 
 struct Order {
-  const char *name;
+  const char* name;
   std::vector<UVec3> queries;
 };
 
@@ -57,7 +57,7 @@ std::vector<Order> make_orders(size_t n) {
   std::vector<UVec3> random = gather, hilbert = gather;
   for (size_t i = n - 1; i > 0; --i)
     std::swap(random[i], random[hash_bits(kSeed, i, 0, 0) % (i + 1)]);
-  std::sort(hilbert.begin(), hilbert.end(), [](const UVec3 &a, const UVec3 &b) {
+  std::sort(hilbert.begin(), hilbert.end(), [](const UVec3& a, const UVec3& b) {
     return hilbert_index(a, kPositionBits) < hilbert_index(b, kPositionBits);
   });
   return {{"random", random},
@@ -76,15 +76,14 @@ Found make_found(uint32_t k, size_t queries) {
   return found;
 }
 
-double time_search(const Contender &contender,
-                   const std::vector<UVec3> &queries, size_t end,
-                   int64_t r2_max, Found &found) {
+double time_search(const Contender& contender, const std::vector<UVec3>& queries, size_t end,
+                   int64_t r2_max, Found& found) {
   const double start = now();
   contender.search(queries, 0, end, r2_max, found);
   return (now() - start) / static_cast<double>(end);
 }
 
-uint64_t square_distance(const UVec3 &a, const UVec3 &b) {
+uint64_t square_distance(const UVec3& a, const UVec3& b) {
   uint64_t d2 = 0;
   for (size_t c = 0; c < 3; ++c) {
     const int64_t d = int64_t{a[c]} - int64_t{b[c]};
@@ -102,40 +101,34 @@ bool tied(uint64_t a, uint64_t b) {
 
 // Whether a library found the same as golden, up to ties, by exact distances of
 // the indices it gave.
-void check_same(const Contender &own, const Contender &contender,
-                const std::vector<UVec3> &points,
-                const std::vector<UVec3> &queries, int64_t r2_max,
-                const Found &golden, const Found &other) {
+void check_same(const Contender& own, const Contender& contender, const std::vector<UVec3>& points,
+                const std::vector<UVec3>& queries, int64_t r2_max, const Found& golden,
+                const Found& other) {
   std::vector<uint64_t> a, b;
   const uint32_t k = golden.k;
   for (size_t i = 0; i < queries.size(); ++i) {
-    const auto distances = [&](const Contender &by, const Found &found,
-                               std::vector<uint64_t> &d2) {
+    const auto distances = [&](const Contender& by, const Found& found, std::vector<uint64_t>& d2) {
       d2.clear();
       for (uint32_t j = 0; j < found.count[i]; ++j)
-        d2.push_back(square_distance(points[by.number(found.index[i * k + j])],
-                                     queries[i]));
+        d2.push_back(square_distance(points[by.number(found.index[i * k + j])], queries[i]));
       std::sort(d2.begin(), d2.end());
     };
     distances(own, golden, a);
     distances(contender, other, b);
     bool same = true;
     const size_t common = std::min(a.size(), b.size());
-    for (size_t j = 0; j < common; ++j)
-      same &= tied(a[j], b[j]);
-    for (const auto *longer : {&a, &b})
+    for (size_t j = 0; j < common; ++j) same &= tied(a[j], b[j]);
+    for (const auto* longer : {&a, &b})
       for (size_t j = common; j < longer->size(); ++j)
-        same &=
-            r2_max >= 0 && tied((*longer)[j], static_cast<uint64_t>(r2_max));
+        same &= r2_max >= 0 && tied((*longer)[j], static_cast<uint64_t>(r2_max));
     if (a.size() == k && b.size() == k)
-      same &= tied(static_cast<uint64_t>(golden.r2[i]),
-                   static_cast<uint64_t>(other.r2[i]));
+      same &= tied(static_cast<uint64_t>(golden.r2[i]), static_cast<uint64_t>(other.r2[i]));
     if (!same) {
       fmt::print(stderr,
                  "bench: {} ({}) and photonloom differ in query {} at ({}, {}, "
                  "{}), k {}\n",
-                 contender.library(), contender.configuration(), i,
-                 queries[i][0], queries[i][1], queries[i][2], k);
+                 contender.library(), contender.configuration(), i, queries[i][0], queries[i][1],
+                 queries[i][2], k);
       std::exit(1);
     }
   }
@@ -146,10 +139,9 @@ double median(std::vector<double> x) {
   return x[x.size() / 2];
 }
 
-int run(const Options &options) {
+int run(const Options& options) {
   nlohmann::ordered_json report;
-  report["what"] =
-      "k nearest photons, one thread; ratio = best library's time / golden's";
+  report["what"] = "k nearest photons, one thread; ratio = best library's time / golden's";
   report["repetitions"] = kRepetitions;
   report["queries"] = options.queries;
   report["cells"] = nlohmann::ordered_json::array();
@@ -163,67 +155,58 @@ int run(const Options &options) {
     add_nanoflann(points, all);
     add_flann(points, all);
     add_cgal(points, all);
-    fmt::print("\n{} photons\n{:<11} {:<24} {:>9} {:>13}\n", n, "",
-               "configuration", "build s", "bytes/photon");
-    for (const auto &c : all) {
-      fmt::print("{:<11} {:<24} {:>9.3f} {:>13.1f}\n", c->library(),
-                 c->configuration(), c->build_seconds(), c->bytes_per_point());
+    fmt::print("\n{} photons\n{:<11} {:<24} {:>9} {:>13}\n", n, "", "configuration", "build s",
+               "bytes/photon");
+    for (const auto& c : all) {
+      fmt::print("{:<11} {:<24} {:>9.3f} {:>13.1f}\n", c->library(), c->configuration(),
+                 c->build_seconds(), c->bytes_per_point());
       report["builds"].push_back({{"photons", n},
                                   {"library", c->library()},
                                   {"configuration", c->configuration()},
                                   {"build_seconds", c->build_seconds()},
                                   {"bytes_per_photon", c->bytes_per_point()}});
     }
-    fmt::print("\nus per query, median of {}; ratio = best library / "
-               "photonloom, median (range)\n",
-               kRepetitions);
     fmt::print(
-        "{:>8} {:>4} {:<7} {:<13} {:>10} {:>10} {:>10} {:>10}  {:<22} {}\n",
-        "photons", "k", "radius", "order", "photonloom", "nanoflann", "FLANN",
-        "CGAL", "ratio", "");
+        "\nus per query, median of {}; ratio = best library / "
+        "photonloom, median (range)\n",
+        kRepetitions);
+    fmt::print("{:>8} {:>4} {:<7} {:<13} {:>10} {:>10} {:>10} {:>10}  {:<22} {}\n", "photons", "k",
+               "radius", "order", "photonloom", "nanoflann", "FLANN", "CGAL", "ratio", "");
     for (const uint32_t k : options.ks)
       for (const bool with_radius : {false, true}) {
         // The radius within which a map of even density holds k photons.
         const int64_t r2_max =
-            with_radius ? static_cast<int64_t>(k * surface_area() /
-                                               (M_PI * static_cast<double>(n)))
+            with_radius ? static_cast<int64_t>(k * surface_area() / (M_PI * static_cast<double>(n)))
                         : -1;
-        for (const Order &order : orders) {
-          const Contender &golden = *all[0];
-          Found found = make_found(k, options.queries),
-                other = make_found(k, options.queries);
+        for (const Order& order : orders) {
+          const Contender& golden = *all[0];
+          Found found = make_found(k, options.queries), other = make_found(k, options.queries);
           // Each library's best configuration, on the first queries, second of
           // two runs.
-          std::map<std::string, std::pair<double, const Contender *>> best;
+          std::map<std::string, std::pair<double, const Contender*>> best;
           for (size_t i = 1; i < all.size(); ++i) {
             double seconds = 0;
             for (int run = 0; run < 2; ++run)
-              seconds = time_search(*all[i], order.queries, options.trial,
-                                    r2_max, other);
-            auto &entry = best[all[i]->library()];
-            if (!entry.second || seconds < entry.first)
-              entry = {seconds, all[i].get()};
+              seconds = time_search(*all[i], order.queries, options.trial, r2_max, other);
+            auto& entry = best[all[i]->library()];
+            if (!entry.second || seconds < entry.first) entry = {seconds, all[i].get()};
           }
           // Interleaved repetitions; the first, which also warms up and is
           // checked, does not count.
           std::map<std::string, std::vector<double>> times;
           std::vector<double> ratios;
           for (int repetition = -1; repetition < kRepetitions; ++repetition) {
-            const double own = time_search(golden, order.queries,
-                                           options.queries, r2_max, found);
+            const double own = time_search(golden, order.queries, options.queries, r2_max, found);
             double least = INFINITY;
-            for (const auto &[library, entry] : best) {
-              const double seconds = time_search(
-                  *entry.second, order.queries, options.queries, r2_max, other);
+            for (const auto& [library, entry] : best) {
+              const double seconds =
+                  time_search(*entry.second, order.queries, options.queries, r2_max, other);
               if (repetition < 0)
-                check_same(golden, *entry.second, points, order.queries, r2_max,
-                           found, other);
-              if (repetition >= 0)
-                times[library].push_back(seconds);
+                check_same(golden, *entry.second, points, order.queries, r2_max, found, other);
+              if (repetition >= 0) times[library].push_back(seconds);
               least = std::min(least, seconds);
             }
-            if (repetition < 0)
-              continue;
+            if (repetition < 0) continue;
             times["photonloom"].push_back(own);
             ratios.push_back(least / own);
           }
@@ -232,28 +215,24 @@ int run(const Options &options) {
           const double high = *std::max_element(ratios.begin(), ratios.end());
           ++cells;
           won += ratio > 1;
-          const auto micro = [&](const char *library) {
-            return 1e6 * median(times[library]);
-          };
-          fmt::print("{:>8} {:>4} {:<7} {:<13} {:>10.3f} {:>10.3f} {:>10.3f} "
-                     "{:>10.3f}  {:<22} {}\n",
-                     n, k, with_radius ? "yes" : "no", order.name,
-                     micro("photonloom"), micro("nanoflann"), micro("FLANN"),
-                     micro("CGAL"),
-                     fmt::format("{:.2f} ({:.2f} to {:.2f})", ratio, low, high),
-                     ratio > 1 ? "won" : "LOST");
+          const auto micro = [&](const char* library) { return 1e6 * median(times[library]); };
+          fmt::print(
+              "{:>8} {:>4} {:<7} {:<13} {:>10.3f} {:>10.3f} {:>10.3f} "
+              "{:>10.3f}  {:<22} {}\n",
+              n, k, with_radius ? "yes" : "no", order.name, micro("photonloom"), micro("nanoflann"),
+              micro("FLANN"), micro("CGAL"),
+              fmt::format("{:.2f} ({:.2f} to {:.2f})", ratio, low, high),
+              ratio > 1 ? "won" : "LOST");
           std::fflush(stdout);
-          nlohmann::ordered_json cell = {
-              {"photons", n},          {"k", k},
-              {"radius", with_radius}, {"r2_max", r2_max},
-              {"order", order.name},   {"ratio", ratio},
-              {"ratio_low", low},      {"ratio_high", high},
-              {"won", ratio > 1}};
-          for (const auto &[library, seconds] : times) {
+          nlohmann::ordered_json cell = {{"photons", n},          {"k", k},
+                                         {"radius", with_radius}, {"r2_max", r2_max},
+                                         {"order", order.name},   {"ratio", ratio},
+                                         {"ratio_low", low},      {"ratio_high", high},
+                                         {"won", ratio > 1}};
+          for (const auto& [library, seconds] : times) {
             cell["queries_per_second"][library] = 1 / median(seconds);
             if (best.count(library))
-              cell["configuration"][library] =
-                  best[library].second->configuration();
+              cell["configuration"][library] = best[library].second->configuration();
           }
           report["cells"].push_back(cell);
         }
@@ -270,27 +249,21 @@ int run(const Options &options) {
   return 0;
 }
 
-} // namespace
-} // namespace photonloom::bench
+}  // namespace
+}  // namespace photonloom::bench
 
 // bench_gather FILE.json [queries [photons [k]]]: queries of a repetition; all
 // cells, or those of one size, one k.
-int main(int argc, char **argv) {
+int main(int argc, char** argv) {
   photonloom::bench::Options options;
-  if (argc > 1)
-    options.json = argv[1];
-  if (argc > 2)
-    options.queries = std::strtoull(argv[2], nullptr, 10);
-  if (argc > 3)
-    options.sizes = {std::strtoull(argv[3], nullptr, 10)};
-  if (argc > 4)
-    options.ks = {static_cast<uint32_t>(std::strtoul(argv[4], nullptr, 10))};
+  if (argc > 1) options.json = argv[1];
+  if (argc > 2) options.queries = std::strtoull(argv[2], nullptr, 10);
+  if (argc > 3) options.sizes = {std::strtoull(argv[3], nullptr, 10)};
+  if (argc > 4) options.ks = {static_cast<uint32_t>(std::strtoul(argv[4], nullptr, 10))};
   if (options.queries == 0 || options.sizes[0] == 0 || options.ks[0] == 0 ||
       options.ks[0] > photonloom::search::kMaxK) {
-    fmt::print(
-        stderr,
-        "usage: bench_gather FILE.json [queries [photons [k]]], k at most {}\n",
-        photonloom::search::kMaxK);
+    fmt::print(stderr, "usage: bench_gather FILE.json [queries [photons [k]]], k at most {}\n",
+               photonloom::search::kMaxK);
     return 2;
   }
   options.trial = std::min(options.trial, options.queries);
