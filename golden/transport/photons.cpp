@@ -81,9 +81,10 @@ PhotonPass trace(const World& world, const RayCaster& caster, uint64_t stored, u
                  Progress* progress, bool caustic) {
   PhotonPass pass;
   const int depth = world.scene().max_depth;
-  const int max_segments = depth < 0 ? -1 : depth - (caustic ? 1 : 2);
+  const int taken = caustic ? 1 : 2;  // segments from the camera to where the photons are asked for
   const int fewest = caustic ? 2 : 1;
-  if (stored == 0 || (max_segments >= 0 && max_segments < fewest)) return pass;
+  if (stored == 0 || (depth >= 0 && depth < taken + fewest)) return pass;
+  const int max_segments = depth < 0 ? -1 : depth - taken;
   if (caustic && !world.has_delta()) return pass;
   const DeltaBoxes boxes(world);
   const ProgressPhase phase(progress, caustic ? "caustic photons" : "global photons", stored,

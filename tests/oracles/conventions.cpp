@@ -1,0 +1,234 @@
+// SPDX-License-Identifier: Apache-2.0
+// What is fixed by convention and easily turned round: sides, handedness, depth, radiance and power
+// in glass, lobes and their densities.
+#include <cmath>
+
+#include "golden/numeric/elementary.hpp"
+#include "golden/transport/bsdf.hpp"
+#include "golden/transport/camera.hpp"
+#include "golden/transport/emitters.hpp"
+#include "golden/transport/sampling.hpp"
+#include "tests/catch.hpp"
+#include "tests/oracles/scenes.hpp"
+#include "tests/oracles/statistics.hpp"
+
+using namespace photonloom;
+using namespace photonloom::oracle;
+
+namespace {
+
+Image path_image(const Scene& scene, int spp, uint64_t seed) {
+  const World world(scene);
+  PathOptions options;
+  options.spp = spp;
+  options.seed = seed;
+  return render_path(world, *make_embree(world), options);
+}
+
+Light sun_straight_down(double irradiance) {
+  Light sun;
+  sun.kind = LightKind::kDirectional;
+  sun.direction = Vec3(0, 0, -1);
+  sun.intensity = Rgb(irradiance);
+  return sun;
+}
+
+double power_at_bounce(const PhotonPass& pass, uint32_t bounce) {
+  double sum = 0;
+  for (const Photon& p : pass.photons)
+    if (p.bounce == bounce) sum += p.power.y;
+  return sum;
+}
+
+// A water surface at z = 1 over a floor at z = 0, both `edge` wide.
+Scene pool(double ior, double edge) {
+  Scene s;
+  const Vec3 x(edge, 0, 0), y(0, edge, 0), corner(-edge / 2, -edge / 2, 0);
+  add_quad(s, add_glass(s, ior), corner + Vec3(0, 0, 1), x, y);
+  add_quad(s, add_diffuse(s, Rgb(0.5)), corner, x, y);
+  return s;
+}
+
+}  // namespace
+
+TEST_CASE("the camera: +x of the local frame to the image's left, +y up, distance along the ray") {
+  Scene s;
+  add_quad(s, -1, Vec3(-9, -9, 5), Vec3(0, 18, 0), Vec3(18, 0, 0)).radiance = Rgb(1);
+  s.film = {40, 20};
+  s.camera.fov = 90;
+  const Lens lens(s);
+  const Vec3 left = lens.through(0, 10).ray.direction, top = lens.through(20, 0).ray.direction;
+  CHECK(left.x == Approx(std::sqrt(0.5)));
+  CHECK(left.z == Approx(std::sqrt(0.5)));
+  CHECK(std::fabs(left.y) < 1e-12);
+  CHECK(top.y == Approx(0.5 / std::sqrt(1.25)));
+  CHECK(std::fabs(top.x) < 1e-12);
+  const Image image = path_image(s, 1, 1);
+  const size_t corner = 0;
+  const double z = static_cast<double>(image.find("Z")->pixels[corner]);
+  CHECK(z > 5 * std::sqrt(1 + 0.95 * 0.95 + 0.45 * 0.45));
+  CHECK(z < 5 * std::sqrt(1 + 1.0 + 0.25));
+  // Clipping planes count along +z, Z from the camera.
+  s.camera.near_clip = 5.5;
+  CHECK(channel_mean(path_image(s, 1, 1), "Z") == 0);
+  s.camera.near_clip = 4.5;
+  CHECK(static_cast<double>(path_image(s, 1, 1).find("Z")->pixels[corner]) == Approx(z));
+  s.camera.far_clip = 4.9;
+  CHECK(channel_mean(path_image(s, 1, 1), "Z") == 0);
+}
+
+TEST_CASE("area emitters radiate from the normal side only") {
+  for (bool front : {true, false}) {
+    Scene s;
+    Shape& disk = add_sphere(s, -1, Vec3(0), 1);
+    disk.kind = ShapeKind::kDisk;
+    disk.radiance = Rgb(2);
+    add_quad(s, -1, Vec3(-1, 3, 0), Vec3(1, 0, 0), Vec3(0, 1, 0)).radiance = Rgb(2);
+    add_sphere(s, -1, Vec3(0, -3, 0), 0.5, !front).radiance = Rgb(2);
+    for (const Vec3& target : {Vec3(0, 0, 0), Vec3(-0.3, 3.3, 0), Vec3(0, -3, 0)}) {
+      set_camera(s, Vec3(0, 0, front ? 4 : -4), target, Vec3(0, 1, 0), 1e-3, 1, 1);
+      CHECK(channel_mean(path_image(s, 1, 1), "R") == (front || target.y < 0 ? front * 2.0 : 0.0));
+    }
+    const World world(s);
+    const PhotonPass none = trace_global_photons(world, *make_double_bvh(world), 1, 1);
+    CHECK(none.photons.empty());  // nothing diffuse here
+    CHECK(none.short_of_request);
+  }
+}
+
+TEST_CASE("max_depth: a furnace sums rho^i over the segments that are left") {
+  for (int depth : {1, 2, 3, 5}) {
+    Scene s;
+    add_sphere(s, add_diffuse(s, Rgb(0.5)), Vec3(0), 1, true).radiance = Rgb(1);
+    set_camera(s, Vec3(0.2, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0), 60, 8, 8);
+    s.max_depth = depth;
+    CHECK(channel_mean(path_image(s, 64, 1), "G") ==
+          Approx(2 - std::pow(0.5, depth - 1)).epsilon(0.005));
+    // The photon mapper's parts: photons of the global map have at most depth - 2 segments, and
+    // camera samples ask for them only where a segment is left.
+    const World world(s);
+    const auto caster = make_double_bvh(world);
+    const PhotonPass pass = trace_global_photons(world, *caster, 5000, 1);
+    uint32_t most = 0;
+    for (const Photon& p : pass.photons) most = std::max(most, p.bounce + 1);
+    CHECK(most == static_cast<uint32_t>(std::max(0, depth - 2)));
+    const CameraSample c = trace_camera(world, *caster, 4, 4, 0, 1);
+    CHECK(c.emission.y == 1);
+    CHECK(is_black(c.direct) == (depth < 2));
+    CHECK(c.diffuse == (depth > 2));
+    if (!c.diffuse) continue;
+    const GatherSample g = trace_gather(world, *caster, c.x, c.x.normal, 0, 0, 0, 1);
+    CHECK(g.diffuse == (depth > 2));
+    CHECK(g.weight.y == Approx(0.5 / kPi));
+  }
+}
+
+TEST_CASE("under water: photons lose 1 - F, radiance seen from above is (1 - F) / n^2 of it") {
+  const double n = 1.33, f = (n - 1) * (n - 1) / ((n + 1) * (n + 1));
+  for (uint64_t seed : kSeeds) {
+    Scene s = pool(n, 2);
+    s.lights.push_back(sun_straight_down(3));
+    const World world(s);
+    const PhotonPass pass = trace_caustic_photons(world, *make_double_bvh(world), 20000, seed);
+    // Poisson error of the photons' number: 1 / sqrt(20000).
+    check_estimate("caustic power", seed,
+                   {power_at_bounce(pass, 1), power_at_bounce(pass, 1) / std::sqrt(20000.0)},
+                   3 * 4 * (1 - f), 0.02);
+  }
+  Scene s = pool(n, 200);
+  s.shapes[1].radiance = Rgb(5);
+  s.max_depth = 2;  // without reflections at the water's underside
+  set_camera(s, Vec3(0, 0, 4), Vec3(0), Vec3(0, 1, 0), 1e-3, 8, 8);
+  for (uint64_t seed : kSeeds)
+    check_estimate("radiance", seed, image_estimate(path_image(s, 1024, seed), "emission"),
+                   5 * (1 - f) / (n * n), 0.01);
+}
+
+TEST_CASE("phong: f cos and its density, sampled and integrated") {
+  // Integrals over the hemisphere by a fine grid against averages over the lobe's samples.
+  for (double n : {1.0, 30.0, 500.0})
+    for (double angle : {0.0, 0.7, 1.3}) {
+      Bsdf b;
+      b.kind = BsdfKind::kPhong;
+      b.diffuse = Rgb(0.3);
+      b.specular = Rgb(0.6);
+      b.exponent = n;
+      Surface s;
+      s.bsdf = &b;
+      s.in = Vec3(std::sin(angle), 0, std::cos(angle));
+      s.normal = s.shading_normal = Vec3(0, 0, 1);
+      const Vec3 mirror(-s.in.x, 0, s.in.z);
+      // The grid is around the mirror direction, fine where the lobe is; u in [0, 1] of the
+      // hemisphere around it in equal solid angles of a cone that holds the lobe.
+      const double h = std::min(1.0, 30 / (n + 1));
+      double density = 0, reflected = 0, below = 0;
+      const int steps = 600;
+      for (int i = 0; i < steps; ++i)
+        for (int j = 0; j < steps; ++j) {
+          const Vec3 d =
+              Frame(mirror).to_world(sample_cone({(i + 0.5) / steps, (j + 0.5) / steps}, h));
+          const double solid = 2 * kPi * h / (steps * steps);
+          density += glossy_pdf(s, d) * solid;
+          reflected += glossy_times_cosine(s, d).y * solid;
+          // f = rho_s (n + 2) / (2 pi) cos^n(alpha), above the horizon only.
+          if (d.z > 0)
+            below += 0.6 * (n + 2) / (2 * kPi) * std::pow(glm::dot(d, mirror), n) * d.z * solid;
+        }
+      CAPTURE(n, angle);
+      CHECK(density == Approx(1).epsilon(2e-3));
+      CHECK(reflected == Approx(below).epsilon(1e-9));
+      Tally albedo;
+      for (uint64_t i = 0; i < 40000; ++i) {
+        const PixelNumbers numbers(3, Phase::kPath, 0, i);
+        const Vec3 d = sample_glossy(s, numbers.pair(1, 0));
+        const double pdf = glossy_pdf(s, d);
+        albedo.add(pdf > 0 ? glossy_times_cosine(s, d).y / pdf : 0);
+      }
+      check_estimate("albedo", 3, albedo.estimate(), reflected, 0.02);
+      CHECK(diffuse_times_cosine(s, Vec3(0.6, 0, 0.8)).y == Approx(0.3 / kPi * 0.8));
+      CHECK(is_black(diffuse_times_cosine(s, Vec3(0.6, 0, -0.8))));
+    }
+}
+
+TEST_CASE("light samples have the density that light_pdf says, and it integrates to 1") {
+  Scene s;
+  const int grey = add_diffuse(s, Rgb(0.5));
+  add_quad(s, grey, Vec3(-0.5, -0.3, 2), Vec3(0, 1, 0), Vec3(1, 0, 0.2)).radiance = Rgb(1, 2, 3);
+  add_sphere(s, grey, Vec3(1, 1, 1), 0.4).radiance = Rgb(5);
+  Shape& disk = add_sphere(s, grey, Vec3(-1.5, 0.5, 1), 1);
+  disk.kind = ShapeKind::kDisk;
+  disk.flip_normals = true;
+  disk.radiance = Rgb(1);
+  const World world(s);
+  const auto caster = make_double_bvh(world);
+  const ShadingPoint x{Vec3(0.1, 0.2, 0), Vec3(0, 0, 1)};
+  for (uint64_t seed : kSeeds) {
+    // Integral over the emitters by uniform directions, and of radiance by both ways.
+    Tally density, uniform, sampled;
+    for (uint64_t i = 0; i < 200000; ++i) {
+      const Random r(seed, Phase::kPath, i);
+      const Vec3 d = sample_cone({r.unit(0, 0), r.unit(0, 1)}, 1);  // upper hemisphere
+      const Hit hit = caster->closest(Ray{x.position, d}, nullptr);
+      const Rgb radiance = hit.valid() ? world.emission(hit, d) : Rgb(0);
+      density.add(is_black(radiance) ? 0 : light_pdf(world, x, hit, d) * 2 * kPi);
+      uniform.add(radiance.y * 2 * kPi);
+      LightSample light;
+      if (!sample_light(world, x, r.unit(1, 0), {r.unit(1, 1), r.unit(1, 2)}, light)) {
+        sampled.add(0);
+        continue;
+      }
+      const Hit found = caster->closest(Ray{x.position, light.direction}, nullptr);
+      if (found.primitive == light.hit.primitive) {
+        REQUIRE(light_pdf(world, x, found, light.direction) == Approx(light.pdf).epsilon(1e-9));
+        REQUIRE(light.distance == Approx(found.distance).epsilon(1e-9));
+      }
+      const bool seen =
+          !caster->occluded(Ray{x.position, light.direction}, light.distance, nullptr, &light.hit);
+      sampled.add(seen ? light.radiance.y : 0);
+    }
+    check_estimate("density", seed, density.estimate(), 1, 0.04);
+    const double error = std::hypot(uniform.estimate().error, sampled.estimate().error);
+    check_estimate("radiance", seed, {sampled.estimate().mean, error}, uniform.estimate().mean,
+                   0.04);
+  }
+}
