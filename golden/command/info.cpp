@@ -101,7 +101,13 @@ Json describe(const World& world) {
                           {"power", triple(e.power)}});
   j["emitters"] = emitters;
   j["power"] = triple(world.emitted_power());
-  j["needs"] = {{"global_map", world.diffuse_area() > 0},
+  // What asks a photon map needs the units that answer; a scene of mirrors and lamps needs none.
+  Json units = Json::array();
+  if (world.diffuse_area() > 0)
+    for (const char* unit : {"cdf_sampler", "reorder_buffer", "photon_gatherer", "shader"})
+      units.push_back(unit);
+  j["needs"] = {{"units", units},
+                {"global_map", world.diffuse_area() > 0},
                 {"caustic_map", world.has_delta() && world.diffuse_area() > 0},
                 {"glossy_lobes", world.has_glossy()},
                 {"channels", one_color(world) ? 1 : 3}};
@@ -137,6 +143,10 @@ void print(const Json& j) {
                list(e["power"]));
   const Json& needs = j["needs"];
   const auto yes = [](const Json& b) { return b.get<bool>() ? "yes" : "no"; };
+  std::string units;
+  for (const Json& unit : needs["units"])
+    units += (units.empty() ? "" : ", ") + unit.get<std::string>();
+  fmt::print("units      {}\n", units.empty() ? "none" : units);
   fmt::print("needs      global map {}, caustic map {}, glossy lobes {}, {} of power\n",
              yes(needs["global_map"]), yes(needs["caustic_map"]), yes(needs["glossy_lobes"]),
              needs["channels"].get<int>() == 1 ? "1 channel" : "3 channels");

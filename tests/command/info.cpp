@@ -21,6 +21,7 @@ TEST_CASE("info: counts, bounds, powers, needs") {
   CHECK(j["bounds"]["lower"] == nlohmann::json({-1, -1, -1}));
   CHECK(j["needs"]["caustic_map"] == true);
   CHECK(j["needs"]["glossy_lobes"] == false);
+  CHECK(j["needs"]["units"].size() == 4);
   // A lamp of 0.6 x 0.6 radiates pi L A.
   CHECK(j["power"][0].get<double>() == Approx(3.14159265358979 * 14 * 0.36));
   CHECK(j["hash"].get<std::string>().size() == 16);
