@@ -8,34 +8,36 @@
 namespace photonloom {
 
 void RigFlags::add_to(CLI::App& command, const std::string& seed_flag) {
-  command.add_option(seed_flag, seed_,
-                     "Seed of stalls, latencies and initial register values; changes when packets "
-                     "move, never which. Default 1.");
-  command.add_option("--initial-seed", initial_seed_,
-                     "Mixed into the initial register values alone. Default 1.");
-  command.add_option("--stall", stall_,
-                     "When streams hold back: none, bernoulli:P, bursts or adversary. Default "
-                     "none.");
-  command.add_option("--stall-in", stall_in_, "The same for input streams only.");
-  command.add_option("--stall-out", stall_out_, "The same for output streams only.");
-  command.add_option("--stall-memory", stall_memory_, "The same for the line memory only.");
-  command.add_option("--latency", latency_,
-                     "Cycles from a line request to its first beat: N, random (mean 20, out of "
-                     "order) or random:MEAN. Default 20.");
-  command.add_option("--banks", banks_, "Banks of the line memory. Default 8.")
-      ->check(CLI::Range(1, 1024));
+  // The last one counts, so that a report's command can append its own.
+  const auto add = [&](const std::string& flag, auto& value, const std::string& help) {
+    return command.add_option(flag, value, help)->take_last();
+  };
+  add(seed_flag, seed_,
+      "Seed of stalls, latencies and initial register values; changes when packets "
+      "move, never which. Default 1.");
+  add("--initial-seed", initial_seed_, "Mixed into the initial register values alone. Default 1.");
+  add("--stall", stall_,
+      "When streams hold back: none, bernoulli:P, bursts or adversary. Default "
+      "none.");
+  add("--stall-in", stall_in_, "The same for input streams only.");
+  add("--stall-out", stall_out_, "The same for output streams only.");
+  add("--stall-memory", stall_memory_, "The same for the line memory only.");
+  add("--latency", latency_,
+      "Cycles from a line request to its first beat: N, random (mean 20, out of "
+      "order) or random:MEAN. Default 20.");
+  add("--banks", banks_, "Banks of the line memory. Default 8.")->check(CLI::Range(1, 1024));
   command
       .add_option("--bank-cycles", bank_cycles_,
                   "A bank takes one request in so many cycles; 0: no limit. Default 0.")
       ->check(CLI::Range(0, 100000));
-  command.add_option("--watchdog", watchdog_,
-                     "Cycles without a handshake after which a unit counts as stuck. Default "
-                     "50000.");
-  command.add_option("--rtl", rtl_, "Folder of the RTL sources, if not those of this build.");
-  command.add_option("--work", work_, "Folder of the built models. Default build/cosim.");
-  command.add_option("--wave", wave_, "Write a waveform (FST) to this file.")->take_last();
-  command.add_option("--wave-unit", wave_unit_, "The unit to write it of.")->take_last();
-  command.add_option("--wave-cycles", wave_cycles_, "The cycles to write, FROM:TO.")->take_last();
+  add("--watchdog", watchdog_,
+      "Cycles without a handshake after which a unit counts as stuck. Default "
+      "50000.");
+  add("--rtl", rtl_, "Folder of the RTL sources, if not those of this build.");
+  add("--work", work_, "Folder of the built models. Default build/cosim.");
+  add("--wave", wave_, "Write a waveform (FST) to this file.");
+  add("--wave-unit", wave_unit_, "The unit to write it of.");
+  add("--wave-cycles", wave_cycles_, "The cycles to write, FROM:TO.");
 }
 
 RunOptions RigFlags::options(const std::string& unit) const {

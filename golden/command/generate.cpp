@@ -1,37 +1,79 @@
 // SPDX-License-Identifier: Apache-2.0
-// photonloom generate PLAN -o DIR
+// photonloom generate PLAN|SCENE -o DIR
 #include <fmt/core.h>
 
 #include <filesystem>
+#include <map>
 
-#include "golden/command/command.hpp"
+#include "golden/command/console.hpp"
+#include "golden/command/frame_options.hpp"
 #include "golden/numeric/output_file.hpp"
 #include "rtl/generate/hardware.hpp"
 #include "rtl/generate/sources.hpp"
+#include "verilator_tb/photon_gatherer_image.hpp"
+#include "verilator_tb/rig.hpp"
 
 namespace photonloom {
 namespace {
 
 struct GenerateOptions {
-  std::string plan, output, unit, check, rtl;
+  FrameOptions frame;
+  std::string output, unit, rtl;
+  bool check = false;
 };
 
+bool is_plan(const std::string& path) { return std::filesystem::path(path).extension() == ".toml"; }
+
+// The scene's photon maps as the hardware takes them, in hexadecimal: configuration words as
+// "address data", line memory as a beat a line, for $readmemh or a loader.
+void add_images(const PreparedFrame& frame, std::map<std::string, std::string>& files) {
+  const PhotonGathererImage image = photon_gatherer_image(frame.plan, frame.global, frame.caustic);
+  std::string& cfg = files["images/cfg.hex"];
+  for (const CfgWrite& w : image.cfg) cfg += fmt::format("{:06x} {:016x}\n", w.address, w.data);
+  for (const bool is_caustic : {false, true}) {
+    const std::vector<uint8_t>& bytes = image.lines[is_caustic ? 1 : 0];
+    if (bytes.empty()) continue;
+    std::string& lines = files[is_caustic ? "images/caustic_lines.hex" : "images/global_lines.hex"];
+    for (size_t beat = 0; beat < bytes.size(); beat += LineMemory::kBeatBytes) {
+      for (size_t i = LineMemory::kBeatBytes; i-- > 0;)
+        lines += fmt::format("{:02x}", beat + i < bytes.size() ? bytes[beat + i] : 0);
+      lines += '\n';
+    }
+  }
+}
+
 void generate(const GenerateOptions& o) {
-  const std::string rtl = o.rtl.empty() ? default_rtl_dir() : o.rtl;
-  if (!o.check.empty()) {
-    if (!o.plan.empty() || !o.output.empty() || !o.unit.empty())
-      throw UsageError("--check DIR looks at a package alone; no other argument goes with it");
-    check_hardware(o.check, rtl);
-    fmt::print("{}: is what its plan and the RTL sources give\n", o.check);
+  const FrameRequest asked = o.frame.request();
+  const std::string& source = asked.scene_file;
+  if (o.check) {
+    if (!o.output.empty() || !o.unit.empty())
+      throw UsageError("--check looks at the package in a folder; -o and --unit do not go with it");
+    check_hardware(source, o.rtl.empty() ? default_rtl_dir() : o.rtl);
+    fmt::print("{}: is what its plan and the RTL sources give\n", source);
     return;
   }
-  if (o.plan.empty() || o.output.empty())
-    throw UsageError("generate needs PLAN and -o DIR, or --check DIR");
+  if (o.output.empty()) throw UsageError("generate needs -o DIR, or --check");
   HardwareRequest request;
-  request.plan = read_plan(o.plan);
   request.unit = o.unit;
-  request.rtl_dir = rtl;
-  const auto files = generate_hardware(request);
+  request.rtl_dir = o.rtl;
+  std::map<std::string, std::string> files;
+  if (is_plan(source)) {
+    const std::vector<std::string> useless = o.frame.photon_options();
+    if (!useless.empty() && useless != std::vector<std::string>{"--set"})
+      throw UsageError(fmt::format("{}: {} already is a plan; change its lines with --set",
+                                   useless[0] == "--set" ? useless[1] : useless[0], source));
+    request.plan = read_plan(source);
+    for (const std::string& line : asked.set) set_plan_line(request.plan, line);
+    files = generate_hardware(request);
+  } else {
+    ConsoleProgress progress;
+    const PreparedFrame frame = prepare_frame(asked, Arithmetic::kGolden, &progress);
+    print_warnings(frame.warnings);
+    request.plan = frame.plan;
+    request.reasons = frame.reasons;
+    files = generate_hardware(request);
+    if (files.count("rtl/photon_gatherer/photon_gatherer.sv")) add_images(frame, files);
+  }
   OutputFolder folder(o.output);
   for (const auto& [name, text] : files) {
     const std::filesystem::path path = std::filesystem::path(folder.temporary()) / name;
@@ -46,20 +88,25 @@ void add_generate(CLI::App& app) {
   auto o = std::make_shared<GenerateOptions>();
   CLI::App* c = app.add_subcommand("generate", "A hardware package: RTL for one plan");
   c->footer(
-      "The package holds the RTL that the plan uses, photonloom_pkg.sv with the plan's constants\n"
-      "and packets, the wired top photonloom_chip, a file list, a FuseSoC core and a README with\n"
-      "ports, packets and budget. Equal plans give equal packages.\n\n"
+      "From a plan.toml, or from a scene: then the plan is derived as `photonloom plan` does, and\n"
+      "the scene's photon maps are added as memory images. The package holds the RTL that the "
+      "plan\n"
+      "uses, photonloom_pkg.sv with the plan's constants and packets, the wired top\n"
+      "photonloom_chip, a file list, a FuseSoC core and a README with ports, packets and budget.\n"
+      "Equal plans give equal packages.\n\n"
       "Examples:\n"
-      "  photonloom plan scenes/cornell.xml -o plan.toml && photonloom generate plan.toml -o hw\n"
+      "  photonloom generate plan.toml -o hw\n"
+      "  photonloom generate scenes/cornell.xml --photons 50000 --k 16 -o hw\n"
       "  photonloom generate plan.toml -o gatherer --unit photon_gatherer\n"
       "  photonloom generate --check hw");
-  c->add_option("PLAN", o->plan, "The plan.toml");
+  o->frame.add_to(*c);
+  c->get_option("SCENE")->description(
+      "A plan.toml, or a Mitsuba XML scene; with --check the folder of a package");
   c->add_option("-o,--output", o->output, "Folder to write; an older package there is replaced")
       ->type_name("DIR");
   c->add_option("--unit", o->unit, "This unit alone, to be built into another system")
       ->type_name("NAME");
-  c->add_option("--check", o->check, "Only tell whether the package in DIR is stale")
-      ->type_name("DIR");
+  c->add_flag("--check", o->check, "Only tell whether the package in a folder is stale");
   c->add_option("--rtl", o->rtl, "Folder of the RTL sources, if not those of this build")
       ->type_name("DIR");
   c->callback([o] { generate(*o); });

@@ -2,11 +2,14 @@
 // photonloom generate: packages that lint, follow the plan, and know when they are stale.
 #include <fmt/core.h>
 
+#include <algorithm>
+
 #include "golden/plan/plan_file.hpp"
 #include "rtl/generate/hardware.hpp"
 #include "rtl/generate/sources.hpp"
 #include "tests/catch.hpp"
 #include "tests/command/run.hpp"
+#include "verilator_tb/bench.hpp"
 
 using namespace photonloom;
 using namespace photonloom::test;
@@ -86,6 +89,70 @@ TEST_CASE("a stale package names what is stale") {
   CHECK(run("generate --check " + (scratch / "nothing")).status == 1);
 }
 
+TEST_CASE("a scene's package lints as a whole and has its maps as images") {
+  const Scratch scratch;
+  const std::string hw = scratch / "hw";
+  const Outcome made =
+      run(fmt::format("generate {} --photons 1000 --caustic-photons 300 --k 8 -o {}",
+                      source("scenes/cornell_balls.xml"), hw));
+  INFO(made.err);
+  REQUIRE(made.status == 0);
+  check_tools(hw, "photonloom_chip");
+  CHECK(run("generate --check " + hw).status == 0);
+  const Plan plan = read_plan(hw + "/plan.toml");
+  const auto lines = [&](const std::string& file) {
+    const std::string text = read_file(hw + "/images/" + file);
+    return static_cast<uint64_t>(std::count(text.begin(), text.end(), '\n'));
+  };
+  const uint64_t beats = static_cast<uint64_t>(plan.line_bytes()) / 16;
+  CHECK(lines("global_lines.hex") == plan.lines(plan.global) * beats);
+  CHECK(lines("caustic_lines.hex") == plan.lines(plan.caustic) * beats);
+  CHECK(lines("cfg.hex") == plan.lines(plan.global) - 1 + plan.lines(plan.caustic) - 1 + 4);
+}
+
+TEST_CASE("only what the plan needs") {
+  Plan plan = gatherer_plan();
+  plan.gather_rays = 4;
+  const auto files = [&] { return generate_hardware({plan, {}, "", ""}); };
+  const auto all = files();
+  CHECK(all.count("rtl/reorder_buffer/reorder_sweep.sv") == 1);
+  CHECK(all.count("rtl/reorder_buffer/reorder_fullest.sv") == 0);
+  CHECK(all.count("rtl/common/reciprocal.sv") == 1);
+  plan.reciprocal_bits = 0;
+  CHECK(files().count("rtl/common/reciprocal.sv") == 0);
+  plan.reorder_drain = ReorderDrain::kFullest;
+  CHECK(files().count("rtl/reorder_buffer/reorder_fullest.sv") == 1);
+  CHECK(files().count("rtl/reorder_buffer/reorder_sweep.sv") == 0);
+  plan.reorder_key = ReorderKey::kNone;
+  CHECK(files().count("rtl/reorder_buffer/reorder_buffer.sv") == 0);
+  plan.gather_rays = 0;
+  CHECK(files().count("rtl/cdf_sampler/cdf_sampler.sv") == 0);
+  plan.global = {};
+  CHECK_THROWS_WITH(files(), Catch::Matchers::Contains("there is no hardware to generate"));
+}
+
+TEST_CASE("packages of many plans lint") {
+  for (uint64_t seed = 1; seed <= 3; ++seed) {
+    const Scratch scratch;
+    INFO("random plan " << seed);
+    for (const auto& [name, text] : generate_hardware({random_plan(seed), {}, "", ""})) {
+      std::filesystem::create_directories((scratch.path / name).parent_path());
+      write_file(scratch / name, text);
+    }
+    check_tools(scratch.path.string(), "photonloom_chip");
+  }
+}
+
+TEST_CASE("the packet tables in docs are what the command prints") {
+  const std::string page = read_file(source("docs/packets.md"));
+  const size_t end = page.rfind("-->\n\n");
+  REQUIRE(end != std::string::npos);
+  const Outcome o = run("packets");
+  CHECK(o.status == 0);
+  INFO("refresh with: photonloom packets --update docs/packets.md");
+  CHECK(page.substr(end + 5) == o.out);
+}
+
 TEST_CASE("one unit alone") {
   const Scratch scratch;
   write_plan(gatherer_plan(), scratch / "plan.toml");
@@ -108,6 +175,7 @@ TEST_CASE("bad plans and wrong use") {
   CHECK(run("generate").status == 2);
   CHECK(run("generate " + (scratch / "none.toml") + " -o " + (scratch / "hw")).status == 1);
   CHECK(run("generate --check a --unit b").status == 2);
+  CHECK(run("generate a.toml -o b --k 5").status == 2);
   std::string text = plan_text(gatherer_plan());
   const auto refused = [&](const std::string& from, const std::string& to) {
     std::string bad = text;

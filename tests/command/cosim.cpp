@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: Apache-2.0
+// photonloom cosim: equal to golden, and what happens when it is not.
+#include <fmt/core.h>
+
+#include <nlohmann/json.hpp>
+
+#include "tests/catch.hpp"
+#include "tests/command/run.hpp"
+
+using namespace photonloom;
+using namespace photonloom::test;
+using Catch::Matchers::Contains;
+
+namespace {
+
+std::string cosim(const std::string& more) {
+  return fmt::format(
+      "cosim {} --size 8x8 --spp 1 --gather-rays 6 --k 8 --photons 2000 --caustic-photons 800 "
+      "--set gatherer.cache_bytes=2048 --work cosim {}",
+      source("scenes/cornell_balls.xml"), more);
+}
+
+}  // namespace
+
+TEST_CASE("all units as RTL give golden's packets and render's bytes") {
+  const Scratch scratch;
+  const Outcome o =
+      run(cosim("--stall bursts --latency random --rig-seed 5 -o " + (scratch / "out")));
+  INFO(o.out << o.err);
+  REQUIRE(o.status == 0);
+  CHECK_THAT(o.out, Contains("golden == rtl: ") && Contains(" packets, 0 differences\n"));
+  CHECK_THAT(o.out, Contains("image bytes of golden and rtl are identical"));
+  CHECK_THAT(o.out, Contains("mean displacement"));
+  const auto summary = nlohmann::json::parse(read_file(scratch / "out/summary.json"));
+  CHECK(summary["images_identical"] == true);
+  for (const char* unit : {"photon_gatherer", "reorder_buffer", "cdf_sampler"}) {
+    INFO(unit);
+    CHECK(summary["units"][unit]["packets"] > 50);
+    CHECK(summary["units"][unit]["bypassed"] == 0);
+    CHECK(summary["units"][unit]["busy_percent"] > 0);
+  }
+  CHECK(summary["units"]["reorder_buffer"]["mean_displacement"] > 1);
+  CHECK(summary["units"]["photon_gatherer"]["counters"]["bytes read"] > 0);
+  const auto timeline = nlohmann::json::parse(read_file(scratch / "out/timeline.json"));
+  CHECK(timeline["traceEvents"].size() > 300);
+  const Outcome rendered = run(fmt::format(
+      "render {} --size 8x8 --spp 1 --gather-rays 6 --k 8 --photons 2000 --caustic-photons 800 "
+      "--set gatherer.cache_bytes=2048 -o {}",
+      source("scenes/cornell_balls.xml"), scratch / "render.exr"));
+  REQUIRE(rendered.status == 0);
+  CHECK(read_file(scratch / "render.exr") == read_file(scratch / "out/rtl.exr"));
+}
+
+TEST_CASE("a planted bug is reported with a command that shows it, and reaches the image") {
+  const Scratch scratch;
+  std::filesystem::copy(source("rtl"), scratch / "rtl", std::filesystem::copy_options::recursive);
+  const std::string file = scratch / "rtl/photon_gatherer/photon_gatherer_results.sv";
+  std::string text = read_file(file);
+  const std::string right = "result.flux = flux;";
+  REQUIRE(text.find(right) != std::string::npos);
+  text.replace(text.find(right), right.size(), "result.flux = {flux[0+:$bits(flux)-1], 1'b0};");
+  write_file(file, text);
+  const std::string bug = cosim("--backend photon_gatherer=rtl --rtl " + (scratch / "rtl") +
+                                " -o " + (scratch / "out"));
+
+  const Outcome stopped = run(bug);
+  CHECK(stopped.status == 1);
+  CHECK(!std::filesystem::exists(scratch / "out"));
+  CHECK_THAT(stopped.err, Contains("photon_gatherer, stream result: packet") &&
+                              Contains(" matched before)") && Contains("\n  cycle ") &&
+                              Contains("\n  input  {\"pixel\": ") && Contains("\n  golden 0x") &&
+                              Contains("\n  rtl    0x") && Contains("\n  * flux[0]"));
+
+  // The command in the report runs as it stands.
+  const size_t at = stopped.err.find("    " + environment("PHOTONLOOM"));
+  REQUIRE(at != std::string::npos);
+  const std::string command = stopped.err.substr(at, stopped.err.find('\n', at) - at);
+  CHECK_THAT(command, Contains("--wave photon_gatherer.fst"));
+  CHECK(std::system(fmt::format("cd {} && {} --work {} >/dev/null 2>&1", scratch.path.string(),
+                                command, std::filesystem::current_path().string() + "/cosim")
+                        .c_str()) != 0);
+  CHECK(std::filesystem::file_size(scratch / "photon_gatherer.fst") > 1000);
+
+  const Outcome kept = run(bug + " --keep-going");
+  CHECK(kept.status == 1);
+  CHECK_THAT(kept.out, Contains("golden != rtl") && Contains("image bytes of golden and rtl are "
+                                                             "different"));
+  CHECK_THAT(kept.err, Contains("packets differ from golden"));
+  CHECK(read_file(scratch / "out/golden.exr") != read_file(scratch / "out/rtl.exr"));
+}
+
+TEST_CASE("a unit that sees no packet fails the run") {
+  const Scratch scratch;
+  const Outcome o = run(fmt::format(
+      "cosim {} --size 4x4 --spp 1 --gather-rays 0 --k 8 --photons 500 --work cosim --backend "
+      "cdf_sampler=rtl -o {}",
+      source("scenes/cornell.xml"), scratch / "out"));
+  CHECK(o.status == 1);
+  CHECK_THAT(o.err, Contains("cdf_sampler saw no packet"));
+}
+
+TEST_CASE("wrong use") {
+  CHECK(run(cosim("--backend photon_gatherer=fpga")).status == 2);
+  CHECK(run(cosim("--backend shader=rtl")).status == 2);
+  CHECK(run(cosim("--backend cdf_sampler=golden")).status == 2);
+  CHECK(run(cosim("--backend cdf_sampler=rtl,cdf_sampler=rtl")).status == 2);
+  for (const char* bad : {"--stall sometimes", "--latency 0", "--wave x.fst", "--wave-cycles 3:4",
+                          "--wave x.fst --wave-unit reorder_buffer --wave-cycles 9:3"}) {
+    INFO(bad);
+    const Outcome o = run(cosim(bad));
+    CHECK(o.status == 1);
+    CHECK(o.one_error_line());
+  }
+}
