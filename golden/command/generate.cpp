@@ -11,7 +11,6 @@
 #include "rtl/generate/hardware.hpp"
 #include "rtl/generate/sources.hpp"
 #include "verilator_tb/photon_gatherer_image.hpp"
-#include "verilator_tb/rig.hpp"
 
 namespace photonloom {
 namespace {
@@ -28,14 +27,15 @@ bool is_plan(const std::string& path) { return std::filesystem::path(path).exten
 // "address data", line memory as a beat a line, for $readmemh or a loader.
 void add_images(const PreparedFrame& frame, std::map<std::string, std::string>& files) {
   const PhotonGathererImage image = photon_gatherer_image(frame.plan, frame.global, frame.caustic);
+  constexpr size_t kBeatBytes = 16;  // photonloom_pkg::LineBeatBits
   std::string& cfg = files["images/cfg.hex"];
   for (const CfgWrite& w : image.cfg) cfg += fmt::format("{:06x} {:016x}\n", w.address, w.data);
   for (const bool is_caustic : {false, true}) {
     const std::vector<uint8_t>& bytes = image.lines[is_caustic ? 1 : 0];
     if (bytes.empty()) continue;
     std::string& lines = files[is_caustic ? "images/caustic_lines.hex" : "images/global_lines.hex"];
-    for (size_t beat = 0; beat < bytes.size(); beat += LineMemory::kBeatBytes) {
-      for (size_t i = LineMemory::kBeatBytes; i-- > 0;)
+    for (size_t beat = 0; beat < bytes.size(); beat += kBeatBytes) {
+      for (size_t i = kBeatBytes; i-- > 0;)
         lines += fmt::format("{:02x}", beat + i < bytes.size() ? bytes[beat + i] : 0);
       lines += '\n';
     }
