@@ -46,6 +46,20 @@ CameraRay Lens::through(double x, double y) const {
   return camera;
 }
 
+bool Lens::project(const Vec3& point, double& x, double& y, double& density) const {
+  const Vec3 d = point - Vec3(to_world_[3]);
+  const Vec3 local = glm::inverse(glm::dmat3(to_world_)) * d;
+  if (!(local.z > 0) || local.z < near_ || (far_ > 0 && local.z > far_)) return false;
+  x = (1 - local.x / (local.z * tan_x_)) * width_ / 2;
+  y = (1 - local.y / (local.z * tan_y_)) * height_ / 2;
+  if (!(x >= 0 && x < width_ && y >= 0 && y < height_)) return false;
+  // A pixel's area on the plane z = 1 is 4 tan_x tan_y / (width height); the plane's solid angle
+  // per area is cos^3.
+  const double cosine = local.z / glm::length(local);
+  density = width_ * height_ / (4 * tan_x_ * tan_y_ * cosine * cosine * cosine);
+  return true;
+}
+
 Hit first_hit(const RayCaster& caster, const CameraRay& camera) {
   Ray ray = camera.ray;
   ray.origin += ray.direction * camera.near;

@@ -17,6 +17,9 @@ class Lens {
   explicit Lens(const Scene& scene);
   // Through the film position (x, y) in pixels.
   CameraRay through(double x, double y) const;
+  // Where a point is seen: film position in pixels, and pixels per solid angle there. False:
+  // outside the film or the clipping planes.
+  bool project(const Vec3& point, double& x, double& y, double& density) const;
 
  private:
   Mat4 to_world_;

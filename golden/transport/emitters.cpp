@@ -266,11 +266,10 @@ double light_pdf(const World& world, const ShadingPoint& x, const Hit& hit, cons
   return cos_light > 0 ? probability * distance2 / (cos_light * p.area) : 0;
 }
 
-Emission emit_photon(const World& world, const Random& random) {
-  const uint32_t number = world.choose_emitter(random.unit(0, 0));
-  const Emitter& e = world.emitters()[number];
+Emission emit_photon_from(const World& world, uint32_t emitter, const Random& random) {
+  const Emitter& e = world.emitters()[emitter];
   Emission out;
-  out.power = e.power / e.pmf;
+  out.power = e.power;
   if (e.primitive >= 0) {
     const Primitive& p = world.primitives()[static_cast<size_t>(e.primitive)];
     out.from =
@@ -280,6 +279,13 @@ Emission emit_photon(const World& world, const Random& random) {
   } else {
     out.ray = emit_from_light(world, world.scene().lights[static_cast<size_t>(e.light)], random);
   }
+  return out;
+}
+
+Emission emit_photon(const World& world, const Random& random) {
+  const uint32_t emitter = world.choose_emitter(random.unit(0, 0));
+  Emission out = emit_photon_from(world, emitter, random);
+  out.power /= world.emitters()[emitter].pmf;
   return out;
 }
 

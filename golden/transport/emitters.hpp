@@ -45,5 +45,7 @@ struct Emission {
   Hit from;
 };
 Emission emit_photon(const World& world, const Random& random);
+// The same from one emitter; `power` is what all its photons carry together.
+Emission emit_photon_from(const World& world, uint32_t emitter, const Random& random);
 
 }  // namespace photonloom

@@ -5,9 +5,11 @@
 
 #include <array>
 #include <cmath>
+#include <vector>
 
 #include "golden/transport/camera.hpp"
 #include "golden/transport/direct.hpp"
+#include "golden/transport/light_paths.hpp"
 #include "golden/transport/roulette.hpp"
 #include "golden/transport/sampling.hpp"
 
@@ -62,7 +64,13 @@ bool leave_by_lobe(const Hit& hit, const Surface& s, double choice, const Vec2& 
   return !is_black(throughput);
 }
 
-PathSample trace_sample(const World& world, const RayCaster& caster, const Lens& lens, int px,
+// A path of so many segments may take another one.
+bool has_depth(const Scene& scene, uint64_t segments) {
+  return scene.max_depth < 0 || segments < static_cast<uint64_t>(scene.max_depth);
+}
+
+PathSample trace_sample(const World& world, const RayCaster& caster, const Lens& lens,
+                        const LightPaths& light_paths, const LightVertex& light_vertex, int px,
                         int py, const PixelNumbers& numbers) {
   const Scene& scene = world.scene();
   const Vec2 jitter = numbers.pair(0, 0);
@@ -85,7 +93,7 @@ PathSample trace_sample(const World& world, const RayCaster& caster, const Lens&
       const double w = shared ? found_weight(world, lobe.x, lobe.pdf, hit, ray.direction) : 1.0;
       layer_of(lobe, out) += throughput * radiance * w;
     }
-    if (scene.max_depth >= 0 && segment >= static_cast<uint64_t>(scene.max_depth)) break;
+    if (!has_depth(scene, segment)) break;
     const Surface s = make_surface(world, hit, ray.direction);
     if (s.black()) break;
     if (s.is_delta()) {
@@ -102,6 +110,8 @@ PathSample trace_sample(const World& world, const RayCaster& caster, const Lens&
       const DirectLight light = direct_light(world, caster, hit, s, numbers.unit(segment, kChoice),
                                              numbers.pair(segment, kPoint), {p, 1 - p});
       (lobe.exists ? out.indirect : out.direct) += throughput * (light.diffuse + light.glossy);
+      if (light_vertex.exists && has_depth(scene, segment + light_vertex.segments))
+        out.indirect += throughput * light_paths.connect(caster, light_vertex, hit, s);
       const bool first = !lobe.exists;
       if (!leave_by_lobe(hit, s, numbers.unit(segment, kLobe), numbers.pair(segment, kDirection),
                          ray.direction, throughput, lobe))
@@ -119,7 +129,8 @@ PathSample trace_sample(const World& world, const RayCaster& caster, const Lens&
 // Sums of one pixel.
 struct PixelSum {
   PathSample sum;
-  Rgb square{0};
+  Rgb samples{0}, square{0};  // of whole samples
+  Rgb splat_variance{0};      // of the mean
   void add(const PathSample& s) {
     sum.emission += s.emission;
     sum.direct += s.direct;
@@ -129,9 +140,44 @@ struct PixelSum {
     sum.normal += s.normal;
     sum.depth += s.depth;
     const Rgb total = s.emission + s.direct + s.caustic + s.indirect;
+    samples += total;
     square += total * total;
   }
 };
+
+// Sums of the splats of one pixel.
+struct SplatSum {
+  Rgb diffuse{0}, glossy{0}, square{0};
+};
+
+// Light paths in blocks, added up in the order of their numbers.
+std::vector<SplatSum> splat_light_paths(const World& world, const RayCaster& caster,
+                                        const Lens& lens, const LightPaths& light_paths,
+                                        uint64_t paths, uint64_t seed) {
+  const Film film = world.scene().film;
+  std::vector<SplatSum> sums(static_cast<size_t>(film.width) * static_cast<size_t>(film.height));
+  constexpr uint64_t kBlock = 4096, kBlocks = 64;
+  std::vector<std::vector<Splat>> splats(kBlocks);
+  for (uint64_t first = 0; first < paths; first += kBlock * kBlocks) {
+    tbb::parallel_for(uint64_t{0}, kBlocks, [&](uint64_t b) {
+      splats[b].clear();
+      const uint64_t begin = first + b * kBlock, end = std::min(begin + kBlock, paths);
+      for (uint64_t i = begin; i < end; ++i) {
+        const LightVertex v = light_paths.trace(caster, Random(seed, Phase::kCausticPhoton, i));
+        Splat splat;
+        if (v.exists && light_paths.splat(caster, lens, v, splat)) splats[b].push_back(splat);
+      }
+    });
+    for (const auto& block : splats)
+      for (const Splat& s : block) {
+        SplatSum& sum = sums[s.pixel];
+        sum.diffuse += s.diffuse;
+        sum.glossy += s.glossy;
+        sum.square += (s.diffuse + s.glossy) * (s.diffuse + s.glossy);
+      }
+  }
+  return sums;
+}
 
 const char* const kColour[3] = {".R", ".G", ".B"};
 const char* const kAxis[3] = {".X", ".Y", ".Z"};
@@ -159,8 +205,9 @@ void write_pixel(Image& image, size_t pixel, const PixelSum& p, double n) {
     put(9 + i, p.sum.caustic[c] / n);
     put(12 + i, p.sum.indirect[c] / n);
     put(15 + i, p.sum.albedo[c] / n);
-    const double variance = std::max(0.0, p.square[c] / n - mean * mean);
-    put(18 + i, n > 1 ? std::sqrt(variance / (n - 1)) : 0);
+    const double sample = p.samples[c] / n;
+    const double variance = std::max(0.0, p.square[c] / n - sample * sample);
+    put(18 + i, n > 1 ? std::sqrt(variance / (n - 1) + p.splat_variance[c]) : 0);
     put(21 + i, p.sum.normal[c] / n);
   }
   put(24, p.sum.depth / n);
@@ -177,8 +224,12 @@ Image render_path(const World& world, const RayCaster& caster, const PathOptions
   const Lens lens(world.scene());
   const int tiles_x = (film.width + kTile - 1) / kTile, tiles_y = (film.height + kTile - 1) / kTile;
   const uint64_t pixels = static_cast<uint64_t>(film.width) * static_cast<uint64_t>(film.height);
-  const ProgressPhase phase(options.progress, "path tracing",
-                            pixels * static_cast<uint64_t>(options.spp), "samples");
+  const uint64_t samples = pixels * static_cast<uint64_t>(options.spp);
+  const LightPaths light_paths(world);
+  std::vector<SplatSum> splats;
+  if (light_paths.needed())
+    splats = splat_light_paths(world, caster, lens, light_paths, samples, options.seed);
+  const ProgressPhase phase(options.progress, "path tracing", samples, "samples");
   tbb::parallel_for(0, tiles_x * tiles_y, [&](int tile) {
     const int x0 = tile % tiles_x * kTile, y0 = tile / tiles_x * kTile;
     for (int y = y0; y < std::min(y0 + kTile, film.height); ++y)
@@ -186,10 +237,24 @@ Image render_path(const World& world, const RayCaster& caster, const PathOptions
         const uint64_t pixel =
             static_cast<uint64_t>(y) * static_cast<uint64_t>(film.width) + static_cast<uint64_t>(x);
         PixelSum sum;
-        for (int i = 0; i < options.spp; ++i)
-          sum.add(trace_sample(
-              world, caster, lens, x, y,
-              PixelNumbers(options.seed, Phase::kPath, pixel, static_cast<uint64_t>(i))));
+        for (int i = 0; i < options.spp; ++i) {
+          const uint64_t sample = static_cast<uint64_t>(i);
+          LightVertex vertex;
+          if (light_paths.needed())
+            vertex = light_paths.trace(
+                caster, Random(options.seed, Phase::kDirect, hash_bits(pixel, sample, 0, 0)));
+          sum.add(trace_sample(world, caster, lens, light_paths, vertex, x, y,
+                               PixelNumbers(options.seed, Phase::kPath, pixel, sample)));
+        }
+        if (!splats.empty()) {
+          // Sums over all paths to the pixel's mean, times spp as the samples' sums are.
+          const SplatSum& s = splats[pixel];
+          const double scale = options.spp / static_cast<double>(samples);
+          sum.sum.caustic += s.diffuse * scale;
+          sum.sum.indirect += s.glossy * scale;
+          sum.splat_variance =
+              s.square / (static_cast<double>(samples) * static_cast<double>(samples));
+        }
         write_pixel(image, pixel, sum, options.spp);
         phase.advance(static_cast<uint64_t>(options.spp));
       }

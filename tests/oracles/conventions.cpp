@@ -232,3 +232,39 @@ TEST_CASE("light samples have the density that light_pdf says, and it integrates
                    0.04);
   }
 }
+
+TEST_CASE("the path tracer finds a point light through a glass ball") {
+  // The caustic layer against photons shot at the same floor, each weighed by what the camera sees
+  // of it: rho / pi times cosine over distance^2, in pixels per solid angle.
+  Scene s;
+  add_quad(s, add_diffuse(s, Rgb(0.7)), Vec3(-1, -1, 0), Vec3(2, 0, 0), Vec3(0, 2, 0));
+  add_sphere(s, add_glass(s, 1.5), Vec3(0.1, 0, 0.35), 0.15);
+  Light light;
+  light.position = Vec3(0, 0, 0.8);
+  light.intensity = Rgb(1);
+  s.lights.push_back(light);
+  set_camera(s, Vec3(0, -0.8, 0.15), Vec3(0.15, 0, 0), Vec3(0, 0, 1), 30, 16, 16);
+  const World world(s);
+  const auto caster = make_double_bvh(world);
+  const Lens lens(s);
+  const Vec3 eye(s.camera.to_world[3]);
+  for (uint64_t seed : kSeeds) {
+    const PhotonPass pass = trace_caustic_photons(world, *caster, 40000, seed);
+    double photons = 0;
+    for (const Photon& p : pass.photons) {
+      double x, y, density;
+      if (!lens.project(p.position, x, y, density)) continue;
+      const Vec3 d = eye - p.position;
+      const double distance = glm::length(d);
+      if (caster->occluded(Ray{eye, -d / distance}, distance * (1 - 1e-9), nullptr, nullptr))
+        continue;
+      photons += p.power.y * 0.7 / kPi * (d.z / distance) * density / (distance * distance);
+    }
+    photons /= 16 * 16;
+    const Image image = path_image(s, 1024, seed);
+    // Poisson error of the photons; the image's covers its own.
+    const double error = std::hypot(photons / std::sqrt(20000.0), image_estimate(image).error);
+    check_estimate("caustic", seed, {channel_mean(image, "caustic.G"), error}, photons, 0.04);
+    CHECK(photons > 0);
+  }
+}

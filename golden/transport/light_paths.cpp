@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "golden/transport/light_paths.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "golden/transport/emitters.hpp"
+#include "golden/transport/roulette.hpp"
+
+namespace photonloom {
+namespace {
+
+enum Dimension : uint64_t { kLobe, kRoulette };
+constexpr uint64_t kChoice = 1 << 20;  // a dimension of bounce 0 that emission does not use
+
+// Power per solid angle that the vertex sends into a direction, over its power; by lobe.
+Rgb sent(const Rgb& bsdf_times_cosine, const Surface& s, const Vec3& out) {
+  return s.above(out) ? bsdf_times_cosine / s.shading_ratio(out) : Rgb(0);
+}
+
+}  // namespace
+
+LightPaths::LightPaths(const World& world) : world_(world), boxes_(world) {
+  if (!world.has_delta()) return;
+  double sum = 0;
+  for (uint32_t i = 0; i < world.emitters().size(); ++i) {
+    if (world.emitters()[i].light < 0) continue;
+    emitters_.push_back(i);
+    cdf_.push_back(sum += world.emitters()[i].pmf);
+  }
+}
+
+LightVertex LightPaths::trace(const RayCaster& caster, const Random& random) const {
+  const double u = random.unit(0, kChoice) * cdf_.back();
+  const size_t chosen = std::min<size_t>(
+      static_cast<size_t>(std::upper_bound(cdf_.begin(), cdf_.end(), u) - cdf_.begin()),
+      cdf_.size() - 1);
+  const Emission e = emit_photon_from(world_, emitters_[chosen], random);
+  LightVertex v;
+  Ray ray = e.ray;
+  if (!boxes_.met_by(ray)) return v;
+  Rgb throughput(cdf_.back() / world_.emitters()[emitters_[chosen]].pmf);
+  Hit hit = caster.closest(ray, nullptr);
+  for (uint64_t segment = 1; hit.valid() && depth_left(segment); ++segment) {
+    const Surface s = make_surface(world_, hit, ray.direction);
+    if (!s.is_delta()) {
+      if (s.black() || segment == 1) return v;
+      v.exists = true;
+      v.hit = hit;
+      v.surface = s;
+      v.power = e.power * throughput * s.shading_ratio(s.in);
+      v.segments = segment;
+      return v;
+    }
+    Rgb weight;
+    double ior2;
+    if (!sample_delta(s, random.unit(segment, kLobe), Carried::kPower, ray.direction, weight, ior2))
+      return v;
+    throughput *= weight;
+    if (!survives(throughput, segment, world_.scene().rr_depth, random.unit(segment, kRoulette)))
+      return v;
+    ray.origin = hit.position;
+    hit = caster.closest(ray, &hit);
+  }
+  return v;
+}
+
+Rgb LightPaths::connect(const RayCaster& caster, const LightVertex& vertex, const Hit& hit,
+                        const Surface& surface) const {
+  const Vec3 d = vertex.hit.position - hit.position;
+  const double distance2 = glm::dot(d, d);
+  if (!(distance2 > 0)) return Rgb(0);
+  const double distance = std::sqrt(distance2);
+  const Vec3 out = d / distance;
+  const Surface& v = vertex.surface;
+  const Rgb here = diffuse_times_cosine(surface, out) + glossy_times_cosine(surface, out);
+  if (is_black(here)) return Rgb(0);
+  const Rgb there = sent(diffuse_times_cosine(v, -out) + glossy_times_cosine(v, -out), v, -out);
+  if (is_black(there)) return Rgb(0);
+  if (caster.occluded(Ray{hit.position, out}, distance, &hit, &vertex.hit)) return Rgb(0);
+  return here * there * vertex.power / distance2;
+}
+
+bool LightPaths::splat(const RayCaster& caster, const Lens& lens, const LightVertex& vertex,
+                       Splat& out) const {
+  double x, y, density;
+  if (!depth_left(vertex.segments) || !lens.project(vertex.hit.position, x, y, density))
+    return false;
+  const CameraRay camera = lens.through(x, y);
+  const Vec3 d = camera.ray.origin - vertex.hit.position;
+  const double distance2 = glm::dot(d, d), distance = std::sqrt(distance2);
+  const Vec3 to_camera = d / distance;
+  const Surface& v = vertex.surface;
+  const Rgb scale = vertex.power * (density / distance2);
+  out.diffuse = sent(diffuse_times_cosine(v, to_camera), v, to_camera) * scale;
+  out.glossy = sent(glossy_times_cosine(v, to_camera), v, to_camera) * scale;
+  if (is_black(out.diffuse) && is_black(out.glossy)) return false;
+  if (caster.occluded(Ray{vertex.hit.position, to_camera}, distance - camera.near, &vertex.hit,
+                      nullptr))
+    return false;
+  const int width = world_.scene().film.width;
+  out.pixel = static_cast<uint32_t>(static_cast<int>(y) * width + static_cast<int>(x));
+  return true;
+}
+
+}  // namespace photonloom

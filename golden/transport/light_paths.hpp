@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+// Light of point, spot and directional emitters that comes by way of mirrors and glass: a path from
+// the camera never finds it, so the path tracer follows it from the light to the first surface that
+// is not delta (a light vertex), and connects that vertex to the camera and to camera paths.
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include "golden/transport/bsdf.hpp"
+#include "golden/transport/camera.hpp"
+#include "golden/transport/delta_boxes.hpp"
+
+namespace photonloom {
+
+struct LightVertex {
+  bool exists = false;
+  Hit hit;
+  Surface surface;
+  Rgb power{0};           // W, of the shaded surface (see bsdf.hpp)
+  uint64_t segments = 0;  // from the light to here
+};
+
+// What a light vertex adds to one pixel.
+struct Splat {
+  uint32_t pixel = 0;
+  Rgb diffuse{0}, glossy{0};
+};
+
+class LightPaths {
+ public:
+  explicit LightPaths(const World& world);
+
+  // Whether the scene has such light: an emitter without a surface, and a delta surface.
+  bool needed() const { return !emitters_.empty(); }
+
+  LightVertex trace(const RayCaster& caster, const Random& random) const;
+
+  // Radiance that a surface sends back along its ray for the light of the vertex.
+  Rgb connect(const RayCaster& caster, const LightVertex& vertex, const Hit& hit,
+              const Surface& surface) const;
+
+  // What one path adds to the mean radiance of the pixel that sees the vertex; false: nothing.
+  bool splat(const RayCaster& caster, const Lens& lens, const LightVertex& vertex,
+             Splat& out) const;
+
+ private:
+  bool depth_left(uint64_t segments) const {
+    const int depth = world_.scene().max_depth;
+    return depth < 0 || segments < static_cast<uint64_t>(depth);
+  }
+
+  const World& world_;
+  DeltaBoxes boxes_;
+  std::vector<uint32_t> emitters_;  // those without a surface
+  std::vector<double> cdf_;         // by power
+};
+
+}  // namespace photonloom
