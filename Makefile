@@ -2,7 +2,7 @@
 # The daily workflow. Each verb first installs its own missing packages (scripts/setup), and only those.
 JOBS := $(shell nproc)
 .DEFAULT_GOAL := build
-.PHONY: help build demo test test-full gallery mutate bench bench-rtl asan fuzz format clean references mutate-golden
+.PHONY: help build demo test test-full gallery precision mutate bench bench-rtl asan fuzz format clean references mutate-golden
 
 help: ## this list
 	@sed -n 's/^\([a-z-]*\):[^#]*## \(.*\)/  make \1\t\2/p' Makefile | expand -t 24
@@ -52,6 +52,10 @@ references: build ## scenes/references: path traced, two seeds, with their own e
 mutate-golden: ## planted faults in golden, each caught by a named test
 	@scripts/setup mutate-golden
 	@scripts/mutate-golden
+
+precision: build ## what positions, mantissas and directions cost: docs/precision.md
+	@scripts/setup precision
+	@scripts/precision
 
 asan: ## the quick tests under AddressSanitizer and UndefinedBehaviorSanitizer
 	@scripts/setup asan

@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: Apache-2.0
+// render and plan as a user runs them.
+#include <algorithm>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "golden/image/image.hpp"
+#include "golden/plan/plan_file.hpp"
+#include "tests/catch.hpp"
+#include "tests/command/run.hpp"
+
+using namespace photonloom;
+using photonloom::test::Outcome;
+using photonloom::test::run;
+using photonloom::test::Scratch;
+using photonloom::test::source;
+
+namespace {
+
+const std::string kSmall = " --size 16x16 --spp 2 --gather-rays 4 --k 10";
+const std::string kPhotons = " --photons 2000 --caustic-photons 1000";
+
+std::string balls() { return " '" + source("scenes/cornell_balls.xml") + "' "; }
+std::string box() { return " '" + source("scenes/cornell.xml") + "' "; }
+std::string quoted(const std::string& path) { return " '" + path + "' "; }
+
+// The run must succeed.
+Outcome good(const std::string& arguments) {
+  const Outcome o = run(arguments);
+  INFO(arguments << "\n" << o.err);
+  REQUIRE(o.status == 0);
+  return o;
+}
+
+void fails(const std::string& arguments, int status, const std::vector<std::string>& parts) {
+  const Outcome o = run(arguments);
+  INFO(arguments << "\n" << o.out << o.err);
+  CHECK(o.status == status);
+  if (status == 1) CHECK(o.one_error_line());
+  for (const std::string& part : parts) {
+    INFO(part);
+    CHECK(o.err.find(part) != std::string::npos);
+  }
+}
+
+size_t lines_of(const std::string& path) {
+  const std::string text = read_file(path);
+  return static_cast<size_t>(std::count(text.begin(), text.end(), '\n'));
+}
+
+}  // namespace
+
+TEST_CASE("render writes all layers, the metadata and a PNG") {
+  const Scratch scratch;
+  const Outcome o = good("render" + balls() + kSmall + kPhotons + " --seed 5 -o" +
+                         quoted(scratch / "a.exr") + "--json");
+  const auto summary = nlohmann::json::parse(o.out);
+  CHECK(summary["photons"] >= 2000);
+  CHECK(summary["counts"]["table_gathers"] > 0);
+  CHECK(summary["phases"].size() >= 5);
+  const Image image = read_exr(scratch / "a.exr");
+  CHECK(image.width == 16);
+  for (const char* name : {"R", "G", "B", "direct.R", "caustic.G", "indirect.B", "emission.R",
+                           "albedo.R", "N.X", "N.Y", "N.Z", "Z", "photonDensity.Y", "error.R"}) {
+    INFO(name);
+    CHECK(image.find(name) != nullptr);
+  }
+  CHECK(image.metadata.at("scene") == "cornell_balls");
+  CHECK(image.metadata.at("seed") == "5");
+  CHECK(image.metadata.at("k") == "10");
+  CHECK(image.metadata.at("planHash") == summary["plan_hash"]);
+  CHECK(std::stod(image.metadata.at("radius")) > 0);
+  CHECK(read_file(scratch / "a.png").substr(1, 3) == "PNG");
+  CHECK(scratch.entries() == 2);
+}
+
+TEST_CASE("both arithmetics and the path tracer run; the path tracer says what it does not read") {
+  const Scratch scratch;
+  good("render" + balls() + kSmall + kPhotons + " --arithmetic reference -o" +
+       quoted(scratch / "r.exr"));
+  const Outcome o = good("render" + box() + " --integrator path --size 8x8 --spp 2 --k 9 -o" +
+                         quoted(scratch / "p.exr"));
+  CHECK(o.err.find("--k changes nothing") != std::string::npos);
+  CHECK(read_exr(scratch / "p.exr").find("indirect.R") != nullptr);
+}
+
+TEST_CASE("loaded photon maps and a plan from a file give the same bytes") {
+  const Scratch scratch;
+  const std::string rendered = scratch / "rendered.exr", plan = scratch / "plan.toml";
+  good("render" + balls() + kSmall + kPhotons + " -o" + quoted(rendered));
+  good("photons" + balls() + "--photons 2000 -o" + quoted(scratch / "g.ply"));
+  good("photons" + balls() + "--caustic --photons 1000 -o" + quoted(scratch / "c.ply"));
+  good("render" + balls() + kSmall + " --load-photons" + quoted(scratch / "g.ply") +
+       "--load-caustics" + quoted(scratch / "c.ply") + "-o" + quoted(scratch / "loaded.exr"));
+  CHECK(read_file(scratch / "loaded.exr") == read_file(rendered));
+  good("plan" + balls() + kSmall + kPhotons + " -o" + quoted(plan));
+  good("render" + balls() + "--plan" + quoted(plan) + "-o" + quoted(scratch / "planned.exr"));
+  CHECK(read_file(scratch / "planned.exr") == read_file(rendered));
+  // An edited width still renders, to another image.
+  good("render" + balls() + "--plan" + quoted(plan) + "--set photon.position_bits=11 -o" +
+       quoted(scratch / "edited.exr"));
+  CHECK(read_file(scratch / "edited.exr") != read_file(rendered));
+
+  fails("render" + box() + "--load-photons" + quoted(scratch / "g.ply") + "-o" +
+            quoted(scratch / "x.exr"),
+        1, {"g.ply", "another scene"});
+  fails("render" + balls() + "--load-photons" + quoted(scratch / "c.ply") + "-o" +
+            quoted(scratch / "x.exr"),
+        1, {"c.ply", "caustic"});
+  fails("render" + box() + "--load-caustics" + quoted(scratch / "c.ply") + "-o" +
+            quoted(scratch / "x.exr"),
+        1, {"c.ply", "no surface is a mirror or glass"});
+  fails("render" + box() + "--plan" + quoted(plan) + "-o" + quoted(scratch / "x.exr"), 1,
+        {"plan.toml", "does not hold the scene"});
+  fails("render" + balls() + "--plan" + quoted(plan) + "--k 5 -o" + quoted(scratch / "x.exr"), 2,
+        {"--k", "--plan"});
+}
+
+TEST_CASE("a plan is complete, says why, and reads back") {
+  const Scratch scratch;
+  const Outcome o = good("plan" + box() + "--photons 4000 --k 8 -o -");
+  const Plan plan = parse_plan(o.out, "stdout");
+  CHECK(plan.k == 8);
+  CHECK(plan.index_bits() == 12);
+  CHECK(!plan.caustic.present);
+  CHECK(o.out.find("no surface is a mirror or glass") != std::string::npos);
+  // Every line of the file has a reason after its meaning.
+  std::istringstream text(o.out);
+  for (std::string line; std::getline(text, line);) {
+    if (line.find(" = ") == std::string::npos || line.rfind("name", 0) == 0) continue;
+    INFO(line);
+    const size_t comment = line.find(" # ");
+    REQUIRE(comment != std::string::npos);
+    CHECK(line.find(": ", comment) != std::string::npos);
+  }
+  const Plan fine =
+      parse_plan(good("plan" + box() + "--photons 4000 --error 0.0005 -o -").out, "fine");
+  const Plan coarse =
+      parse_plan(good("plan" + box() + "--photons 4000 --error 0.05 -o -").out, "coarse");
+  CHECK(fine.position_bits > coarse.position_bits);
+  CHECK(fine.mantissa_bits > coarse.mantissa_bits);
+  CHECK(fine.direction_bits > coarse.direction_bits);
+}
+
+TEST_CASE("every packet can be recorded") {
+  const Scratch scratch;
+  const Outcome o = good("render" + balls() + kSmall + kPhotons + " --json --record" +
+                         quoted(scratch / "packets") + "-o" + quoted(scratch / "a.exr"));
+  const auto counts = nlohmann::json::parse(o.out)["counts"];
+  const std::string folder = scratch / "packets/";
+  const size_t finals = counts["final_gathers"], tables = counts["table_gathers"],
+               caustics = counts["caustic_queries"], directions = counts["directions"];
+  CHECK(lines_of(folder + "reorder_in.jsonl") == finals + 1);  // and the flush
+  CHECK(lines_of(folder + "reorder_out.jsonl") == finals + 1);
+  CHECK(lines_of(folder + "gather_query.jsonl") == finals + tables + caustics + 1);
+  CHECK(lines_of(folder + "gather_result.jsonl") == finals + tables + caustics + 1);
+  CHECK(lines_of(folder + "sample.jsonl") == directions);
+  CHECK(lines_of(folder + "sampler_input.jsonl") ==
+        tables + directions + lines_of(folder + "gather_photon.jsonl"));
+  const Plan plan = read_plan(folder + "plan.toml");
+  CHECK(plan.k == 10);
+}
+
+TEST_CASE("what cannot be is one clear error, and nothing is left behind") {
+  const Scratch scratch;
+  const std::string out = " -o" + quoted(scratch / "x.exr");
+  fails("render /nonexistent.xml" + out, 1, {"/nonexistent.xml"});
+  fails("render" + box() + kSmall + " -o /nonexistent/x.exr", 1, {"/nonexistent/x.exr"});
+  fails("render" + box() + "--size 0x5" + out, 2, {"--size"});
+  fails("render" + box() + "--size 64" + out, 2, {"--size"});
+  fails("render" + box() + "--k 0" + out, 2, {"--k"});
+  fails("render" + box() + "--spp 0" + out, 2, {"--spp"});
+  fails("render" + box() + "--arithmetic exact" + out, 2, {"--arithmetic"});
+  fails("render" + box() + "-D x" + out, 2, {"-D"});
+  fails("render" + box() + "-o" + quoted(scratch / "x.png"), 2, {".exr"});
+  fails("render" + box() + "--k 1 --radius 0 --photons 100" + out, 1, {"gather.k is 1"});
+  fails("render" + box() + "--photons 100 --set gather.k=999" + out, 1, {"gather.k", "1 to 256"});
+  fails("render" + box() + "--photons 100 --set gather.colour=1" + out, 1,
+        {"no line gather.colour"});
+  fails("render" + box() + "--photons 100 --set photon.photon_bytes=4" + out, 1,
+        {"photon.photon_bytes", "needs at least"});
+  fails("render" + box() + "--plan /nonexistent.toml" + out, 1, {"/nonexistent.toml"});
+  write_file(scratch / "bad.toml", "[scene]\nname = 3\n");
+  fails("render" + box() + "--plan" + quoted(scratch / "bad.toml") + out, 1,
+        {"bad.toml:2", "scene.name"});
+  fails("render" + box() + "--integrator path --record" + quoted(scratch / "r") + out, 2,
+        {"--record"});
+  CHECK(scratch.entries() == 1);  // bad.toml
+}
