@@ -41,7 +41,8 @@ Json counts_json(const FrameCounts& c) {
           {"full", c.full},
           {"clamped", c.clamped},
           {"saturated_weights", c.shader.weights},
-          {"saturated_direct", c.shader.direct}};
+          {"saturated_direct", c.shader.direct},
+          {"not_finite", c.shader.not_finite}};
 }
 
 // Renders by photon mapping; fills metadata and summary.
@@ -71,6 +72,9 @@ Image photon_map(const RenderOptions& o, const FrameRequest& request, ConsolePro
         {fmt::format("{} weights and {} values of direct light exceed the pixel's "
                      "integer bits and were taken as the largest that fit",
                      counts.shader.weights, counts.shader.direct)});
+  if (counts.shader.not_finite)
+    print_warnings({fmt::format("{} values of light were no finite number and count as 0",
+                                counts.shader.not_finite)});
   if (counts.unmatched || counts.unanswered)
     throw std::runtime_error(fmt::format("{} results answer no query and {} queries have no result",
                                          counts.unmatched, counts.unanswered));

@@ -172,14 +172,16 @@ class Renderer {
 
   // Sums the saturations of parallel work, which are nearly always none.
   struct SharedCounts {
-    std::atomic<uint64_t> weights{0}, direct{0};
+    std::atomic<uint64_t> weights{0}, direct{0}, not_finite{0};
     void take(const ShaderCounts& c) {
+      if (c.not_finite) not_finite += c.not_finite;
       if (c.weights) weights += c.weights;
       if (c.direct) direct += c.direct;
     }
     void give(ShaderCounts& to) const {
       to.weights += weights;
       to.direct += direct;
+      to.not_finite += not_finite;
     }
   };
 
@@ -291,6 +293,7 @@ class Renderer {
       next_photon += photons;
     }
     counts_.shader.weights += saturated.weights;
+    counts_.shader.not_finite += saturated.not_finite;
     for (const auto* asked : {&asked_caustic, &asked_table})
       counts_.unanswered += static_cast<uint64_t>(std::count(asked->begin(), asked->end(), 1));
     counts_.unmatched += photons_.size() - next_photon;

@@ -36,7 +36,8 @@ Weight Shader::weight(const Rgb& weight, bool is_caustic, ShaderCounts& counts) 
   for (size_t c = 0; c < 3; ++c) {
     double value = weight[static_cast<int>(c)] * inverse_area_;
     if (plan_.channels == 1) value *= plan_.channel_color[c];
-    if (!(value > 0)) continue;
+    if (!std::isfinite(value)) ++counts.not_finite;
+    if (!(value > 0) || !std::isfinite(value)) continue;
     int exponent;
     const double fraction = std::frexp(value, &exponent);  // [0.5, 1)
     auto mantissa =
@@ -77,7 +78,8 @@ PixelValue Shader::pixel(const Rgb& radiance, ShaderCounts& counts) const {
   PixelValue value{};
   for (size_t c = 0; c < 3; ++c) {
     const double x = radiance[static_cast<int>(c)];
-    if (!(x > 0)) continue;
+    if (!std::isfinite(x)) ++counts.not_finite;
+    if (!(x > 0) || !std::isfinite(x)) continue;
     int exponent;
     const double fraction = std::frexp(x, &exponent);
     // Below 2^(I+F), half a unit for the rounding included.

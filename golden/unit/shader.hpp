@@ -28,6 +28,8 @@ using PixelValue = std::array<UInt128, 3>;  // R, G, B
 struct ShaderCounts {
   uint64_t weights = 0;  // channels of weights
   uint64_t direct = 0;   // channels of direct light, emission, glossy light
+  // Channels that were no finite number and count as 0: a fault of the walks.
+  uint64_t not_finite = 0;
 };
 
 class Shader {

@@ -3,6 +3,7 @@
 #include "golden/unit/shader.hpp"
 
 #include <cmath>
+#include <limits>
 #include <random>
 
 #include "golden/numeric/elementary.hpp"
@@ -93,6 +94,12 @@ TEST_CASE("contributions and light round half up") {
   CHECK(static_cast<uint64_t>(shader.pixel(Rgb(0.5, 0.49, 2.5), counts)[2]) == 3);
   CHECK(shader.pixel(Rgb(-1, 0, 0), counts)[0] == 0);
   CHECK(counts.direct == 0);
+  CHECK(counts.not_finite == 0);
+  const double infinity = std::numeric_limits<double>::infinity();
+  CHECK(shader.pixel(Rgb(infinity, 0, std::nan("")), counts) == PixelValue{});
+  CHECK(counts.not_finite == 2);
+  CHECK(shader.weight(Rgb(infinity, 0, 0), false, counts) == Weight{});
+  CHECK(counts.not_finite == 3);
 }
 
 TEST_CASE("no contribution reaches 2^(I+F), at the largest flux, weight and reciprocal") {
