@@ -25,14 +25,16 @@ std::vector<BenchPlan> plans() {
   Plan fullest = plan_of("", ReorderKey::kHash, ReorderDrain::kFullest, 257, 128, 4);
   fullest.position_bits = 12;
   fullest.normal_bits = 6;
+  // Far fewer packets than bins: the sweep moves on with almost every packet.
+  Plan sparse = plan_of("", ReorderKey::kHilbert, ReorderDrain::kSweep, 30, 512, 3);
   Plan tiny = plan_of("", ReorderKey::kHash, ReorderDrain::kSweep, 3, 16, 2);
   tiny.position_bits = 5;
   Plan one = plan_of("", ReorderKey::kHilbert, ReorderDrain::kFullest, 1, 1, 1);
   Plan few = plan_of("", ReorderKey::kHilbert, ReorderDrain::kFullest, 40, 8, 1);
   few.position_bits = 20;
   Plan pass = plan_of("", ReorderKey::kNone, ReorderDrain::kSweep, 1, 1, 1);
-  return {{"sweep", wide}, {"fullest", fullest}, {"tiny", tiny},
-          {"one", one},    {"few_bins", few},    {"pass_through", pass}};
+  return {{"sweep", wide}, {"sparse", sparse}, {"fullest", fullest},  {"tiny", tiny},
+          {"one", one},    {"few_bins", few},  {"pass_through", pass}};
 }
 
 GatherQuery flush_packet(const Plan& plan, BenchRandom& random) {
