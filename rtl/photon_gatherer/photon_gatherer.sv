@@ -9,7 +9,7 @@
 // last insertion. Nodes, dropped stack entries, leaf beats and insertions each have a port of their own that takes one
 // a cycle. docs/photon_gatherer.md has the drawing, the address map of cfg_*, and the figures.
 //
-// Latency: about 3 cycles an inner node, 3 for one or two stack entries, 19 a leaf in the cache, 1 a candidate. Throughput: cycles per
+// Latency: about 3 cycles an inner node, 3 for one or two stack entries, 17 a leaf in the cache, 1 a candidate. Throughput: cycles per
 // query near max(inner nodes, Bucket / Lanes * leaves, insertions).
 module photon_gatherer #(
     // These change when packets come, never which.
@@ -81,7 +81,7 @@ module photon_gatherer #(
 
   localparam int unsigned ContextBits = Contexts > 1 ? $clog2(Contexts) : 1;
   localparam int unsigned QueueDepth = Contexts > 2 ? (1 << $clog2(Contexts)) : 2;
-  localparam int unsigned Slots = 2 * QueueDepth;
+  localparam int unsigned Slots = 4 * QueueDepth;
   localparam int unsigned SlotBits = $clog2(Slots);
   localparam int unsigned PlaceBits = K > 1 ? $clog2(K) : 1;
   localparam int unsigned NodeBits = LineBits + 1;
@@ -144,9 +144,9 @@ module photon_gatherer #(
   // ---- start of a query ----
   // A list is dirty from the start of its query; it is emptied as soon as the search is done, while the sum goes on, or
   // by the snapshot of its places. A context is free when it is emptied, summed and its photons are read.
-  logic query_valid_q, start, start_search, free_any, slot_ready, bound_busy, clear_any, clear_taken;
+  logic query_valid_q, start, start_search, free_any, slot_ready, bound_busy, clear_any, clear_taken, new_valid_q;
   photonloom_pkg::gather_query_t query_q;
-  logic [ContextBits-1:0] free_context, clear_context;
+  logic [ContextBits-1:0] free_context, clear_context, new_context_q;
   logic [Contexts-1:0] searching_q, summing_q, streaming_q, dirty_q, map_q, offsets_zero_q;
   logic [SlotBits-1:0] start_slot;
   logic [3*(NormalBits+2)-1:0] start_normal;
@@ -178,7 +178,7 @@ module photon_gatherer #(
   end
 
   assign in_ready_o = !query_valid_q;
-  assign start_search = query_valid_q && !query_q.flush && slot_ready && free_any && !next_inner && !bound_busy;
+  assign start_search = query_valid_q && !query_q.flush && slot_ready && free_any && !new_valid_q && !bound_busy;
   assign start = start_search || (query_valid_q && query_q.flush && slot_ready);
 
   always_ff @(posedge clk_i) begin
@@ -221,10 +221,10 @@ module photon_gatherer #(
   );
 
   // ---- where a query goes next: an inner node, a leaf, or its end in an empty map ----
-  logic go_valid, go_taken, go_map, go_empty, go_inner, go_leaf_taken, go_empty_taken;
-  logic [ContextBits-1:0] go_context;
-  logic [NodeBits-1:0] go_node;
-  logic [StackBits-1:0] go_stack;
+  logic queue_valid, go_valid, go_taken, go_map, go_empty, go_inner, go_leaf_taken, go_empty_taken;
+  logic [ContextBits-1:0] queue_context, go_context;
+  logic [NodeBits-1:0] queue_node, go_node;
+  logic [StackBits-1:0] queue_stack, go_stack;
   logic [LineBits:0] go_lines;
   logic nodes_ready, direct_valid, direct_taken;
   logic [ContextBits-1:0] direct_context;
@@ -244,13 +244,29 @@ module photon_gatherer #(
   ) go_queue (
       .clk_i(clk_i),
       .rst_i(rst_i),
-      .in_valid_i(next_inner || start_search),
+      .in_valid_i(next_inner),
       .in_ready_o(go_ready),
-      .in_i(next_inner ? {next_context, next_node, next_stack} : {free_context, NodeBits'(1), StackBits'(0)}),
-      .out_valid_o(go_valid),
+      .in_i({next_context, next_node, next_stack}),
+      .out_valid_o(queue_valid),
       .out_ready_i(go_taken),
-      .out_o({go_context, go_node, go_stack})
+      .out_o({queue_context, queue_node, queue_stack})
   );
+
+  // New queries have the longest way down, so they let the others go first.
+  assign go_valid = queue_valid || new_valid_q;
+  assign go_context = queue_valid ? queue_context : new_context_q;
+  assign go_node = queue_valid ? queue_node : NodeBits'(1);
+  assign go_stack = queue_valid ? queue_stack : '0;
+
+  always_ff @(posedge clk_i) begin
+    if (start_search) begin
+      new_valid_q <= 1'b1;
+      new_context_q <= free_context;
+    end else if (go_taken && !queue_valid) begin
+      new_valid_q <= 1'b0;
+    end
+    if (rst_i) new_valid_q <= 1'b0;
+  end
 
   // Subtrees that are leaves do not wait for those that are not.
   fifo #(
@@ -451,7 +467,8 @@ module photon_gatherer #(
   );
 
   // ---- the cache ----
-  logic lookup_valid, lookup_ready, lookup_map;
+  logic lookup_valid, lookup_ready, lookup_waiting, lookup_map;
+  logic [ContextBits+LineBits:0] leaf_word, lookup_oldest;
   logic [ContextBits-1:0] lookup_context, line_context;
   logic [LineBits-1:0] lookup_line;
   logic lanes_ready, line_issue, line_valid, cache_hit, cache_miss;
@@ -463,13 +480,17 @@ module photon_gatherer #(
   ) leaf_queue (
       .clk_i(clk_i),
       .rst_i(rst_i),
-      .in_valid_i(leaf_valid),
+      .in_valid_i(leaf_valid && (lookup_waiting || !lookup_ready)),
       .in_ready_o(leaf_queue_ready),
-      .in_i({leaf_context, map_q[leaf_context], leaf_line}),
-      .out_valid_o(lookup_valid),
+      .in_i(leaf_word),
+      .out_valid_o(lookup_waiting),
       .out_ready_i(lookup_ready),
-      .out_o({lookup_context, lookup_map, lookup_line})
+      .out_o(lookup_oldest)
   );
+
+  assign leaf_word = {leaf_context, map_q[leaf_context], leaf_line};
+  assign lookup_valid = lookup_waiting || leaf_valid;
+  assign {lookup_context, lookup_map, lookup_line} = lookup_waiting ? lookup_oldest : leaf_word;
 
   cache #(
       .AddressBits(LineBits + 1),

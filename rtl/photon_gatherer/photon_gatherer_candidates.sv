@@ -5,7 +5,7 @@
 // only a context; a snapshot goes before the next candidate, a clear when there is none. The last candidate of a leaf
 // carries its end; a leaf without any candidate leaves by empty_*, without a token; only where the candidates had gone
 // before it was known that they are the last does the end take a token of its own.
-// Latency 4 from a beat's register to the token.
+// Latency 3 from a beat's register to the token.
 module photon_gatherer_candidates #(
     parameter int unsigned R2Bits = 34,
     parameter int unsigned LineBits = 13,
@@ -126,8 +126,8 @@ module photon_gatherer_candidates #(
     if (rst_i) held_q <= 1'b0;
   end
 
-  // ---- decode | multiply | sign | out ----
-  localparam int unsigned Stages = 4;
+  // ---- decode | multiply | sum and sign, beside the list's comparison ----
+  localparam int unsigned Stages = 3;
   logic [Stages-1:0] valid_q, candidate_q, leaf_last_q, snapshot_q, clear_q;
   logic [ContextBits-1:0] context_s_q[0:Stages-1];
   logic [R2Bits-1:0] d2_s_q[0:Stages-1];
@@ -138,7 +138,7 @@ module photon_gatherer_candidates #(
   logic [3*N-1:0] normal_q;
   logic signed [D+N-1:0] product_q[0:2];
   logic signed [D+N+1:0] dot;
-  logic front_q;
+  logic front;
 
   oct_decode #(
       .Bits(DirectionBits)
@@ -156,6 +156,7 @@ module photon_gatherer_candidates #(
   end
   assign dot = (D + N + 2)'(product_q[0]) + (D + N + 2)'(product_q[1]) + (D + N + 2)'(product_q[2]);
 
+  assign front = !dot[D+N+1] && dot != '0;
   assign state_context_o = context_s_q[0];
 
   always_ff @(posedge clk_i) begin
@@ -177,13 +178,12 @@ module photon_gatherer_candidates #(
     for (int unsigned i = 2; i < Stages; i++) index_s_q[i] <= index_s_q[i-1];
     direction_q <= direction;
     normal_q <= normal_i;
-    front_q <= !dot[D+N+1] && dot != '0;
     if (rst_i) valid_q <= '0;
   end
 
   assign out_valid_o = valid_q[Stages-1];
   assign out_context_o = context_s_q[Stages-1];
-  assign out_candidate_o = candidate_q[Stages-1] && front_q;
+  assign out_candidate_o = candidate_q[Stages-1] && front;
   assign out_last_o = leaf_last_q[Stages-1];
   assign out_snapshot_o = snapshot_q[Stages-1];
   assign out_clear_o = clear_q[Stages-1];
