@@ -131,6 +131,7 @@ struct PixelSum {
   PathSample sum;
   Rgb samples{0}, square{0};  // of whole samples
   Rgb splat_variance{0};      // of the mean
+  int hits = 0;               // samples that met a surface
   void add(const PathSample& s) {
     sum.emission += s.emission;
     sum.direct += s.direct;
@@ -139,6 +140,7 @@ struct PixelSum {
     sum.albedo += s.albedo;
     sum.normal += s.normal;
     sum.depth += s.depth;
+    hits += s.depth > 0;
     const Rgb total = s.emission + s.direct + s.caustic + s.indirect;
     samples += total;
     square += total * total;
@@ -210,7 +212,7 @@ void write_pixel(Image& image, size_t pixel, const PixelSum& p, double n) {
     put(18 + i, n > 1 ? std::sqrt(variance / (n - 1) + p.splat_variance[c]) : 0);
     put(21 + i, p.sum.normal[c] / n);
   }
-  put(24, p.sum.depth / n);
+  put(24, p.hits > 0 ? p.sum.depth / p.hits : 0);
 }
 
 }  // namespace

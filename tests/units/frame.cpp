@@ -154,6 +154,27 @@ TEST_CASE("a scene scaled by 1e-3 or 1e3 gives the same image") {
   }
 }
 
+TEST_CASE("a lamp 1e-3 of the room's height below the ceiling leaks no light onto it") {
+  for (const double scale : {1e-2, 1.0, 1e3}) {
+    Scene s = room(scale, false);
+    set_camera(s, Vec3(0.5, 0.3, 0.5) * scale, Vec3(0.5, 1, 0.51) * scale, Vec3(0, 0, 1), 90, 24,
+               24);
+    const Image image = rendered(prepared(s, small_request()));
+    int ceiling = 0, lit = 0, seen = 0;
+    for (size_t i = 0; i < 24 * 24; ++i) {
+      // The lamp emits 10; every other pixel here shows ceiling or wall.
+      if (image.find("emission.R")->pixels[i] > 0 || image.find("N.Y")->pixels[i] > -1) continue;
+      ++ceiling;
+      lit += image.find("direct.R")->pixels[i] > 0;
+      seen += image.find("indirect.R")->pixels[i] > 0;
+    }
+    INFO("scale " << scale);
+    CHECK(ceiling > 100);
+    CHECK(lit == 0);
+    CHECK(seen == ceiling);
+  }
+}
+
 TEST_CASE("one light colour takes one channel") {
   FrameRequest request = small_request();
   const PreparedFrame grey = prepared(room(1, true, false), request);
