@@ -22,18 +22,38 @@ struct Cloud {
 using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<float, Cloud>, Cloud,
                                                  3, uint32_t>;
 
-// The library's own sorted list, with a first bound.
-class SortedSet : public nanoflann::KNNResultSet<float, uint32_t, uint32_t> {
+// A sorted list, as the library's KNNResultSet, with a first bound.
+class SortedSet {
  public:
-  SortedSet(uint32_t k, uint32_t* index, float* d2, float bound) : KNNResultSet(k), k_(k), d2_(d2) {
-    init(index, d2);
-    d2_[k - 1] = bound;
+  SortedSet(uint32_t k, uint32_t* index, float* d2, float bound)
+      : k_(k), bound_(bound), index_(index), d2_(d2) {}
+  bool addPoint(float d2, uint32_t index) {
+    uint32_t i = count_;
+    for (; i > 0 && d2_[i - 1] > d2; --i)
+      if (i < k_) {
+        d2_[i] = d2_[i - 1];
+        index_[i] = index_[i - 1];
+      }
+    if (i < k_) {
+      d2_[i] = d2;
+      index_[i] = index;
+    }
+    if (count_ < k_) ++count_;
+    if (count_ == k_) bound_ = d2_[k_ - 1];
+    return true;
   }
-  uint32_t finish() const { return size(); }
-  float last() const { return d2_[k_ - 1]; }
+  float worstDist() const { return bound_; }
+  bool full() const { return count_ == k_; }
+  bool empty() const { return count_ == 0; }
+  size_t size() const { return count_; }
+  void sort() {}
+  uint32_t finish() const { return count_; }
+  float last() const { return bound_; }
 
  private:
-  uint32_t k_;
+  uint32_t k_, count_ = 0;
+  float bound_;
+  uint32_t* index_;
   float* d2_;
 };
 
@@ -59,7 +79,9 @@ class HeapSet {
   }
   float worstDist() const { return bound_; }
   bool full() const { return entries().size() == k_; }
+  bool empty() const { return entries().empty(); }
   size_t size() const { return entries().size(); }
+  void sort() {}
   uint32_t finish() const {
     const auto& heap = entries();
     for (size_t i = 0; i < heap.size(); ++i) {
@@ -106,7 +128,11 @@ class Nanoflann final : public Contender {
     const float infinity = std::numeric_limits<float>::infinity();
     const float bound = r2_max < 0 ? std::numeric_limits<float>::max()
                                    : std::nextafter(static_cast<float>(r2_max), infinity);
+#if NANOFLANN_VERSION >= 0x150
+    const nanoflann::SearchParameters parameters(0, false);
+#else
     const nanoflann::SearchParams parameters(32, 0, false);
+#endif
     for (size_t i = begin; i < end; ++i) {
       const float query[3] = {static_cast<float>(queries[i][0]), static_cast<float>(queries[i][1]),
                               static_cast<float>(queries[i][2])};
