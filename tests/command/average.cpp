@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "golden/image/image.hpp"
+#include "tests/catch.hpp"
+#include "tests/command/run.hpp"
+
+using namespace photonloom;
+using photonloom::test::Outcome;
+using photonloom::test::run;
+using photonloom::test::Scratch;
+
+namespace {
+
+Image flat(int width, float value) {
+  Image image;
+  image.width = width;
+  image.height = 2;
+  for (const char* name : {"R", "G", "B", "Z"})
+    for (float& v : image.add(name).pixels) v = value;
+  image.metadata["scene"] = "flat";
+  return image;
+}
+
+}  // namespace
+
+TEST_CASE("average is the mean of every channel, or of those asked for") {
+  const Scratch s;
+  write_exr(flat(3, 1.0f), s / "a.exr");
+  write_exr(flat(3, 4.0f), s / "b.exr");
+  const std::string files = s / "a.exr" + " " + s / "b.exr";
+  REQUIRE(run("average " + files + " -o " + s / "m.exr --channels R,G,B").status == 0);
+  const Image m = read_exr(s / "m.exr");
+  CHECK(m.find("Z") == nullptr);
+  CHECK(m.metadata.at("scene") == "flat");
+  for (const char* name : {"R", "G", "B"})
+    for (const float v : m.find(name)->pixels) CHECK(v == 2.5f);
+  REQUIRE(run("average " + files + " -o " + s / "all.exr").status == 0);
+  CHECK(read_exr(s / "all.exr").channels.size() == 4);
+}
+
+TEST_CASE("average refuses sizes and channels that do not fit, in one line") {
+  const Scratch s;
+  write_exr(flat(3, 1.0f), s / "a.exr");
+  write_exr(flat(4, 1.0f), s / "b.exr");
+  const Outcome sizes = run("average " + s / "a.exr" + " " + s / "b.exr" + " -o " + s / "m.exr");
+  CHECK(sizes.status == 1);
+  CHECK(sizes.one_error_line());
+  CHECK(sizes.err.find("expected 3x2") != std::string::npos);
+  const Outcome channel = run("average " + s / "a.exr -o " + s / "m.exr --channels R,X");
+  CHECK(channel.status == 1);
+  CHECK(channel.one_error_line());
+  CHECK(channel.err.find("no channel X") != std::string::npos);
+  CHECK_FALSE(std::filesystem::exists(s / "m.exr"));
+  CHECK(run("average -o " + s / "m.exr").status == 2);
+}
