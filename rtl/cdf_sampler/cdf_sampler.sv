@@ -190,13 +190,7 @@ module cdf_sampler #(
   );
 
   // The BRDF's total, beside the photons.
-  logic [NormalBits:0] magnitude_x, magnitude_y, magnitude_z;
   logic [CosineTotalBits-1:0] cosine_total;
-  assign magnitude_x = (NormalBits + 1)'(normal_q[AxisBits-1] ? -normal_q[0+:AxisBits] : normal_q[0+:AxisBits]);
-  assign magnitude_y = (NormalBits + 1)'(normal_q[2*AxisBits-1] ? -normal_q[AxisBits+:AxisBits] :
-      normal_q[AxisBits+:AxisBits]);
-  assign magnitude_z = (NormalBits + 1)'(normal_q[3*AxisBits-1] ? -normal_q[2*AxisBits+:AxisBits] :
-      normal_q[2*AxisBits+:AxisBits]);
 
   if (Combine == 0) begin : gen_cosine_total
     cdf_sampler_cosine_total #(
@@ -207,15 +201,13 @@ module cdf_sampler #(
         .clk_i(clk_i),
         .rst_i(rst_i),
         .start_i(begin_q),
-        .x_i(magnitude_x),
-        .y_i(magnitude_y),
-        .z_i(magnitude_z),
+        .x_i(normal_q[0+:AxisBits]),
+        .y_i(normal_q[AxisBits+:AxisBits]),
+        .z_i(normal_q[2*AxisBits+:AxisBits]),
         .last_o(cosine_last),
         .total_o(cosine_total)
     );
   end else begin : gen_no_cosine_total
-    logic unused;
-    assign unused = &{1'b0, magnitude_x, magnitude_y, magnitude_z};
     assign cosine_last = 1'b1;
     assign cosine_total = '0;
   end

@@ -11,9 +11,9 @@ module cdf_sampler_cosine_total #(
     input  logic                 clk_i,
     input  logic                 rst_i,
     input  logic                 start_i,
-    input  logic [ NormalBits:0] x_i,      // |components| of the decoded normal, from start_i to last_o
-    input  logic [ NormalBits:0] y_i,
-    input  logic [ NormalBits:0] z_i,
+    input  logic [NormalBits+1:0] x_i,     // the decoded normal, signed, from start_i to last_o
+    input  logic [NormalBits+1:0] y_i,
+    input  logic [NormalBits+1:0] z_i,
     output logic                 last_o,   // and after it, until start_i
     output logic [TotalBits-1:0] total_o
 );
@@ -34,16 +34,26 @@ module cdf_sampler_cosine_total #(
   logic [3:0] valid_q;
   assign last_o = !start_i && (!running_q || step_q == StepBits'(Steps - 1));
 
-  // By additions: the factors are small constants.
-  function automatic [TermBits-1:0] times(input [TermBits-1:0] value, input integer factor);
+  // |value| * factor by additions, the factors being small constants; the magnitude's own carry is one more term.
+  function automatic [TermBits-1:0] times(input [NormalBits+1:0] value, input integer factor);
     integer i;
+    reg [NormalBits+1:0] inverted;
     begin
-      times = '0;
+      inverted = value ^ {(NormalBits + 2) {value[NormalBits+1]}};
+      times = value[NormalBits+1] ? factor[TermBits-1:0] : '0;
       for (i = 0; i < CellBits + 1; i = i + 1) begin
-        if (factor[i]) times = times + (value << i);
+        if (factor[i]) times = times + (TermBits'(inverted) << i);
       end
     end
   endfunction
+
+  // The magnitudes, a cycle after start_i.
+  logic [NormalBits+1:0] x_q, y_q, z_q;
+  always_ff @(posedge clk_i) begin
+    x_q <= x_i[NormalBits+1] ? -x_i : x_i;
+    y_q <= y_i[NormalBits+1] ? -y_i : y_i;
+    z_q <= z_i[NormalBits+1] ? -z_i : z_i;
+  end
 
   logic [Lanes*TotalBits-1:0] products;
   for (genvar lane = 0; lane < Lanes; lane++) begin : gen_lane
@@ -80,16 +90,16 @@ module cdf_sampler_cosine_total #(
 
     always_ff @(posedge clk_i) begin
       if (start_i) begin
-        a_q <= times(TermBits'(x_i), 2 * FirstColumn + 1);
-        b_q <= times(TermBits'(y_i), 2 * FirstRow + 1);
-        c_q <= times(TermBits'(z_i), 2 * Half - 2 - 2 * FirstRow - 2 * FirstColumn);
+        a_q <= times(x_i, 2 * FirstColumn + 1);
+        b_q <= times(y_i, 2 * FirstRow + 1);
+        c_q <= times(z_i, 2 * Half - 2 - 2 * FirstRow - 2 * FirstColumn);
       end else if (turning) begin
-        a_q <= TermBits'(x_i);
-        b_q <= times(TermBits'(y_i), 2 * Other + 1);
-        c_q <= times(TermBits'(z_i), 2 * Half - 2 - 2 * Other);
+        a_q <= TermBits'(x_q);
+        b_q <= times(y_q, 2 * Other + 1);
+        c_q <= times(z_q, 2 * Half - 2 - 2 * Other);
       end else begin
-        a_q <= a_q + (TermBits'(x_i) << 1);
-        c_q <= c_q - (TermBits'(z_i) << 1);
+        a_q <= a_q + (TermBits'(x_q) << 1);
+        c_q <= c_q - (TermBits'(z_q) << 1);
       end
 
       sum_q <= (TermBits + 2)'(a_q) + (TermBits + 2)'(b_q) + (TermBits + 2)'(c_q);
