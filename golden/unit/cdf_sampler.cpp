@@ -93,6 +93,8 @@ SampleTable build_sample_table(const Plan& plan, const CellGeometry& geometry, O
 
   std::array<int32_t, kMostCells> dots;
   std::array<uint32_t, kMostCells> cosine;
+  std::fill_n(dots.begin(), cells,
+              0);  // as every cell has a centre it is written twice; GCC 14 insists
   dot_all(geometry.centres(), n, dots.data());
   uint64_t cosine_total = 0;
   for (size_t c = 0; c < cells; ++c) {
