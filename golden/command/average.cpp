@@ -37,6 +37,7 @@ void average(const AverageOptions& o) {
   mean.width = images[0].width;
   mean.height = images[0].height;
   mean.metadata = images[0].metadata;
+  mean.metadata["averaged"] = std::to_string(images.size()) + " images";
   std::vector<std::string> names = o.channels;
   if (names.empty())
     for (const Channel& c : images[0].channels) names.push_back(c.name);
@@ -56,8 +57,9 @@ void add_average(CLI::App& app) {
   auto o = std::make_shared<AverageOptions>();
   CLI::App* c = app.add_subcommand("average", "The mean of images, channel by channel");
   c->footer(
-      "All images have the same size; metadata are the first one's. Renders with different seeds\n"
-      "average to one with as many samples as all of them.\n\n"
+      "All images have the same size; metadata are the first one's, and `averaged`, how many "
+      "there\n"
+      "are. Renders with different seeds average to one with as many samples as all of them.\n\n"
       "Example: photonloom average seed1.exr seed2.exr -o both.exr --channels R,G,B");
   c->add_option("IMAGE", o->inputs, "EXR files")->required();
   c->add_option("-o,--output", o->output, "The EXR to write")->required();
