@@ -40,8 +40,9 @@ void StreamComparer::differ(const void* golden, const void* other, uint64_t cycl
   for (const FieldPlace& f : layout_.fields())
     for (int i = 0; i < f.elements; ++i) {
       const uint64_t a = layout_.get(golden, f, i), b = layout_.get(other, f, i);
-      text += fmt::format("  {} {:<24}{:>24}{:>24}  {}\n", a == b ? ' ' : '*',
-                          f.array ? fmt::format("{}[{}]", f.name, i) : f.name, a, b, f.unit);
+      text += fmt::format("  {} {:<24}{:>24}{:>24}{}{}\n", a == b ? ' ' : '*',
+                          f.array ? fmt::format("{}[{}]", f.name, i) : f.name, a, b,
+                          f.unit.empty() ? "" : "  ", f.unit);
     }
   if (!context_.rerun.empty())
     text += fmt::format(
