@@ -16,6 +16,8 @@ namespace {
 
 // Camera paths pass mirrors and glass with at most this throughput (eta^2, roulette).
 constexpr double kThroughput = 256;
+// Maps up to this size are cached whole: the cache then costs less than a pool that reorders.
+constexpr uint64_t kCachedMapBytes = 65536;
 // Samples of a batch, some 350 bytes each on the host.
 constexpr uint64_t kBatchSamples = uint64_t{1} << 20;
 
@@ -269,19 +271,28 @@ PlannedFrame make_plan(const World& world, const PlanRequest& request, const Pho
   why["gatherer.lanes"] = fmt::format("a line of {} photons in {} cycles", plan.bucket,
                                       plan.bucket / std::max(1, plan.lanes));
   const int way = plan.line_bytes() * plan.cache_ways;
+  const uint64_t map_bytes = (plan.lines(plan.global) + plan.lines(plan.caustic)) *
+                             static_cast<uint64_t>(plan.line_bytes());
+  if (map_bytes <= kCachedMapBytes) plan.cache_bytes = static_cast<int>(std::bit_ceil(map_bytes));
+  set_by_hand();
   plan.cache_bytes =
       way *
       static_cast<int>(std::bit_floor(static_cast<unsigned>(std::max(1, plan.cache_bytes / way))));
-  why["gatherer.cache_bytes"] =
-      fmt::format("{} lines of {} bytes", plan.cache_bytes / plan.line_bytes(), plan.line_bytes());
+  const bool cache_holds_maps = static_cast<uint64_t>(plan.cache_bytes) >= map_bytes;
+  why["gatherer.cache_bytes"] = fmt::format(
+      "{} lines of {} bytes{}", plan.cache_bytes / plan.line_bytes(), plan.line_bytes(),
+      cache_holds_maps
+          ? fmt::format(", all {} of the maps", plan.lines(plan.global) + plan.lines(plan.caustic))
+          : "");
   why["gatherer.cache_ways"] = "fewer conflicts for little area";
   why["gatherer.cache_misses"] = "keeps the memory port busy";
 
   // Reordering and the sampler.
-  if (!plan.global.present) plan.reorder_key = ReorderKey::kNone;
-  why["reorder.key"] = plan.global.present
-                           ? "Hilbert-prefix bins drained by a sweep save most traffic"
-                           : "there are no final gather queries to reorder";
+  if (!plan.global.present || cache_holds_maps) plan.reorder_key = ReorderKey::kNone;
+  why["reorder.key"] = !plan.global.present ? "there are no final gather queries to reorder"
+                       : cache_holds_maps
+                           ? "the leaf cache holds the maps: each line is fetched once in any order"
+                           : "Hilbert-prefix bins drained by a sweep save most traffic";
   why["reorder.drain"] = "neighbouring bins follow each other";
   why["reorder.packets"] = "a pool of some tens of kilobytes";
   why["reorder.bins"] = "a bin a cell";
