@@ -114,7 +114,6 @@ Taker::Taker(Model& model, const std::string& name, int bits, const RunOptions& 
       ready_(model.port(name + "_ready_i")),
       data_(model.port(name + "_o")),
       stall_(options.stall_out, options.seed, unit + "." + name),
-      bits_(bits),
       stride_(std::max<size_t>(1, (static_cast<size_t>(bits) + 31) / 32)),
       held_(stride_) {
   check_width(data_, bits, unit);

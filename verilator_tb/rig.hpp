@@ -98,7 +98,6 @@ class Taker {
   std::string name_, unit_;
   const ModelPort &valid_, &ready_, &data_;
   Stall stall_;
-  int bits_;
   size_t stride_;
   std::vector<uint32_t> words_, held_;
   std::vector<uint64_t> cycles_;
