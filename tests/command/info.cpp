@@ -7,12 +7,11 @@
 #include "tests/command/run.hpp"
 
 using namespace photonloom::test;
-using Catch::Matchers::Contains;
 
 TEST_CASE("info: counts, bounds, powers, needs") {
   const Outcome text = run("info '" + source("scenes/cornell_balls.xml") + "'");
   CHECK(text.status == 0);
-  CHECK_THAT(text.out, Contains("caustic map yes") && Contains("glass_ball"));
+  CHECK_THAT(text.out, ContainsSubstring("caustic map yes") && ContainsSubstring("glass_ball"));
   const Outcome json = run("info --json '" + source("scenes/cornell_balls.xml") + "'");
   REQUIRE(json.status == 0);
   const auto j = nlohmann::json::parse(json.out);
@@ -47,7 +46,7 @@ TEST_CASE("info: parameters and bad input") {
   const Outcome image = run("info '" + scratch / "image.xml" + "'");
   CHECK(image.status == 1);
   CHECK(image.one_error_line());
-  CHECK_THAT(image.err, Contains("image.xml:1: not an XML file"));
+  CHECK_THAT(image.err, ContainsSubstring("image.xml:1: not an XML file"));
 }
 
 TEST_CASE("mesh: writes whole files only") {

@@ -126,21 +126,22 @@ TEST_CASE("bad packets, photons and plans are one clear error each") {
     CHECK(!std::filesystem::exists(f.scratch / "out.jsonl"));
     return o.err;
   };
-  using Catch::Matchers::Contains;
   const std::string good = fmt::format(fmt::runtime(kQuery), 1, 0, 1, 2, 3);
   CHECK_THAT(
       error("reorder_buffer", good + fmt::format(fmt::runtime(kQuery), 1, 0, 1, 1024, 3), ""),
-      Contains("bad.jsonl, line 2: field position is 1024, which does not fit its 10 bits"));
-  CHECK_THAT(error("photon_gatherer", "{\"pixel\": 1}", ""),
-             Contains("bad.jsonl, line 1: field sample of a gather_query packet is missing"));
+      ContainsSubstring(
+          "bad.jsonl, line 2: field position is 1024, which does not fit its 10 bits"));
+  CHECK_THAT(
+      error("photon_gatherer", "{\"pixel\": 1}", ""),
+      ContainsSubstring("bad.jsonl, line 1: field sample of a gather_query packet is missing"));
   CHECK_THAT(error("photon_gatherer", good, "--photons " + (f.scratch / "none.jsonl")),
-             Contains("none.jsonl: cannot be opened for reading"));
+             ContainsSubstring("none.jsonl: cannot be opened for reading"));
   CHECK_THAT(error("photon_gatherer", good, "--caustics " + (f.scratch / "photons.jsonl")),
-             Contains("the plan has no caustic map"));
+             ContainsSubstring("the plan has no caustic map"));
   std::string many = read_file(f.scratch / "photons.jsonl");
   write_file(f.scratch / "many.jsonl", many + many.substr(0, many.find('\n') + 1));
   CHECK_THAT(error("photon_gatherer", good, "--photons " + (f.scratch / "many.jsonl")),
-             Contains("many.jsonl, line 201: is one photon too many"));
+             ContainsSubstring("many.jsonl, line 201: is one photon too many"));
 }
 
 TEST_CASE("a sampler's stream has its order") {

@@ -133,23 +133,25 @@ TEST_CASE("a right unit passes under every policy") {
 }
 
 TEST_CASE("every way of being wrong is reported") {
-  using Catch::Matchers::Contains;
   const std::string wrong = verdict(kFlip, "bernoulli:0.3");
   INFO(wrong);
-  CHECK_THAT(wrong, Contains("packet 123 differs from golden (123 matched before)"));
-  CHECK_THAT(wrong, Contains("\"position\": [123, 246, 40123]"));
-  CHECK_THAT(wrong, Contains("  * position[1]"));
+  CHECK_THAT(wrong, ContainsSubstring("packet 123 differs from golden (123 matched before)"));
+  CHECK_THAT(wrong, ContainsSubstring("\"position\": [123, 246, 40123]"));
+  CHECK_THAT(wrong, ContainsSubstring("  * position[1]"));
   CHECK(std::count(wrong.begin(), wrong.end(), '*') == 1);
-  CHECK_THAT(wrong, Contains("position unit"));
-  CHECK_THAT(wrong, Contains("bench --wave reorder_buffer.fst --wave-unit reorder_buffer "
-                             "--wave-cycles "));
-  CHECK_THAT(verdict(kDrop, "none"), Contains("packet 123 differs") || Contains("is stuck"));
-  CHECK_THAT(verdict(kStick, "none"), Contains("is stuck") && Contains("out: valid 0 ready 1") &&
-                                          Contains("in: valid 1 ready 0"));
-  CHECK_THAT(verdict(kDouble, "none"), Contains("packet 124 differs") || Contains("one too many"));
-  CHECK_THAT(verdict(kWithdraw, "adversary"), Contains("valid was withdrawn"));
-  CHECK_THAT(verdict(kAlter, "adversary"), Contains("the packet changed"));
-  CHECK_THAT(verdict(kAssert, "none"), Contains("assertion failed"));
+  CHECK_THAT(wrong, ContainsSubstring("position unit"));
+  CHECK_THAT(wrong, ContainsSubstring("bench --wave reorder_buffer.fst --wave-unit reorder_buffer "
+                                      "--wave-cycles "));
+  CHECK_THAT(verdict(kDrop, "none"),
+             ContainsSubstring("packet 123 differs") || ContainsSubstring("is stuck"));
+  CHECK_THAT(verdict(kStick, "none"), ContainsSubstring("is stuck") &&
+                                          ContainsSubstring("out: valid 0 ready 1") &&
+                                          ContainsSubstring("in: valid 1 ready 0"));
+  CHECK_THAT(verdict(kDouble, "none"),
+             ContainsSubstring("packet 124 differs") || ContainsSubstring("one too many"));
+  CHECK_THAT(verdict(kWithdraw, "adversary"), ContainsSubstring("valid was withdrawn"));
+  CHECK_THAT(verdict(kAlter, "adversary"), ContainsSubstring("the packet changed"));
+  CHECK_THAT(verdict(kAssert, "none"), ContainsSubstring("assertion failed"));
 }
 
 TEST_CASE("a waveform holds the window that was asked for") {
@@ -189,9 +191,8 @@ TEST_CASE("a bad policy and RTL that does not elaborate are clear errors") {
   broken.replace(broken.find("!full_q;"), 8, "!ful_q;");
   write_file("rig_test_bad/reorder_buffer/reorder_buffer.sv", broken);
   CHECK_THROWS_WITH(make_rtl_reorder_buffer(plan(), o),
-                    Catch::Matchers::Contains("verilator on reorder_buffer") &&
-                        Catch::Matchers::Contains("ful_q"));
+                    ContainsSubstring("verilator on reorder_buffer") && ContainsSubstring("ful_q"));
   o.rtl_dir = "rig_test_nowhere";
   CHECK_THROWS_WITH(make_rtl_reorder_buffer(plan(), o),
-                    Catch::Matchers::Contains("is no folder, expected the RTL sources"));
+                    ContainsSubstring("is no folder, expected the RTL sources"));
 }
