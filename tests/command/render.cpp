@@ -68,7 +68,7 @@ TEST_CASE("render writes all layers, the metadata and a PNG") {
   CHECK(image.metadata.at("scene") == "cornell_balls");
   CHECK(image.metadata.at("seed") == "5");
   CHECK(image.metadata.at("k") == "10");
-  CHECK(image.metadata.at("planHash") == summary["plan_hash"]);
+  CHECK(image.metadata.at("planHash") == summary["plan_hash"].get<std::string>());
   CHECK(std::stod(image.metadata.at("radius")) > 0);
   CHECK(read_file(scratch / "a.png").substr(1, 3) == "PNG");
   CHECK(scratch.entries() == 2);
