@@ -321,11 +321,12 @@ PlannedFrame make_plan(const World& world, const PlanRequest& request, const Pho
   set_by_hand();
   derive_plan(plan);
   check_plan(plan);
-  if (plan.k == 1 && ((plan.global.present && plan.global.radius == 0) ||
-                      (plan.caustic.present && plan.caustic.radius == 0)))
+  if (plan.k == 1 && (plan.global.present || plan.caustic.present) &&
+      (!request.radius || *request.radius == 0))
     throw PlanError(
-        "plan: gather.k is 1, and without a maximum radius its estimate is always (k-1)/k = 0; "
-        "expected k of at least 2");
+        "plan: gather.k is 1, and where it finds a photon its estimate is (k-1)/k = 0; expected k "
+        "of at least 2 for an "
+        "image");
   return result;
 }
 

@@ -173,6 +173,7 @@ TEST_CASE("what cannot be is one clear error, and nothing is left behind") {
   fails("render" + box() + "--arithmetic exact" + out, 2, {"--arithmetic"});
   fails("render" + box() + "-D x" + out, 2, {"-D"});
   fails("render" + box() + "-o" + quoted(scratch / "x.png"), 2, {".exr"});
+  fails("render" + box() + "--k 1 --photons 100" + out, 1, {"gather.k is 1"});
   fails("render" + box() + "--k 1 --radius 0 --photons 100" + out, 1, {"gather.k is 1"});
   fails("render" + box() + "--photons 100 --set gather.k=999" + out, 1, {"gather.k", "1 to 256"});
   fails("render" + box() + "--photons 100 --set gather.colour=1" + out, 1,

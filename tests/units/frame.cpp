@@ -213,6 +213,8 @@ TEST_CASE("only what the scene needs is planned") {
 TEST_CASE("k = 1 makes an image with a radius and is refused without") {
   FrameRequest request = small_request();
   request.k = 1;
+  CHECK_THROWS_AS(prepared(room(1, false), request), PlanError);
+  request.radius = 0.1;
   CHECK_NOTHROW(prepared(room(1, false), request));
   request.radius = 0;
   CHECK_THROWS_AS(prepared(room(1, false), request), PlanError);
