@@ -6,6 +6,7 @@
 // status 1), UsageError for a wrong command line (exit status 2).
 #pragma once
 #include <CLI/CLI.hpp>
+#include <cstdint>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -41,5 +42,8 @@ class ThreadsOption {
  private:
   int given_ = 0;
 };
+
+// --seed S for a subcommand: a decimal integer below 2^64; anything else is refused, not wrapped.
+CLI::Option* add_seed_option(CLI::App& command, uint64_t& seed, const std::string& description);
 
 }  // namespace photonloom

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <filesystem>
 
 namespace photonloom {
@@ -68,12 +69,11 @@ void FrameOptions::add_to(CLI::App& c) {
   c.add_option("--radius", request_.radius,
                "Maximum gather radius of both maps in scene units, 0 for none (default: a formula "
                "of k, photons and surface area, docs/plan.md)")
-      ->check(CLI::NonNegativeNumber)
       ->type_name("R");
   c.add_option("--error", request_.error,
                "Relative error that the number formats may add; chooses their widths")
       ->type_name("E");
-  c.add_option("--seed", request_.seed, "Of all randomness (default 1)")->type_name("S");
+  add_seed_option(c, request_.seed, "Of all randomness (default 1)");
   c.add_option("--load-photons", request_.load_photons,
                "Global photons from a file that `photonloom photons` wrote, instead of --photons")
       ->type_name("PLY");
@@ -95,6 +95,9 @@ FrameRequest FrameOptions::request() const {
     if (command_->count(file) > 0 && command_->count(number) > 0)
       throw UsageError(
           fmt::format("{} and {} exclude each other: the file has all its photons", file, number));
+  if (request.radius && !(*request.radius >= 0 && std::isfinite(*request.radius)))
+    throw UsageError(fmt::format(
+        "--radius: {}, expected a finite number of scene units, 0 for none", *request.radius));
   if (!size_.empty()) request.size = parse_size(size_);
   request.scene_file = scene_.path();
   request.parameters = scene_.parameters();

@@ -9,6 +9,7 @@
 #include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "golden/command/command.hpp"
 #include "golden/command/console.hpp"
@@ -203,6 +204,12 @@ void gather(const GatherOptions& o) {
     throw UsageError("--kernel epanechnikov needs --arithmetic reference: golden's kernel is flat");
   if (!(o.radius >= 0) || std::isinf(o.radius))
     throw UsageError("--radius: expected a finite number of scene units, 0 for none");
+  for (const std::string& line : o.set)
+    for (const auto& [key, option] :
+         {std::pair("gather.k=", "--k"), std::pair("global.radius=", "--radius"),
+          std::pair("caustic.radius=", "--radius")})
+      if (line.rfind(key, 0) == 0)
+        throw UsageError(fmt::format("--set {}: {} decides it", line, option));
   const Job job = prepare(o);
   OutputFile out(o.output);
   ConsoleProgress progress;

@@ -4,9 +4,12 @@
 #include <tbb/info.h>
 
 #include <algorithm>
+#include <charconv>
 #include <exception>
 #include <memory>
 #include <new>
+#include <string>
+#include <system_error>
 
 #include "golden/command/command.hpp"
 #include "golden/command/console.hpp"
@@ -39,6 +42,22 @@ int ThreadsOption::threads() const {
   return given_ > 0 ? given_ : tbb::info::default_concurrency();
 }
 
+CLI::Option* add_seed_option(CLI::App& command, uint64_t& seed, const std::string& description) {
+  // CLI11 alone takes -1 for 2^64 - 1 and, in some versions, 010 for 8.
+  const auto canonical = [](std::string& text) -> std::string {
+    uint64_t value = 0;
+    const char* end = text.data() + text.size();
+    const auto read = std::from_chars(text.data(), end, value);
+    if (read.ec != std::errc() || read.ptr != end)
+      return fmt::format("'{}', expected an integer from 0 to 2^64 - 1", text);
+    text = std::to_string(value);
+    return {};
+  };
+  return command.add_option("--seed", seed, description)
+      ->transform(CLI::Validator(canonical, "", "seed"))
+      ->type_name("S");
+}
+
 namespace {
 
 int run(int argc, char** argv) {
@@ -50,6 +69,10 @@ int run(int argc, char** argv) {
   app.set_version_flag("--version", PHOTONLOOM_VERSION);
   std::sort(registered_commands().begin(), registered_commands().end());
   for (const auto& [place, add] : registered_commands()) add(app);
+  const std::string first = argc > 1 ? argv[1] : "";
+  const auto named = [&first](const CLI::App* command) { return command->get_name() == first; };
+  if (!first.empty() && first[0] != '-' && app.get_subcommands(named).empty())
+    throw UsageError(fmt::format("'{}' is no command; photonloom --help lists them", first));
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

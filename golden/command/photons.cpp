@@ -93,9 +93,7 @@ void add_photons(CLI::App& app) {
       ->check(CLI::Range(uint64_t{1}, uint64_t{1} << 30))
       ->capture_default_str()
       ->type_name("N");
-  c->add_option("--seed", o->seed, "Seed; equal seeds give equal maps")
-      ->capture_default_str()
-      ->type_name("S");
+  add_seed_option(*c, o->seed, "Seed; equal seeds give equal maps")->capture_default_str();
   c->add_flag("--json", o->json, "Print one JSON object");
   o->threads.add_to(*c);
   c->callback([o] { photons(*o); });

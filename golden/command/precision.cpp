@@ -137,7 +137,7 @@ void add_precision(CLI::App& app) {
                 "Photons stored in the caustic map (default 100000)")
       ->check(CLI::Range(uint64_t{1}, uint64_t{1} << 28))
       ->type_name("N");
-  c->add_option("--seed", o->request.seed, "Of all randomness (default 1)")->type_name("S");
+  add_seed_option(*c, o->request.seed, "Of all randomness (default 1)");
   o->threads.add_to(*c);
   c->callback([o] { precision(*o); });
 }

@@ -182,6 +182,9 @@ TEST_CASE("gather and photons refuse what they cannot do, in one line") {
                     " --radius -1 -o " + s / "o",
                 2},
            Case{"gather --photons " + s / "q.ply" + " --queries " + s / "q.ply" +
+                    " --set gather.k=3 -o " + s / "o",
+                2},
+           Case{"gather --photons " + s / "q.ply" + " --queries " + s / "q.ply" +
                     " --kernel epanechnikov -o " + s / "o",
                 2},
            Case{"photons " + scene + " --caustic --photons 10 -o " + s / "o", 1},

@@ -52,7 +52,7 @@ size_t lines_of(const std::string& path) {
 
 TEST_CASE("render writes all layers, the metadata and a PNG") {
   const Scratch scratch;
-  const Outcome o = good("render" + balls() + kSmall + kPhotons + " --seed 5 -o" +
+  const Outcome o = good("render" + balls() + kSmall + kPhotons + " --seed 010 -o" +
                          quoted(scratch / "a.exr") + "--json");
   const auto summary = nlohmann::json::parse(o.out);
   CHECK(summary["photons"] >= 2000);
@@ -66,7 +66,7 @@ TEST_CASE("render writes all layers, the metadata and a PNG") {
     CHECK(image.find(name) != nullptr);
   }
   CHECK(image.metadata.at("scene") == "cornell_balls");
-  CHECK(image.metadata.at("seed") == "5");
+  CHECK(image.metadata.at("seed") == "10");
   CHECK(image.metadata.at("k") == "10");
   CHECK(image.metadata.at("planHash") == summary["plan_hash"].get<std::string>());
   CHECK(std::stod(image.metadata.at("radius")) > 0);
@@ -170,6 +170,13 @@ TEST_CASE("what cannot be is one clear error, and nothing is left behind") {
   fails("render" + box() + "--size 64" + out, 2, {"--size"});
   fails("render" + box() + "--k 0" + out, 2, {"--k"});
   fails("render" + box() + "--spp 0" + out, 2, {"--spp"});
+  for (const std::string seed : {"-1", "18446744073709551616", "0x10", "1.5", ""})
+    fails("render" + box() + kSmall + " --photons 100 --seed '" + seed + "'" + out, 2,
+          {"--seed: '" + seed + "'"});
+  for (const std::string radius : {"-1", "nan", "inf"})
+    fails("render" + box() + kSmall + " --photons 100 --radius " + radius + out, 2,
+          {"--radius: " + radius + ", expected"});
+  fails("rendre" + box() + out, 2, {"'rendre' is no command"});
   fails("render" + box() + "--arithmetic exact" + out, 2, {"--arithmetic"});
   fails("render" + box() + "-D x" + out, 2, {"-D"});
   fails("render" + box() + "-o" + quoted(scratch / "x.png"), 2, {".exr"});
