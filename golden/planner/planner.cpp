@@ -110,12 +110,34 @@ void choose_maps(Plan& plan, const World& world, const PlanRequest& request,
   }
 }
 
+// Power that can reach the surfaces, largest channel, W: of a point or spot outside of the sphere
+// around the scene no more than its intensity times the sphere's solid angle, which is at most
+// pi tan^2 of the cone's half angle.
+double power_at_surfaces(const World& world) {
+  Rgb sum(0);
+  for (const Emitter& e : world.emitters()) {
+    Rgb power = e.power;
+    if (e.light >= 0) {
+      const Light& l = world.scene().lights[static_cast<size_t>(e.light)];
+      const double r2 = world.radius() * world.radius();
+      const Vec3 d = l.position - world.centre();
+      const double beyond2 = glm::dot(d, d) - r2;
+      if (l.kind != LightKind::kDirectional && beyond2 > 0)
+        power = glm::min(power, l.intensity * (kPi * r2 / beyond2));
+    }
+    sum += power;
+  }
+  return max_component(sum);
+}
+
 // Formats of the pixel: F from the mean radiance of a room of this surface and power, I from a
 // bound on every contribution.
 void choose_pixel(Plan& plan, const World& world, const PlanRequest& request, PlanReasons& why) {
   const double area = world.diffuse_area() > 0 ? world.diffuse_area() : world.surface_area();
-  const double mean =
-      std::max(max_component(world.emitted_power()) / (kPi * std::max(area, 1e-290)), 1e-290);
+  const auto mean_of = [&](double power) {
+    return std::max(power / (kPi * std::max(area, 1e-290)), 1e-290);
+  };
+  const double mean = mean_of(power_at_surfaces(world));
   const double inverse_area = 1 / (kPi * plan.position_unit() * plan.position_unit());
   // 1/pdf of a final gather direction is at most W/w of its cell <= 2^(probability + 2a), times the
   // cell's solid angle <= 4 / 2^2a * sqrt(27).
@@ -135,15 +157,21 @@ void choose_pixel(Plan& plan, const World& world, const PlanRequest& request, Pl
   for (const Shape& s : world.scene().shapes)
     if (s.radiance) brightest = std::max(brightest, max_component(*s.radiance));
   for (const Light& l : world.scene().lights) {
-    const double nearest = l.kind == LightKind::kDirectional ? 1 : plan.extent * 0x1p-12;
+    const Vec3 outside =
+        glm::max(glm::max(world.lower() - l.position, l.position - world.upper()), Vec3(0));
+    const double nearest = l.kind == LightKind::kDirectional
+                               ? 1
+                               : std::max(plan.extent * 0x1p-12, glm::length(outside));
     brightest = std::max(brightest, max_component(l.intensity) / (nearest * nearest));
   }
   if (brightest > 0)
     plan.integer_bits = std::max(plan.integer_bits, exponent_above(kThroughput * brightest) + 1);
   plan.fraction_bits = 0;
   const int sum = plan.pixel_sum_bits() - plan.integer_bits;
+  // A frame is refused only if it is coarse beside all light that is emitted: photons carry that.
+  const double most = mean_of(max_component(world.emitted_power()));
   const int fine = request.error ? std::clamp(ceil_log2(1 / *request.error) + 31, 32, 48) : 40;
-  const int wanted = fine - exponent_above(mean), least = 24 - exponent_above(mean);
+  const int wanted = fine - exponent_above(mean), least = 24 - exponent_above(most);
   plan.fraction_bits = std::clamp(std::min(wanted, 128 - sum - plan.integer_bits), -64, 96);
   if (plan.fraction_bits < std::min(least, 96))
     throw PlanError(fmt::format(
@@ -151,7 +179,7 @@ void choose_pixel(Plan& plan, const World& world, const PlanRequest& request, Pl
         "for the number of contributions and {} down to 2^-24 of the mean radiance {:.3g} exceed "
         "the 128 bits of a pixel; fewer position or probability bits, or a larger r2_floor, would "
         "fit",
-        plan.integer_bits, sum, least, mean));
+        plan.integer_bits, sum, least, most));
   why["pixel.fraction_bits"] =
       fmt::format("2^-{} of the surfaces' mean radiance, about {:.3g} W/(m^2 sr)",
                   plan.fraction_bits + exponent_above(mean), mean);

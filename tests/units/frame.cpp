@@ -175,6 +175,24 @@ TEST_CASE("a lamp 1e-3 of the room's height below the ceiling leaks no light ont
   }
 }
 
+TEST_CASE("a light far outside of the scene loses nothing to the pixel's format") {
+  // Most of its power passes by; the floor's irradiance is 1 at every distance.
+  for (const double distance : {10.0, 1e3, 1e6, 1e9}) {
+    Scene s;
+    add_quad(s, add_diffuse(s, Rgb(0.5)), Vec3(-1, 0, -1), Vec3(0, 0, 2), Vec3(2, 0, 0));
+    Light light;
+    light.position = Vec3(0, distance, 0);
+    light.intensity = Rgb(distance * distance);
+    s.lights.push_back(light);
+    set_camera(s, Vec3(0, 3, 0), Vec3(0), Vec3(0, 0, 1), 30, 8, 8);
+    s.max_depth = 2;
+    const PreparedFrame frame = prepared(s, small_request(), Arithmetic::kReference);
+    INFO("distance " << distance);
+    CHECK(channel_mean(rendered(frame), "R") ==
+          Approx(channel_mean(rendered(frame, Arithmetic::kReference), "R")).epsilon(1e-6));
+  }
+}
+
 TEST_CASE("one light colour takes one channel") {
   FrameRequest request = small_request();
   const PreparedFrame grey = prepared(room(1, true, false), request);
