@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <vector>
 
 #include "golden/numeric/elementary.hpp"
 #include "golden/plan/quantiser.hpp"
@@ -47,6 +48,27 @@ std::optional<Rgb> common_color(const PhotonPass& global, const PhotonPass& caus
       if (max_component(glm::abs(c - *color)) > 0x1p-40) return std::nullopt;
     }
   return color;
+}
+
+// Bits of a position beyond the default: where nearly all photons lie in a small part of the cube
+// (a room on a wide ground), its units must still be small beside the distances between them. 16
+// bits have room for a part of an eighth; each halving of it takes one more, at most 4, which a
+// photon of 16 bytes has room for.
+int extra_position_bits(const PhotonPass& pass, double extent) {
+  if (pass.photons.empty()) return 0;
+  double spread = 0;
+  std::vector<double> x(pass.photons.size());
+  for (int axis = 0; axis < 3; ++axis) {
+    for (size_t i = 0; i < x.size(); ++i) x[i] = pass.photons[i].position[axis];
+    const auto cut = static_cast<std::ptrdiff_t>(x.size() / 100);
+    const auto low = x.begin() + cut, high = x.end() - 1 - cut;
+    std::nth_element(x.begin(), low, x.end());
+    std::nth_element(low, high, x.end());
+    spread = std::max(spread, *high - *low);
+  }
+  int bits = 0;
+  while (bits < 4 && std::ldexp(spread, bits + 4) <= extent) ++bits;
+  return bits;
 }
 
 // Formats for a relative error that they may add to an estimate.
@@ -270,7 +292,12 @@ PlannedFrame make_plan(const World& world, const PlanRequest& request, const Pho
   // An exponent for each octave, and one because rounding may carry into the next.
   plan.exponent_bits = std::clamp(clog2(static_cast<uint64_t>(octaves) + 1), 1, 5);
   why["photon.exponent_bits"] = fmt::format("powers span {} octaves", octaves);
-  why["photon.position_bits"] = "default; --error chooses";
+  const int extra = extra_position_bits(global, plan.extent);
+  plan.position_bits += extra;
+  why["photon.position_bits"] =
+      extra > 0 ? fmt::format("98 % of the photons lie within 2^-{} of the cube; --error chooses",
+                              extra + 3)
+                : "default; --error chooses";
   why["photon.mantissa_bits"] = "default, as RGB9E5; --error chooses";
   why["photon.direction_bits"] = why["gather.normal_bits"] = "default; --error chooses";
   why["gather.reciprocal_bits"] = why["pixel.weight_bits"] =

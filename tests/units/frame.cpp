@@ -193,6 +193,19 @@ TEST_CASE("a light far outside of the scene loses nothing to the pixel's format"
   }
 }
 
+TEST_CASE("golden is near reference in a small room on a wide ground") {
+  Scene s = room(1, false);
+  add_quad(s, add_diffuse(s, Rgb(0.7)), Vec3(-1000, 0, -1000), Vec3(0, 0, 2000), Vec3(2000, 0, 0));
+  FrameRequest request = small_request();
+  request.photons = 100000;
+  const PreparedFrame frame = prepared(s, request, Arithmetic::kReference);
+  INFO(frame.plan.position_bits << " position bits");
+  CHECK(channel_mean(rendered(frame), "indirect.G") ==
+        Approx(channel_mean(rendered(frame, Arithmetic::kReference), "indirect.G")).epsilon(0.01));
+  // Without a wide ground nothing changes.
+  CHECK(prepared(room(1, true), small_request()).plan.position_bits == 16);
+}
+
 TEST_CASE("one light colour takes one channel") {
   FrameRequest request = small_request();
   const PreparedFrame grey = prepared(room(1, true, false), request);
