@@ -96,8 +96,18 @@ void run_case(const Plan& bench_plan, const GatherCase& c, const RunOptions& opt
   both->load(global, caustic);
   std::vector<GatherResult> results;
   std::vector<GatherPhoton> photons;
-  feed(in.queries, random,
-       [&](std::span<const GatherQuery> piece) { both->process(piece, results, photons); });
+  const auto ask = [&] {
+    feed(in.queries, random,
+         [&](std::span<const GatherQuery> piece) { both->process(piece, results, photons); });
+  };
+  ask();
+  PhotonMap other_global, other_caustic;
+  if (in.reload) {
+    other_global = build_photon_map((*in.reload)[0], plan);
+    other_caustic = build_photon_map((*in.reload)[1], plan);
+    both->load(other_global, other_caustic);
+    ask();
+  }
   rtl->finish();
   totals.compared += both->compared();
   totals.cycles += rtl->cycles();

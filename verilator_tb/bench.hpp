@@ -34,6 +34,8 @@ struct GatherStimulus {
   std::vector<PackedPhoton> global, caustic;
   std::vector<GatherQuery> queries;
   std::optional<std::array<uint64_t, 2>> r2_max;  // of the maps, instead of the plan's
+  // Then these are loaded instead, while the unit keeps running, and the same queries come again.
+  std::optional<std::array<std::vector<PackedPhoton>, 2>> reload;
 };
 
 struct GatherCase {

@@ -277,6 +277,14 @@ std::vector<GatherCase> cases() {
            s.queries[i].position = s.queries[i / 40 * 40].position;
          return s;
        }},
+      // Other photons in as many lines, while the cache still holds the first ones' lines.
+      {"reload",
+       [](const Plan& plan, BenchRandom& random) {
+         GatherStimulus s = stimulus(plan, random, 60, 30);
+         s.reload = {photons(plan, random, s.global.size()),
+                     photons(plan, random, s.caustic.size())};
+         return s;
+       }},
   };
 }
 

@@ -9,8 +9,8 @@
 // last insertion. Nodes, dropped stack entries, leaf beats and insertions each have a port of their own that takes one
 // a cycle. docs/photon_gatherer.md has the drawing, the address map of cfg_*, and the figures.
 //
-// Latency: about 3 cycles an inner node, 3 for one or two stack entries, 17 a leaf in the cache, 1 a candidate. Throughput: cycles per
-// query near max(inner nodes, Bucket / Lanes * leaves, insertions).
+// Latency: about 3 cycles an inner node, 3 for one or two stack entries, 20 a leaf in the cache, 1 a candidate.
+// Throughput: cycles per query near max(inner nodes, Bucket / Lanes * leaves, insertions).
 module photon_gatherer #(
     // These change when packets come, never which.
     parameter int unsigned Contexts = photonloom_pkg::Contexts,
@@ -142,12 +142,11 @@ module photon_gatherer #(
   end
 
   // ---- start of a query ----
-  // A list is dirty from the start of its query; it is emptied as soon as the search is done, while the sum goes on, or
-  // by the snapshot of its places. A context is free when it is emptied, summed and its photons are read.
-  logic query_valid_q, start, start_search, free_any, slot_ready, bound_busy, clear_any, clear_taken, new_valid_q;
+  // A context is free when it is summed and its photons are read.
+  logic query_valid_q, start, start_search, free_any, slot_ready, bound_busy, new_valid_q;
   photonloom_pkg::gather_query_t query_q;
-  logic [ContextBits-1:0] free_context, clear_context, new_context_q;
-  logic [Contexts-1:0] searching_q, summing_q, streaming_q, dirty_q, map_q, offsets_zero_q;
+  logic [ContextBits-1:0] free_context, new_context_q;
+  logic [Contexts-1:0] summing_q, streaming_q, map_q, offsets_zero_q;
   logic [SlotBits-1:0] start_slot;
   logic [3*(NormalBits+2)-1:0] start_normal;
 
@@ -163,14 +162,8 @@ module photon_gatherer #(
   always_comb begin
     free_any = 1'b0;
     free_context = '0;
-    clear_any = 1'b0;
-    clear_context = '0;
     for (int unsigned c = Contexts; c > 0; c--) begin
-      if (!searching_q[c-1] && !streaming_q[c-1] && dirty_q[c-1]) begin
-        clear_any = 1'b1;
-        clear_context = ContextBits'(c - 1);
-      end
-      if (!summing_q[c-1] && !streaming_q[c-1] && !dirty_q[c-1]) begin
+      if (!summing_q[c-1] && !streaming_q[c-1]) begin
         free_any = 1'b1;
         free_context = ContextBits'(c - 1);
       end
@@ -190,26 +183,19 @@ module photon_gatherer #(
     end
     for (int unsigned c = 0; c < Contexts; c++) begin
       if (start_search && free_context == ContextBits'(c)) begin
-        searching_q[c] <= 1'b1;
         summing_q[c] <= 1'b1;
         streaming_q[c] <= query_q.want_photons;
-        dirty_q[c] <= 1'b1;
         map_q[c] <= query_q.map;
         offsets_zero_q[c] <= 1'b1;
       end
-      if (stack_done && stack_done_context == ContextBits'(c)) searching_q[c] <= 1'b0;
-      if (clear_taken && clear_context == ContextBits'(c)) dirty_q[c] <= 1'b0;
-      if (ask_taken && ask_context == ContextBits'(c)) dirty_q[c] <= 1'b0;
       if (next_valid && next_context == ContextBits'(c)) offsets_zero_q[c] <= 1'b0;
       if (sum_valid && sum_context == ContextBits'(c)) summing_q[c] <= 1'b0;
       if (photons_free && photons_free_context == ContextBits'(c)) streaming_q[c] <= 1'b0;
     end
     if (rst_i) begin
       query_valid_q <= 1'b0;
-      searching_q <= '0;
       summing_q <= '0;
       streaming_q <= '0;
-      dirty_q <= '1;
     end
   end
 
@@ -231,7 +217,7 @@ module photon_gatherer #(
   logic [NodeBits-1:0] direct_node;
   logic [StackBits-1:0] direct_stack;
   logic descent_leaf, leaf_done, empty_leaf, empty_leaf_taken;
-  logic [ContextBits-1:0] descent_context, empty_leaf_context;
+  logic [ContextBits-1:0] descent_context, empty_leaf_context, leaf_done_context;
   logic [LineBits-1:0] descent_line;
   logic [StackBits-1:0] descent_stack;
   /* verilator lint_off UNUSEDSIGNAL */  // queues hold every context
@@ -531,12 +517,12 @@ module photon_gatherer #(
   // ---- lanes, candidates, list ----
   localparam int unsigned BeatBits = Bucket / Lanes > 1 ? $clog2(Bucket / Lanes) : 1;
   logic beat_valid, beat_ready, beat_last, beat_first, load_read;
-  logic [ContextBits-1:0] beat_context, lane_bound_context, near_bound_context, stack_bound_context;
+  logic [ContextBits-1:0] beat_context, lane_bound_context, wait_bound_context, hand_bound_context, stack_bound_context;
   logic [BeatBits-1:0] beat_number;
   logic [Lanes-1:0] beat_mask;
   logic [Lanes*R2Bits-1:0] beat_d2;
   logic [Lanes*LoadBits-1:0] load;
-  logic [R2Bits-1:0] lane_bound, near_bound, stack_bound, sum_r2;
+  logic [R2Bits-1:0] lane_bound, wait_bound, hand_bound, stack_bound, sum_r2;
 
   photon_gatherer_lanes #(
       .PositionBits(PositionBits),
@@ -570,7 +556,7 @@ module photon_gatherer #(
       .load_o(load)
   );
 
-  logic token_valid, token_candidate, token_last, token_snapshot, token_clear;
+  logic token_valid, token_candidate, token_snapshot;
   logic [ContextBits-1:0] token_context;
   logic [IndexBits-1:0] token_index;
   logic [R2Bits-1:0] token_d2;
@@ -601,26 +587,25 @@ module photon_gatherer #(
       .empty_valid_o(empty_leaf),
       .empty_ready_i(empty_leaf_taken),
       .empty_context_o(empty_leaf_context),
-      .bound_context_o(near_bound_context),
-      .bound_i(near_bound),
       .state_context_o(candidate_context),
       .normal_i(candidate_normal),
       .line_i(candidate_line),
+      .wait_context_o(wait_bound_context),
+      .wait_bound_i(wait_bound),
+      .hand_context_o(hand_bound_context),
+      .hand_bound_i(hand_bound),
       .snapshot_i(ask_valid),
       .snapshot_taken_o(ask_taken),
       .snapshot_context_i(ask_context),
-      .clear_i(clear_any),
-      .clear_taken_o(clear_taken),
-      .clear_context_i(clear_context),
       .out_valid_o(token_valid),
       .out_context_o(token_context),
       .out_candidate_o(token_candidate),
-      .out_last_o(token_last),
       .out_snapshot_o(token_snapshot),
-      .out_clear_o(token_clear),
       .out_index_o(token_index),
       .out_d2_o(token_d2),
-      .out_load_o(token_load)
+      .out_load_o(token_load),
+      .leaf_done_o(leaf_done),
+      .leaf_done_context_o(leaf_done_context)
   );
 
   logic store, snapshot, insert;
@@ -637,7 +622,7 @@ module photon_gatherer #(
       .IndexBits(IndexBits),
       .Contexts(Contexts),
       .LoadBits(LoadBits),
-      .Readers(4)
+      .Readers(5)
   ) list (
       .clk_i(clk_i),
       .rst_i(rst_i),
@@ -649,12 +634,13 @@ module photon_gatherer #(
       .in_context_i(token_context),
       .in_candidate_i(token_candidate),
       .in_snapshot_i(token_snapshot),
-      .in_clear_i(token_clear),
       .in_index_i(token_index),
       .in_d2_i(token_d2),
       .in_load_i(token_load),
-      .bound_context_i({sum_context, stack_bound_context, near_bound_context, lane_bound_context}),
-      .bound_o({sum_r2, stack_bound, near_bound, lane_bound}),
+      .bound_context_i({
+        sum_context, stack_bound_context, hand_bound_context, wait_bound_context, lane_bound_context
+      }),
+      .bound_o({sum_r2, stack_bound, hand_bound, wait_bound, lane_bound}),
       .read_context_i(stack_done_context),
       .count_o(stack_count),
       .read_insertions_context_i(sum_context),
@@ -690,10 +676,9 @@ module photon_gatherer #(
       .out_o(finish_oldest)
   );
 
-  assign leaf_done = token_valid && token_last;
   assign empty_leaf_taken = !leaf_done;
   assign finish_push = leaf_done || empty_leaf;
-  assign finish_pushed = leaf_done ? token_context : empty_leaf ? empty_leaf_context : go_context;
+  assign finish_pushed = leaf_done ? leaf_done_context : empty_leaf ? empty_leaf_context : go_context;
   assign finish_valid = finish_waiting || finish_push;
   assign finish_context = finish_waiting ? finish_oldest : finish_pushed;
 

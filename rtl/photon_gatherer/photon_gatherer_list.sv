@@ -5,8 +5,9 @@
 // a write enable and a two-way choice. A new entry takes the next place while the list is not full, afterwards the
 // place of the entry that falls out; so places 0 .. n-1 are always the list's, in some order.
 //
-// A candidate is counted and stored iff it enters. A clear or a snapshot token empties the list for the next query:
-// empty entries hold the largest key, which no candidate has, since d2 < 2^R2Bits - 1.
+// A candidate is counted and stored iff it enters. What is left of the query before counts as empty from the start of
+// the next, and the first candidate that enters writes all entries; empty ones hold the largest key, which no candidate
+// has, since d2 < 2^R2Bits - 1.
 //
 // Bounds: r2_max of the query's map from its start, the K-th d2 once the list is full. Everything is done in the
 // token's cycle; store_* comes a cycle later, and so does the new bound.
@@ -34,7 +35,6 @@ module photon_gatherer_list #(
     input  logic [        ContextBits-1:0] in_context_i,
     input  logic                           in_candidate_i,
     input  logic                           in_snapshot_i,
-    input  logic                           in_clear_i,
     input  logic [          IndexBits-1:0] in_index_i,
     input  logic [             R2Bits-1:0] in_d2_i,
     input  logic [           LoadBits-1:0] in_load_i,
@@ -68,14 +68,15 @@ module photon_gatherer_list #(
   logic [CountBits-1:0] count;
   logic [PlaceBits-1:0] place;
   logic [IndexBits:0] insertions;
-  logic enters, empties, is_full;
+  logic enters, is_full, fresh;
+  logic [Contexts-1:0] fresh_q;  // nothing has entered since the query's start
 
   assign key = {in_d2_i, in_index_i};
   assign is_full = count == CountBits'(K);
   assign place = is_full ? words[WordBits*(K-1)+:PlaceBits] : PlaceBits'(count);
   assign word = {key, place};
   assign enters = in_valid_i && in_candidate_i && less[K-1];
-  assign empties = in_valid_i && (in_clear_i || in_snapshot_i);
+  assign fresh = fresh_q[in_context_i];
   assign insert_o = enters;
 
   for (genvar j = 0; j < K; j++) begin : gen_entry
@@ -91,42 +92,51 @@ module photon_gatherer_list #(
         .Depth(Contexts)
     ) entry (
         .clk_i(clk_i),
-        .write_i((enters && less[j]) || empties),
+        .write_i(enters && less[j]),
         .write_address_i(in_context_i),
-        .write_data_i(empties ? '1 : left),
+        .write_data_i(fresh && j > 0 ? '1 : left),
         .read_address_i(in_context_i),
         .read_data_o(words[WordBits*j+:WordBits])
     );
 
-    assign less[j] = key < words[WordBits*j+PlaceBits+:KeyBits];
+    assign less[j] = fresh || key < words[WordBits*j+PlaceBits+:KeyBits];
     assign snapshot_places_o[PlaceBits*j+:PlaceBits] = words[WordBits*j+:PlaceBits];
   end
 
   // ---- count and insertions ----
-  logic [CountBits-1:0] count_next;
-  assign count_next = empties ? '0 : is_full ? count : count + 1'b1;
+  logic [CountBits-1:0] count_next, count_stored, count_read;
+  assign count = fresh ? '0 : count_stored;
+  assign count_o = fresh_q[read_context_i] ? '0 : count_read;
+  assign count_next = is_full ? count : count + 1'b1;
+
+  always_ff @(posedge clk_i) begin
+    for (int unsigned c = 0; c < Contexts; c++) begin
+      if (enters && in_context_i == ContextBits'(c)) fresh_q[c] <= 1'b0;
+      if (start_i && start_context_i == ContextBits'(c)) fresh_q[c] <= 1'b1;
+    end
+  end
 
   lut_ram #(
       .Width(CountBits),
       .Depth(Contexts)
   ) count_for_list (
       .clk_i(clk_i),
-      .write_i(enters || empties),
+      .write_i(enters),
       .write_address_i(in_context_i),
       .write_data_i(count_next),
       .read_address_i(in_context_i),
-      .read_data_o(count)
+      .read_data_o(count_stored)
   );
   lut_ram #(
       .Width(CountBits),
       .Depth(Contexts)
   ) count_to_read (
       .clk_i(clk_i),
-      .write_i(enters || empties),
+      .write_i(enters),
       .write_address_i(in_context_i),
       .write_data_i(count_next),
       .read_address_i(read_context_i),
-      .read_data_o(count_o)
+      .read_data_o(count_read)
   );
   photon_gatherer_tally #(
       .Width(IndexBits + 1),
