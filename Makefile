@@ -2,7 +2,7 @@
 # The daily workflow. Each verb first installs its own missing packages (scripts/setup), and only those.
 JOBS := $(shell nproc)
 .DEFAULT_GOAL := build
-.PHONY: help build demo test test-full gallery precision mutate bench bench-rtl asan fuzz format clean references mutate-golden
+.PHONY: help build demo test test-full gallery precision mutate bench bench-rtl asan fuzz format clean references mutate-golden fpga-tools
 
 help: ## this list
 	@sed -n 's/^\([a-z-]*\):[^#]*## \(.*\)/  make \1\t\2/p' Makefile | expand -t 24
@@ -66,6 +66,9 @@ asan: ## the quick tests under AddressSanitizer and UndefinedBehaviorSanitizer
 fuzz: ## a minute of the scene loader under libFuzzer
 	@scripts/setup fuzz
 	@scripts/fuzz 60
+
+fpga-tools: ## Yosys, nextpnr-ecp5 and ecppack in build/fpga-tools, without touching the host
+	@scripts/fpga-tools
 
 format: ## clang-format on every C++ file
 	@scripts/setup format
