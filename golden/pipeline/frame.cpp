@@ -13,6 +13,7 @@
 
 #include "golden/numeric/octahedral.hpp"
 #include "golden/plan/quantiser.hpp"
+#include "golden/unit/cdf_sampler.hpp"
 
 namespace photonloom {
 namespace {
@@ -45,12 +46,6 @@ struct Entry {
   bool first = false;
   DiffuseHit x;
   Rgb weight{0};
-};
-
-// A direction as the sampler returned it; probability 0 until then.
-struct Direction {
-  double probability = 0;  // w / W
-  uint32_t u = 0, v = 0;
 };
 
 // What the first hits of a pixel show, summed over its samples.
@@ -308,9 +303,7 @@ class Renderer {
         ++counts_.unmatched;
         continue;
       }
-      directions_[size_t{entry} * rays_ + s.tag] = {
-          static_cast<double>(s.weight) / static_cast<double>(s.total), s.direction[0],
-          s.direction[1]};
+      directions_[size_t{entry} * rays_ + s.tag] = sampled_code(s);
     }
     counts_.directions += samples_.size();
   }
@@ -356,18 +349,6 @@ class Renderer {
     return Random(in_.seed, Phase::kSampler, (uint64_t{pixel_of(entry)} << 20) | sample_of(entry));
   }
 
-  // A direction within the sampled code's cell and 1/pdf. The code names a square of the unfolded
-  // octahedron; the ray goes through a point chosen evenly in it, so that every direction of the
-  // table's cell has the density w / W / (area of the cell) on the square.
-  Vec3 direction_of(const Direction& d, const Random& random, size_t ray,
-                    double& inverse_pdf) const {
-    const double step = std::ldexp(2.0, -plan_.sample_direction_bits());
-    const Vec3 p =
-        oct_unfold((d.u + random.unit(ray, 3)) * step - 1, (d.v + random.unit(ray, 4)) * step - 1);
-    inverse_pdf = std::ldexp(4.0, -2 * plan_.cell_bits) / d.probability * oct_jacobian(p);
-    return p / std::sqrt(glm::dot(p, p));
-  }
-
   void cast_final_gathers(size_t begin, size_t end) {
     struct Gather {
       bool below = false, asks = false;
@@ -381,11 +362,14 @@ class Renderer {
     parallel(gathers.size(), [&](size_t i) {
       const size_t entry = begin + i / rays_, ray = i % rays_;
       const Entry& e = entries_[entry];
-      const Direction& d = directions_[entry * rays_ + ray];
-      if (!e.diffuse || d.probability == 0) return;
+      const SampledCode& sampled = directions_[entry * rays_ + ray];
+      if (!e.diffuse || sampled.probability == 0) return;
       Gather& g = gathers[i];
-      double inverse_pdf;
-      const Vec3 direction = direction_of(d, random_of(entry), ray, inverse_pdf);
+      const Random random = random_of(entry);
+      const Vec3 unfolded =
+          sample_direction(plan_, sampled, random.unit(ray, 3), random.unit(ray, 4));
+      const double inverse_pdf = sample_inverse_pdf(plan_, sampled, unfolded);
+      const Vec3 direction = unfolded / std::sqrt(glm::dot(unfolded, unfolded));
       const double cosine = glm::dot(direction, e.x.shading_normal);
       if (!(cosine > 0) || !(glm::dot(direction, e.x.normal) > 0)) {
         g.below = true;
@@ -601,8 +585,8 @@ class Renderer {
   std::vector<Layers<Value>> layers_;
   std::vector<Value> totals_;  // of samples
   std::vector<Features> features_;
-  std::vector<Direction> directions_;
-  std::vector<uint32_t> slot_of_;  // a final gather query's place in slots_
+  std::vector<SampledCode> directions_;  // probability 0: not answered yet
+  std::vector<uint32_t> slot_of_;        // a final gather query's place in slots_
   std::vector<QueryWeight> slots_;
   std::vector<uint32_t> free_slots_;
 

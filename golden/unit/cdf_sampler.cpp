@@ -126,16 +126,18 @@ size_t sample_cell(const Plan& plan, const SampleTable& table, uint64_t u) {
   return static_cast<size_t>(after - table.prefix.begin()) - 1;
 }
 
-Vec3 sample_direction(const Plan& plan, const Sample& sample, double du, double dv) {
-  const double step = std::ldexp(2.0, -plan.sample_direction_bits());
-  return oct_unfold((sample.direction[0] + du) * step - 1, (sample.direction[1] + dv) * step - 1);
+SampledCode sampled_code(const Sample& sample) {
+  return {static_cast<double>(sample.weight) / static_cast<double>(sample.total),
+          {sample.direction[0], sample.direction[1]}};
 }
 
-double sample_pdf(const Plan& plan, const Sample& sample, const Vec3& direction) {
-  const Vec3 unfolded =
-      direction / (std::fabs(direction.x) + std::fabs(direction.y) + std::fabs(direction.z));
-  const double probability = static_cast<double>(sample.weight) / static_cast<double>(sample.total);
-  return probability * std::ldexp(1.0, 2 * plan.cell_bits - 2) / oct_jacobian(unfolded);
+Vec3 sample_direction(const Plan& plan, const SampledCode& sampled, double du, double dv) {
+  const double step = std::ldexp(2.0, -plan.sample_direction_bits());
+  return oct_unfold((sampled.code.u + du) * step - 1, (sampled.code.v + dv) * step - 1);
+}
+
+double sample_inverse_pdf(const Plan& plan, const SampledCode& sampled, const Vec3& direction) {
+  return std::ldexp(4.0, -2 * plan.cell_bits) / sampled.probability * oct_jacobian(direction);
 }
 
 namespace {

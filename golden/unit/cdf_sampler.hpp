@@ -67,13 +67,21 @@ SampleTable build_sample_table(const Plan& plan, const CellGeometry& geometry, O
 // The cell with F(c) <= t < F(c+1), t = floor(u * W / 2^u_bits).
 size_t sample_cell(const Plan& plan, const SampleTable& table, uint64_t u);
 
+// What a sample says to who casts its ray: the code, sample_direction_bits() a coordinate, and the
+// probability w / W of its cell.
+struct SampledCode {
+  double probability = 0;
+  OctCode code;
+};
+SampledCode sampled_code(const Sample& sample);
+
 // The direction of a sample, jittered uniformly inside the code's square by (du, dv) in [0, 1)^2;
 // not normalised (|x| + |y| + |z| = 1). (0.5, 0.5) is the code's centre.
-Vec3 sample_direction(const Plan& plan, const Sample& sample, double du, double dv);
+Vec3 sample_direction(const Plan& plan, const SampledCode& sampled, double du, double dv);
 
-// Probability density per solid angle with which the sampler picks this direction of the sample's
-// cell (any length but 0): w / W over the cell's area 4 / 4^a of the square [-1, 1]^2 and over the
-// mapping's Jacobian. Exact for directions placed uniformly in the cell.
-double sample_pdf(const Plan& plan, const Sample& sample, const Vec3& direction);
+// 1 / the density per solid angle, in sr, with which the sampler picks a direction of this cell, as
+// sample_direction returns it: the cell's area 4 / 4^a of the square [-1, 1]^2 and the mapping's
+// Jacobian over w / W. Exact for directions placed uniformly in the cell.
+double sample_inverse_pdf(const Plan& plan, const SampledCode& sampled, const Vec3& direction);
 
 }  // namespace photonloom

@@ -154,7 +154,7 @@ TEST_CASE("sampler inversion: every t belongs to the cell that holds it; the end
   }
 }
 
-TEST_CASE("sample_pdf integrates to 1 over the sphere") {
+TEST_CASE("the density of sampled directions integrates to 1 over the sphere") {
   for (const auto combine : {TableCombine::kSum, TableCombine::kProduct})
     for (const int a : {1, 3, 4}) {
       const Plan plan = plan_with(a, 16, combine);
@@ -177,7 +177,8 @@ TEST_CASE("sample_pdf integrates to 1 over the sphere") {
           sample.cell_index = (code.v << a) + code.u;
           sample.weight = static_cast<uint32_t>(table.weight(sample.cell_index));
           sample.total = table.total();
-          integral += sample_pdf(plan, sample, d);
+          const Vec3 unfolded = d / (std::fabs(d.x) + std::fabs(d.y) + std::fabs(d.z));
+          integral += 1 / sample_inverse_pdf(plan, sampled_code(sample), unfolded);
         }
       integral *= 4 * kPi / (double(rings) * sectors);
       CAPTURE(a);
@@ -238,9 +239,11 @@ TEST_CASE("golden cdf_sampler: streams cut anywhere, odd streams, directions in 
   for (const Sample& s : whole) {
     REQUIRE(s.direction[0] >> plan.v_bits == (s.cell_index & 15));
     REQUIRE(s.direction[1] >> plan.v_bits == s.cell_index >> 4);
-    const Vec3 d = sample_direction(plan, s, 0.5, 0.5);
-    const OctCode code = oct_encode(d, plan.sample_direction_bits());
-    REQUIRE((code == OctCode{s.direction[0], s.direction[1]}));
+    for (const double jitter : {0.01, 0.5, 0.99}) {
+      const Vec3 d = sample_direction(plan, sampled_code(s), jitter, 1 - jitter);
+      const OctCode code = oct_encode(d, plan.sample_direction_bits());
+      REQUIRE((code == OctCode{s.direction[0], s.direction[1]}));
+    }
   }
   // k = 20: the photons after the twentieth count for nothing.
   Plan larger = plan;
