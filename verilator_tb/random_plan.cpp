@@ -60,6 +60,8 @@ Plan draw(RoleRandom& random) {
   p.height = between(1, 300);
   p.spp = between(1, 64);
   p.gather_rays = between(1, 64);
+  // Half the plans with a line in one beat, or in halves.
+  if (random.below(2)) p.beat_bits = 8 * line_bytes >> between(0, 1);
   return p;
 }
 

@@ -14,6 +14,7 @@ namespace photonloom {
 enum class ReorderKey { kNone, kHilbert, kHash };  // kNone: pass-through
 enum class ReorderDrain { kSweep, kFullest };
 enum class TableCombine { kSum, kProduct };
+enum class PhotonMemory { kBlockRam, kSdram };  // of a board
 
 // One photon map as the hardware sees it.
 struct MapPlan {
@@ -70,6 +71,7 @@ struct Plan {
   int cache_bytes = 16384;
   int cache_ways = 2;
   int cache_misses = 8;
+  int beat_bits = 128;  // of the line port
   // [reorder]
   ReorderKey reorder_key = ReorderKey::kHilbert;
   ReorderDrain reorder_drain = ReorderDrain::kSweep;
@@ -82,6 +84,10 @@ struct Plan {
   int u_bits = 32;
   int v_bits = 8;  // each of v1, v2
   TableCombine combine = TableCombine::kSum;
+  // [board]: what a board's top holds beside one gatherer; never which packets come
+  int gatherers = 1;
+  PhotonMemory photon_memory = PhotonMemory::kBlockRam;
+  int replay_queries = 1024;  // block RAM of the query replayer
   // [frame]
   int width = 256, height = 256;
   int spp = 16;
@@ -176,6 +182,7 @@ struct Plan {
     v("gatherer", "cache_bytes", p.cache_bytes, 0, 1 << 20, "leaf cache");
     v("gatherer", "cache_ways", p.cache_ways, 1, 8, "its associativity");
     v("gatherer", "cache_misses", p.cache_misses, 1, 32, "misses outstanding");
+    v("gatherer", "beat_bits", p.beat_bits, 32, 4096, "bits of a beat of the line port");
     v("reorder", "key", p.reorder_key, 0, 0, "none (pass-through), hilbert or hash");
     v("reorder", "drain", p.reorder_drain, 0, 0, "sweep or fullest");
     v("reorder", "packets", p.reorder_packets, 1, 1 << 16, "pool size");
@@ -186,6 +193,11 @@ struct Plan {
     v("sampler", "u_bits", p.u_bits, 16, 48, "bits of the number that picks the cell");
     v("sampler", "v_bits", p.v_bits, 1, 12, "bits of each number that places the direction in it");
     v("sampler", "combine", p.combine, 0, 0, "sum or product of photon and BRDF table");
+    v("board", "gatherers", p.gatherers, 1, 16, "gatherers behind a board's dispatcher");
+    v("board", "photon_memory", p.photon_memory, 0, 0,
+      "where a board keeps the photon lines: block_ram or sdram");
+    v("board", "replay_queries", p.replay_queries, 2, 65536,
+      "queries that a board's replayer holds, a power of two");
     v("frame", "width", p.width, 1, 16384, "pixels");
     v("frame", "height", p.height, 1, 16384, "pixels");
     v("frame", "spp", p.spp, 1, 1 << 20, "samples per pixel");

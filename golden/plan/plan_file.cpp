@@ -21,9 +21,11 @@ namespace {
 constexpr std::array<const char*, 3> kKeyNames{"none", "hilbert", "hash"};
 constexpr std::array<const char*, 2> kDrainNames{"sweep", "fullest"};
 constexpr std::array<const char*, 2> kCombineNames{"sum", "product"};
+constexpr std::array<const char*, 2> kPhotonMemoryNames{"block_ram", "sdram"};
 constexpr const auto& names_of(ReorderKey) { return kKeyNames; }
 constexpr const auto& names_of(ReorderDrain) { return kDrainNames; }
 constexpr const auto& names_of(TableCombine) { return kCombineNames; }
+constexpr const auto& names_of(PhotonMemory) { return kPhotonMemoryNames; }
 
 template <class T>
 constexpr bool kIsInteger = std::is_integral_v<T> && !std::is_same_v<T, bool>;
@@ -177,6 +179,7 @@ std::string section_meaning(const std::string& section) {
       {"gatherer", "the photon_gatherer unit: changes when packets come, never which"},
       {"reorder", "the reorder_buffer unit"},
       {"sampler", "the cdf_sampler unit"},
+      {"board", "a board's top; never which packets come"},
       {"frame", "the frame in packets"},
       {"pixel", "the shader and the exact integer a pixel is"}};
   return meanings.at(section);
@@ -276,6 +279,13 @@ std::optional<PlanProblem> find_problem(const Plan& plan) {
                       "{}, {}, ...",
                       plan.cache_bytes, plan.cache_ways, plan.line_bytes(), way, 2 * way, 4 * way));
   }
+  if (plan.beat_bits % 8 != 0 || (8 * plan.line_bytes()) % plan.beat_bits != 0)
+    return fail("gatherer.beat_bits",
+                fmt::format("is {}, expected whole bytes of which a line of {} bits is a multiple",
+                            plan.beat_bits, 8 * plan.line_bytes()));
+  if (!power_of_two(plan.replay_queries))
+    return fail("board.replay_queries",
+                fmt::format("is {}, expected a power of two", plan.replay_queries));
   if (!power_of_two(plan.reorder_bins))
     return fail("reorder.bins", fmt::format("is {}, expected a power of two", plan.reorder_bins));
   if (plan.reorder_cell_bits > plan.position_bits)

@@ -19,6 +19,9 @@ namespace {
 constexpr double kThroughput = 256;
 // Maps up to this size are cached whole: the cache then costs less than a pool that reorders.
 constexpr uint64_t kCachedMapBytes = 65536;
+// Photon lines that a board keeps in block RAM: 18 Kibit blocks of an LFE5U-85F, of which the
+// gatherers need some too.
+constexpr uint64_t kBoardBlockRamBytes = 262144;
 // Samples of a batch, some 350 bytes each on the host.
 constexpr uint64_t kBatchSamples = uint64_t{1} << 20;
 
@@ -341,6 +344,7 @@ PlannedFrame make_plan(const World& world, const PlanRequest& request, const Pho
           : "");
   why["gatherer.cache_ways"] = "fewer conflicts for little area";
   why["gatherer.cache_misses"] = "keeps the memory port busy";
+  why["gatherer.beat_bits"] = "a 128-bit memory port";
 
   // Reordering and the sampler.
   if (!plan.global.present || cache_holds_maps) plan.reorder_key = ReorderKey::kNone;
@@ -359,6 +363,11 @@ PlannedFrame make_plan(const World& world, const PlanRequest& request, const Pho
       fmt::format("at least 8 bits more than the {} of the total", plan.total_bits());
   why["sampler.v_bits"] = "the ray is jittered below it";
   why["sampler.combine"] = "keeps every direction likely that either table finds likely";
+  if (map_bytes > kBoardBlockRamBytes) plan.photon_memory = PhotonMemory::kSdram;
+  why["board.gatherers"] = "one behind the dispatcher; more where a board has room";
+  why["board.photon_memory"] = fmt::format("the maps have {} KiB, block RAM serves up to {}",
+                                           map_bytes / 1024, kBoardBlockRamBytes / 1024);
+  why["board.replay_queries"] = "the rate of a board without its link";
 
   // The frame.
   why["frame.tile"] = "rays of a tile are made together";

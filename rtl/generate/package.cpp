@@ -68,7 +68,10 @@ std::vector<PackageConstant> package_constants(const Plan& plan) {
   LINE(u_bits, "bits of the number that picks the cell");
   LINE(v_bits, "bits of each number that places the direction in it");
   number("combine", static_cast<uint64_t>(plan.combine), "0 sum, 1 product");
-  number("line_beat_bits", 128, "one beat of the line port");
+  number("line_beat_bits", static_cast<uint64_t>(plan.beat_bits), "one beat of the line port");
+  LINE(gatherers, "gatherers of a board");
+  LINE(photon_memory, "of a board: 0 block RAM, 1 SDRAM");
+  LINE(replay_queries, "queries that a board's replayer holds");
   number("line_tag_bits",
          static_cast<uint64_t>(std::max(1, clog2(static_cast<uint64_t>(plan.cache_misses)))),
          "tag of a line request");

@@ -18,7 +18,7 @@ module photon_gatherer #(
     parameter int unsigned CacheBytes = photonloom_pkg::CacheBytes,
     parameter int unsigned CacheWays = photonloom_pkg::CacheWays,
     parameter int unsigned CacheMisses = photonloom_pkg::CacheMisses,
-    parameter int unsigned LineBeatBits = 128,
+    parameter int unsigned LineBeatBits = photonloom_pkg::LineBeatBits,
     localparam int unsigned TagBits = CacheMisses > 1 ? $clog2(CacheMisses) : 1,
     localparam int unsigned LineBits = photonloom_pkg::LineBits
 ) (
