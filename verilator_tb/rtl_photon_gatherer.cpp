@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "golden/unit/photon_gatherer_image.hpp"
 #include "verilator_tb/backends.hpp"
 #include "verilator_tb/clocked_unit.hpp"
-#include "verilator_tb/photon_gatherer_image.hpp"
 
 namespace photonloom {
 

@@ -8,9 +8,9 @@
 #include "golden/command/console.hpp"
 #include "golden/command/frame_options.hpp"
 #include "golden/numeric/output_file.hpp"
+#include "golden/unit/photon_gatherer_image.hpp"
 #include "rtl/generate/hardware.hpp"
 #include "rtl/generate/sources.hpp"
-#include "verilator_tb/photon_gatherer_image.hpp"
 
 namespace photonloom {
 namespace {

@@ -5,11 +5,11 @@
 #include <filesystem>
 
 #include "golden/unit/photon_gatherer.hpp"
+#include "golden/unit/photon_gatherer_image.hpp"
 #include "rtl/generate/hardware.hpp"
 #include "tests/catch.hpp"
 #include "tests/command/run.hpp"
 #include "verilator_tb/clocked_unit.hpp"
-#include "verilator_tb/photon_gatherer_image.hpp"
 #include "verilator_tb/stall.hpp"
 
 using namespace photonloom;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Photon maps as the RTL gatherer takes them: words for its configuration port and the bytes of its
-// line memory. Address map and line layout: docs/photon_gatherer.md.
+// Photon maps as the hardware gatherer takes them: words for its configuration port and the bytes
+// of its line memory. Address map and line layout: docs/photon_gatherer.md.
 #pragma once
 #include <array>
 #include <cstdint>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "verilator_tb/photon_gatherer_image.hpp"
+#include "golden/unit/photon_gatherer_image.hpp"
 
 #include <fmt/core.h>
 
