@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: Apache-2.0
+// Deals queries to Gatherers photon gatherers and gives their results and photons back in the order of the queries. A query
+// goes to the next gatherer in turn that has room, so a slow query holds up its own gatherer only, until Pending queries
+// are between deal and result. Which gatherer answers a query cannot be seen: all hold the same maps.
+//
+// The order of deal waits in a FIFO; results are fetched by it into a FIFO of 16. Where a query wants photons and its
+// result says that it has some, the gatherer's number goes on into the order of photons. That FIFO holds every query that
+// can have photons waiting, so photons never hold up results; results that nobody takes hold up photons of queries 16
+// results on. Each gatherer gives both streams in the order of its queries, and the query that is next in either order is
+// the oldest of its gatherer: so there is always one that can go on (docs/gather_cluster.md).
+//
+// One query, one result and one photon a cycle; latency of each 2 to 3 cycles.
+module gather_dispatcher #(
+    parameter int unsigned Gatherers = photonloom_pkg::Gatherers,
+    parameter int unsigned Pending = 64 * Gatherers,
+    localparam int unsigned ResultBits = photonloom_pkg::GatherResultPacketBits,
+    localparam int unsigned PhotonBits = photonloom_pkg::GatherPhotonPacketBits
+) (
+    input  logic                              clk_i,
+    input  logic                              rst_i,
+    // queries
+    input  logic                              in_valid_i,
+    output logic                              in_ready_o,
+    input  photonloom_pkg::gather_query_t     in_i,
+    // results
+    output logic                              result_valid_o,
+    input  logic                              result_ready_i,
+    output photonloom_pkg::gather_result_t    result_o,
+    // photons
+    output logic                              photon_valid_o,
+    input  logic                              photon_ready_i,
+    output photonloom_pkg::gather_photon_t    photon_o,
+    // the gatherers' streams, gatherer 0 lowest
+    output logic [             Gatherers-1:0] query_valid_o,
+    input  logic [             Gatherers-1:0] query_ready_i,
+    output photonloom_pkg::gather_query_t     query_o,  // to all
+    input  logic [             Gatherers-1:0] result_valid_i,
+    output logic [             Gatherers-1:0] result_ready_o,
+    input  logic [  Gatherers*ResultBits-1:0] result_i,
+    input  logic [             Gatherers-1:0] photon_valid_i,
+    output logic [             Gatherers-1:0] photon_ready_o,
+    input  logic [  Gatherers*PhotonBits-1:0] photon_i,
+    // a result was fetched, and its query wants photons but has none
+    output logic                              fetched_o,
+    output logic                              no_photons_o,
+    output photonloom_pkg::gather_result_t    fetched_result_o
+);
+  localparam int unsigned SourceBits = Gatherers > 1 ? $clog2(Gatherers) : 1;
+  localparam int unsigned QueryBits = photonloom_pkg::GatherQueryPacketBits;
+  localparam int unsigned OrderDepth = Pending > 2 ? 1 << $clog2(Pending) : 2;
+  localparam int unsigned HoldersOfPhotons = Gatherers * photonloom_pkg::Contexts;
+  localparam int unsigned PhotonDepth = HoldersOfPhotons > 2 ? 1 << $clog2(HoldersOfPhotons) : 2;
+
+  // ---- deal ----
+  logic query_valid, query_taken, order_ready;
+  logic [Gatherers-1:0] above_q, first, any, grant;
+  logic [SourceBits-1:0] grant_source;
+
+  skid_buffer #(
+      .Width(QueryBits)
+  ) incoming (
+      .clk_i(clk_i),
+      .rst_i(rst_i),
+      .in_valid_i(in_valid_i),
+      .in_ready_o(in_ready_o),
+      .in_i(in_i),
+      .out_valid_o(query_valid),
+      .out_ready_i(query_taken),
+      .out_o(query_o)
+  );
+
+  // Gatherers above the last one served come before the others.
+  assign first = query_ready_i & above_q;
+  assign any = first != '0 ? first : query_ready_i;
+  assign grant = any & (~any + 1'b1);
+  assign query_valid_o = query_valid && order_ready ? grant : '0;
+  assign query_taken = query_valid_o != '0;
+  always_comb begin
+    grant_source = '0;
+    for (int unsigned g = 0; g < Gatherers; g++) if (grant[g]) grant_source = grant_source | SourceBits'(g);
+  end
+  always_ff @(posedge clk_i) begin
+    if (query_taken) above_q <= ~(grant | (grant - 1'b1));
+    if (rst_i) above_q <= '1;
+  end
+
+  logic order_valid, order_taken, next_valid, next_taken, next_wants;
+  logic [SourceBits:0] order_word;
+  logic [SourceBits-1:0] next_source;
+
+  fifo #(
+      .Width(SourceBits + 1),
+      .Depth(OrderDepth)
+  ) order (
+      .clk_i(clk_i),
+      .rst_i(rst_i),
+      .in_valid_i(query_taken),
+      .in_ready_o(order_ready),
+      .in_i({query_o.want_photons && !query_o.flush, grant_source}),
+      .out_valid_o(order_valid),
+      .out_ready_i(order_taken),
+      .out_o(order_word)
+  );
+  skid_buffer #(
+      .Width(SourceBits + 1)
+  ) order_next (
+      .clk_i(clk_i),
+      .rst_i(rst_i),
+      .in_valid_i(order_valid),
+      .in_ready_o(order_taken),
+      .in_i(order_word),
+      .out_valid_o(next_valid),
+      .out_ready_i(next_taken),
+      .out_o({next_wants, next_source})
+  );
+
+  // ---- results ----
+  logic [Gatherers-1:0] result_turn;
+  logic [ResultBits-1:0] result_word;
+  logic results_ready;
+
+  always_comb begin
+    result_turn = '0;
+    result_word = '0;
+    for (int unsigned g = 0; g < Gatherers; g++)
+      if (next_source == SourceBits'(g)) begin
+        result_turn[g] = 1'b1;
+        result_word = result_word | result_i[ResultBits*g+:ResultBits];
+      end
+  end
+  assign result_ready_o = next_valid && results_ready ? result_turn : '0;
+  assign next_taken = (result_ready_o & result_valid_i) != '0;
+
+  fifo #(
+      .Width(ResultBits),
+      .Depth(16)
+  ) results (
+      .clk_i(clk_i),
+      .rst_i(rst_i),
+      .in_valid_i(next_taken),
+      .in_ready_o(results_ready),
+      .in_i(result_word),
+      .out_valid_o(result_valid_o),
+      .out_ready_i(result_ready_i),
+      .out_o(result_o)
+  );
+
+  logic [ResultBits-1:0] fetched_q;
+  logic wants_q;
+  logic [SourceBits-1:0] source_q;
+  assign fetched_result_o = fetched_q;
+  assign no_photons_o = fetched_o && wants_q && fetched_result_o.count == '0;
+  always_ff @(posedge clk_i) begin
+    fetched_q <= result_word;
+    fetched_o <= next_taken;
+    wants_q <= next_wants;
+    source_q <= next_source;
+    if (rst_i) fetched_o <= 1'b0;
+  end
+
+  // ---- photons ----
+  logic turn_valid, turn_taken, photons_ready, photon_offered;
+  logic [SourceBits-1:0] turn_source;
+  logic [Gatherers-1:0] photon_turn;
+  photonloom_pkg::gather_photon_t photon_word;
+  /* verilator lint_off UNUSEDSIGNAL */  // has room for every query whose photons can wait
+  logic turns_ready;
+  /* verilator lint_on UNUSEDSIGNAL */
+
+  fifo #(
+      .Width(SourceBits),
+      .Depth(PhotonDepth)
+  ) photon_turns (
+      .clk_i(clk_i),
+      .rst_i(rst_i),
+      .in_valid_i(fetched_o && wants_q && !no_photons_o),
+      .in_ready_o(turns_ready),
+      .in_i(source_q),
+      .out_valid_o(turn_valid),
+      .out_ready_i(turn_taken),
+      .out_o(turn_source)
+  );
+
+  logic [PhotonBits-1:0] photon_bits;
+  assign photon_word = photon_bits;
+  always_comb begin
+    photon_turn = '0;
+    photon_bits = '0;
+    for (int unsigned g = 0; g < Gatherers; g++)
+      if (turn_source == SourceBits'(g)) begin
+        photon_turn[g] = 1'b1;
+        photon_bits = photon_bits | photon_i[PhotonBits*g+:PhotonBits];
+      end
+  end
+  assign photon_ready_o = turn_valid && photons_ready ? photon_turn : '0;
+  assign photon_offered = (photon_turn & photon_valid_i) != '0 && turn_valid;
+  assign turn_taken = photon_offered && photons_ready && photon_word.last;
+
+  skid_buffer #(
+      .Width(PhotonBits)
+  ) photons (
+      .clk_i(clk_i),
+      .rst_i(rst_i),
+      .in_valid_i(photon_offered),
+      .in_ready_o(photons_ready),
+      .in_i(photon_word),
+      .out_valid_o(photon_valid_o),
+      .out_ready_i(photon_ready_i),
+      .out_o(photon_o)
+  );
+
+`ifndef SYNTHESIS
+  always_ff @(posedge clk_i) if (!rst_i) assert (!(fetched_o && wants_q) || turns_ready);
+`endif
+endmodule

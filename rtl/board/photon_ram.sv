@@ -1,0 +1,252 @@
+// SPDX-License-Identifier: Apache-2.0
+// Photon lines in block RAM, shared by Gatherers gatherers: both maps behind one another (docs/photon_memory.md). The memory
+// has two read ports, a beat a cycle each; gatherers of even number share one, those of odd number the other, in turn.
+// Where beats hold whole photons, a photon takes only its PhotonBits.
+//
+// Line ports are those of photon_gatherer, side by side, gatherer 0 lowest: a reply is the line's beats in order, one a
+// cycle, always taken. Latency from a request to its first beat 5 cycles where nobody else asks.
+//
+// Words of 32 bits are written at word addresses of the lines, global map first, then the caustic one, without gaps, while
+// no query is in flight; words behind the last line are taken and dropped. Some 5 cycles a word, 32 where a line's words
+// are not a power of two.
+module photon_ram #(
+    parameter int unsigned Gatherers = photonloom_pkg::Gatherers,
+    parameter int unsigned BeatBits = photonloom_pkg::LineBeatBits,
+    localparam int unsigned TagBits = photonloom_pkg::LineTagBits,
+    localparam int unsigned LineBits = photonloom_pkg::LineBits
+) (
+    input  logic                              clk_i,
+    input  logic                              rst_i,
+    input  logic [             Gatherers-1:0] line_req_valid_i,
+    output logic [             Gatherers-1:0] line_req_ready_o,
+    input  logic [Gatherers*(LineBits+1)-1:0] line_req_addr_i,
+    input  logic [     Gatherers*TagBits-1:0] line_req_tag_i,
+    output logic [             Gatherers-1:0] line_rsp_valid_o,
+    output logic [     Gatherers*TagBits-1:0] line_rsp_tag_o,
+    output logic [    Gatherers*BeatBits-1:0] line_rsp_data_o,
+    // words of the lines
+    input  logic                              write_valid_i,
+    output logic                              write_ready_o,
+    input  logic [                      27:0] write_address_i,
+    input  logic [                      31:0] write_data_i,
+    output logic                              ready_o,          // lines can be read and written: always
+    // counted since reset
+    output logic [                      39:0] count_lines_o,  // lines served
+    output logic [                      39:0] count_busy_o    // cycles in which a port was reading
+);
+  localparam int unsigned Bucket = photonloom_pkg::Bucket;
+  localparam int unsigned StrideBits = 8 * photonloom_pkg::PhotonBytes;
+  localparam int unsigned LineWords = Bucket * StrideBits / 32;
+  localparam int unsigned WordBits = $clog2(LineWords);
+  localparam int unsigned Beats = Bucket * StrideBits / BeatBits;
+  localparam int unsigned BeatNumberBits = Beats > 1 ? $clog2(Beats) : 1;
+  localparam int unsigned BeatWords = BeatBits / 32;
+  localparam int unsigned GlobalLines = photonloom_pkg::GlobalPresent == 0 ? 0 :
+      (photonloom_pkg::GlobalPhotons + Bucket - 1) / Bucket;
+  localparam int unsigned CausticLines = photonloom_pkg::CausticPresent == 0 ? 0 :
+      (photonloom_pkg::CausticPhotons + Bucket - 1) / Bucket;
+  localparam int unsigned Lines = GlobalLines + CausticLines > 1 ? GlobalLines + CausticLines : 1;
+  localparam int unsigned Depth = Lines * Beats;
+  localparam int unsigned AddressBits = Depth > 1 ? $clog2(Depth) : 1;
+  localparam int unsigned Ports = Gatherers > 1 ? 2 : 1;
+
+  // A stored beat: PhotonBits of each photon where it holds whole ones, else all of it.
+  localparam bit Whole = BeatBits % StrideBits == 0;
+  localparam int unsigned Items = Whole ? BeatBits / StrideBits : 1;
+  localparam int unsigned ItemBits = Whole ? photonloom_pkg::PhotonBits : BeatBits;
+  localparam int unsigned ItemStride = Whole ? StrideBits : BeatBits;
+  localparam int unsigned Width = Items * ItemBits;
+
+  if (Beats * BeatBits != Bucket * StrideBits || BeatBits % 32 != 0) begin : gen_bad_beat
+    gatherer_beat_bits_must_be_words_of_32_bits_and_divide_the_line bad_beat ();
+  end
+
+  assign ready_o = 1'b1;
+
+  // ---- a word to write: its beat is read through port a, changed, and written back ----
+  logic write_valid, write_back, write_inside;
+  logic [1:0] write_wait_q;
+  logic [27:0] write_line;
+  logic [WordBits-1:0] write_word;
+  logic [31:0] write_data;
+  logic [BeatNumberBits-1:0] write_beat;
+  logic [BeatWords-1:0] write_here;
+  logic [AddressBits-1:0] write_address;
+  logic [BeatBits-1:0] read_raw;
+  /* verilator lint_off UNUSEDSIGNAL */  // a photon's padding is not kept
+  logic [BeatBits-1:0] write_raw;
+  /* verilator lint_on UNUSEDSIGNAL */
+  logic [Width-1:0] write_packed;
+
+  photon_word_address #(
+      .AddressBits(28),
+      .LineWords(LineWords)
+  ) word_address (
+      .clk_i(clk_i),
+      .rst_i(rst_i),
+      .in_valid_i(write_valid_i),
+      .in_ready_o(write_ready_o),
+      .in_address_i(write_address_i),
+      .in_data_i(write_data_i),
+      .out_valid_o(write_valid),
+      .out_taken_i(write_back),
+      .out_line_o(write_line),
+      .out_word_o(write_word),
+      .out_data_o(write_data)
+  );
+
+  // Address in cycle 0, word in the memory's output in 1, in the port's register in 2, written back then.
+  assign write_inside = 32'(write_line) < Lines;
+  assign write_back = write_valid && write_wait_q == 2'd2;
+  // Comparisons, since a division by BeatWords would be a divider.
+  always_comb begin
+    write_beat = '0;
+    write_here = '0;
+    for (int unsigned beat = 0; beat < Beats; beat++)
+      for (int unsigned word = 0; word < BeatWords; word++)
+        if (32'(write_word) == beat * BeatWords + word) begin
+          write_beat = write_beat | BeatNumberBits'(beat);
+          write_here[word] = 1'b1;
+        end
+  end
+  assign write_address = AddressBits'(32'(write_line) * Beats + 32'(write_beat));
+  always_ff @(posedge clk_i) begin
+    write_wait_q <= write_back ? '0 : write_valid ? write_wait_q + 1'b1 : '0;
+    if (rst_i) write_wait_q <= '0;
+  end
+  for (genvar word = 0; word < BeatWords; word++) begin : gen_word
+    assign write_raw[32*word+:32] = write_here[word] ? write_data : read_raw[32*word+:32];
+  end
+  for (genvar item = 0; item < Items; item++) begin : gen_pack
+    assign write_packed[ItemBits*item+:ItemBits] = write_raw[ItemStride*item+:ItemBits];
+  end
+
+  // ---- read ports ----
+  logic [2*AddressBits-1:0] read_address;
+  logic [1:0] reading, last_beat;
+  logic [2*Width-1:0] read_data;
+  /* verilator lint_off UNUSEDSIGNAL */  // nobody is at the second port of one gatherer
+  logic [2*BeatBits-1:0] raw;
+  /* verilator lint_on UNUSEDSIGNAL */
+
+  block_ram_two_reads #(
+      .Width(Width),
+      .Depth(Depth)
+  ) store (
+      .clk_i(clk_i),
+      .a_write_i(write_back && write_inside),
+      .a_write_data_i(write_packed),
+      .a_read_i(!write_back),
+      .a_address_i(write_valid ? write_address : read_address[0+:AddressBits]),
+      .a_read_data_o(read_data[0+:Width]),
+      .b_read_i(1'b1),
+      .b_address_i(read_address[AddressBits+:AddressBits]),
+      .b_read_data_o(read_data[Width+:Width])
+  );
+  assign read_raw = raw[0+:BeatBits];
+
+  for (genvar port = 0; port < 2; port++) begin : gen_port
+    if (port < Ports) begin : gen_used
+      localparam int unsigned Group = (Gatherers - port + Ports - 1) / Ports;
+      localparam int unsigned SourceBits = Group > 1 ? $clog2(Group) : 1;
+      logic [Group-1:0] req_valid, req_ready;
+      logic [Group*(LineBits+1+TagBits)-1:0] req;
+      logic ask_valid, ask_ready;
+      logic [LineBits+TagBits:0] ask;
+      logic [SourceBits-1:0] ask_source;
+      logic [TagBits-1:0] ask_tag, tag_q, read_tag_q, out_tag_q;
+      logic [LineBits:0] ask_line;
+      logic [Group-1:0] target_q, read_target_q, out_target_q;
+      logic [AddressBits-1:0] address_q;
+      logic [BeatNumberBits-1:0] beat_q;
+      logic busy_q;
+      logic [Width-1:0] data_q;
+
+      for (genvar g = 0; g < Group; g++) begin : gen_gatherer
+        localparam int unsigned I = port + Ports * g;
+        assign req_valid[g] = line_req_valid_i[I];
+        assign line_req_ready_o[I] = req_ready[g];
+        assign req[(LineBits+1+TagBits)*g+:LineBits+1+TagBits] = {
+          line_req_addr_i[(LineBits+1)*I+:LineBits+1], line_req_tag_i[TagBits*I+:TagBits]
+        };
+        assign line_rsp_valid_o[I] = out_target_q[g];
+        assign line_rsp_tag_o[TagBits*I+:TagBits] = out_tag_q;
+        assign line_rsp_data_o[BeatBits*I+:BeatBits] = raw[BeatBits*port+:BeatBits];
+      end
+
+      arbiter #(
+          .Inputs(Group),
+          .Width(LineBits + 1 + TagBits)
+      ) turns (
+          .clk_i(clk_i),
+          .rst_i(rst_i),
+          .in_valid_i(req_valid),
+          .in_ready_o(req_ready),
+          .in_i(req),
+          .out_valid_o(ask_valid),
+          .out_ready_i(ask_ready),
+          .out_o(ask),
+          .out_source_o(ask_source)
+      );
+      assign {ask_line, ask_tag} = ask;
+
+      // A word to write takes port a, which then starts no line; one that it was reading is not needed by anybody, since
+      // lines change only while no query is in flight.
+      assign last_beat[port] = beat_q == BeatNumberBits'(Beats - 1);
+      assign ask_ready = (!busy_q || last_beat[port]) && !(port == 0 && write_valid);
+      assign reading[port] = busy_q;
+      assign read_address[AddressBits*port+:AddressBits] = address_q;
+      always_ff @(posedge clk_i) begin
+        if (busy_q) begin
+          address_q <= address_q + 1'b1;
+          beat_q <= beat_q + 1'b1;
+        end
+        if (!busy_q || last_beat[port]) begin
+          busy_q <= ask_valid && ask_ready;
+          beat_q <= '0;
+          address_q <= AddressBits'((32'(ask_line[LineBits-1:0]) + (ask_line[LineBits] ? GlobalLines : 0)) * Beats);
+          tag_q <= ask_tag;
+          for (int unsigned g = 0; g < Group; g++) target_q[g] <= ask_source == SourceBits'(g);
+        end
+        read_target_q <= busy_q ? target_q : '0;
+        read_tag_q <= tag_q;
+        out_target_q <= read_target_q;
+        out_tag_q <= read_tag_q;
+        data_q <= read_data[Width*port+:Width];
+        if (rst_i) begin
+          busy_q <= 1'b0;
+          read_target_q <= '0;
+          out_target_q <= '0;
+        end
+      end
+      for (genvar item = 0; item < Items; item++) begin : gen_unpack
+        assign raw[BeatBits*port+ItemStride*item+:ItemStride] = ItemStride'(data_q[ItemBits*item+:ItemBits]);
+      end
+    end else begin : gen_unused
+      /* verilator lint_off UNUSEDSIGNAL */
+      logic [Width-1:0] unused;
+      /* verilator lint_on UNUSEDSIGNAL */
+      assign unused = read_data[Width*port+:Width];
+      assign raw[BeatBits*port+:BeatBits] = '0;
+      assign reading[port] = 1'b0;
+      assign last_beat[port] = 1'b0;
+      assign read_address[AddressBits*port+:AddressBits] = '0;
+    end
+  end
+
+  // ---- counters ----
+  logic [1:0] done_q;
+  logic reading_q;
+  always_ff @(posedge clk_i) begin
+    done_q <= reading & last_beat;
+    reading_q <= reading != '0;
+    count_lines_o <= count_lines_o + 40'(done_q[0]) + 40'(done_q[1]);
+    count_busy_o <= count_busy_o + 40'(reading_q);
+    if (rst_i) begin
+      done_q <= '0;
+      reading_q <= 1'b0;
+      count_lines_o <= '0;
+      count_busy_o <= '0;
+    end
+  end
+endmodule
