@@ -32,7 +32,7 @@ constexpr Policy kPolicies[] = {
 };
 
 struct BenchCommand {
-  std::string plan, only_case;
+  std::string plan, only_case, backend = "rtl";
   uint64_t seed = 1, packets = 1;
   int policy = -1;
   bool list = false;
@@ -123,8 +123,11 @@ void run_cases(const std::string& program, const std::string& unit, const Bench&
     for (int p = 0; p < policies; ++p) {
       if (command.policy >= 0 && !command.own_policy && p != command.policy) continue;
       RunOptions options = command.rig.options(unit);
+      options.kind = *model_kind(command.backend);
       CompareContext context;
       context.unit = unit;
+      context.backend = command.backend;
+      context.waveform = waveform_extension(options.kind);
       context.seed = command.seed;
       context.plan = plan.name;
       context.rerun =
@@ -145,6 +148,9 @@ void run_cases(const std::string& program, const std::string& unit, const Bench&
         context.rerun += fmt::format(" --policy {}", p);
       }
       if (!options.rtl_dir.empty()) context.rerun += " --rtl " + options.rtl_dir;
+      if (options.kind != ModelKind::kRtl) context.rerun += " --backend " + command.backend;
+      if (options.yosys != "yosys") context.rerun += " --yosys " + options.yosys;
+      if (!options.netlist.empty()) context.rerun += " --netlist " + options.netlist;
       options.seed = command.seed;
       BenchRandom random(command.seed, unit + "/" + c.name);
       try {
@@ -152,8 +158,8 @@ void run_cases(const std::string& program, const std::string& unit, const Bench&
       } catch (const Divergence&) {
         throw;
       } catch (const std::exception& error) {
-        throw std::runtime_error(fmt::format("{}\n  again, with a waveform:\n    {} --wave {}.fst",
-                                             error.what(), context.rerun, unit));
+        throw std::runtime_error(fmt::format("{}\n  again, with a waveform:\n    {} --wave {}.{}",
+                                             error.what(), context.rerun, unit, context.waveform));
       }
       ++totals.runs;
     }
@@ -175,20 +181,23 @@ void run_plan(const std::string& program, const std::string& unit, const Bench& 
   if (totals.compared == 0)
     throw std::runtime_error(fmt::format("{}, plan {}: no packet was checked", unit, plan.name));
   fmt::print(
-      "{} plan {}: golden == rtl: {} packets in {} runs, 0 differences, {} cycles, {:.1f} "
+      "{} plan {}: golden == {}: {} packets in {} runs, 0 differences, {} cycles, {:.1f} "
       "s\n",
-      unit, plan.name, totals.compared, totals.runs, totals.cycles,
+      unit, plan.name, command.backend, totals.compared, totals.runs, totals.cycles,
       std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count());
   std::fflush(stdout);
 }
 
 template <class Bench>
 int run_bench(int argc, char** argv, const std::string& unit, const Bench& bench) {
-  CLI::App app{"The RTL of " + unit + " beside golden, packet by packet."};
+  CLI::App app{"The hardware of " + unit + " beside golden, packet by packet."};
   BenchCommand command;
   app.add_option("--plan", command.plan,
                  "A plan of --list, random:N, or random:N-M for a range. Default: all of --list.");
   app.add_option("--case", command.only_case, "A case of --list. Default: all.");
+  app.add_option("--backend", command.backend,
+                 "What runs: rtl (default), netlist or cxxrtl (docs/netlist.md).")
+      ->check(CLI::IsMember({"rtl", "netlist", "cxxrtl"}));
   app.add_option("--policy", command.policy, "Only this entry of the list of policies.")
       ->check(CLI::Range(0, static_cast<int>(std::size(kPolicies)) - 1));
   app.add_option("--packets", command.packets,

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // The thin benches' common part. A bench names plans and cases of its unit; here every case runs
-// under several stall policies, memory latencies and initial register values, golden beside RTL.
+// under several stall policies, memory latencies and initial register values, golden beside RTL (or
+// its netlist, or its CXXRTL model).
 //
 // A bench program: --list; --plan NAME (a name of the bench, or random:N), --case NAME, --seed S,
-// --policy N, --packets N, and the rig's flags, which replace the list of policies when --stall* or
-// --latency is given. Exit status 0 when packets were checked and all were equal.
+// --policy N, --packets N, --backend NAME, and the rig's flags, which replace the list of policies
+// when --stall* or --latency is given. Exit status 0 when packets were checked and all were equal.
 #pragma once
 #include <array>
 #include <functional>

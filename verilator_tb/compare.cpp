@@ -47,8 +47,9 @@ void StreamComparer::differ(const void* golden, const void* other, uint64_t cycl
   if (!context_.rerun.empty())
     text += fmt::format(
         "  again, with a waveform of the window around it:\n"
-        "    {} --wave {}.fst --wave-unit {} --wave-cycles {}:{}",
-        context_.rerun, context_.unit, context_.unit, cycle > 1000 ? cycle - 1000 : 0, cycle + 50);
+        "    {} --wave {}.{} --wave-unit {} --wave-cycles {}:{}",
+        context_.rerun, context_.unit, context_.waveform, context_.unit,
+        cycle > 1000 ? cycle - 1000 : 0, cycle + 50);
   report(text);
 }
 

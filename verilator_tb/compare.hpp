@@ -24,6 +24,7 @@ struct Divergence : std::runtime_error {
 struct CompareContext {
   std::string unit;
   std::string backend = "rtl";
+  std::string waveform = "fst";  // of the waveforms that the backend writes
   uint64_t seed = 1;
   std::string plan;   // name or hash
   std::string rerun;  // command line that repeats the run; waveform options are appended

@@ -5,6 +5,7 @@
 #include <fmt/core.h>
 
 #include <filesystem>
+#include <iterator>
 #include <stdexcept>
 
 #include "golden/numeric/output_file.hpp"
@@ -17,6 +18,39 @@ namespace photonloom {
 
 namespace fs = std::filesystem;
 
+namespace {
+
+using model_tools::ModelInput;
+
+struct Builder {
+  const char* name;
+  std::string (*key)(const ModelInput&);
+  void (*build)(const ModelInput&);
+  const char* waveform;
+};
+
+// In the order of ModelKind.
+constexpr Builder kBuilders[] = {
+    {"rtl", [](const ModelInput&) { return model_tools::verilator_key(); },
+     model_tools::build_verilator, "fst"},
+    {"netlist", model_tools::netlist_key, model_tools::build_netlist, "fst"},
+    {"cxxrtl", model_tools::cxxrtl_key, model_tools::build_cxxrtl, "vcd"},
+};
+
+}  // namespace
+
+std::optional<ModelKind> model_kind(const std::string& name) {
+  for (size_t i = 0; i < std::size(kBuilders); ++i)
+    if (name == kBuilders[i].name) return static_cast<ModelKind>(i);
+  return std::nullopt;
+}
+
+std::string model_kind_name(ModelKind kind) { return kBuilders[static_cast<size_t>(kind)].name; }
+
+std::string waveform_extension(ModelKind kind) {
+  return kBuilders[static_cast<size_t>(kind)].waveform;
+}
+
 std::string build_model(const Plan& plan, const ModelSource& source) {
   using namespace model_tools;
   ModelInput in;
@@ -25,10 +59,13 @@ std::string build_model(const Plan& plan, const ModelSource& source) {
   in.ports = module_ports(rtl, source.unit);
   in.parameters = source.parameters;
   in.waveform = source.waveform;
+  in.yosys = source.yosys;
+  in.netlist = source.netlist;
+  const Builder& builder = kBuilders[static_cast<size_t>(source.kind)];
   // A unit alone does not read PlanHash; without it plans that differ elsewhere share a model.
   const std::string package = write_package(plan, 0);
   const std::vector<std::string> files = module_files(rtl, source.unit);
-  uint64_t key = text_hash(verilator_key(), 1);
+  uint64_t key = text_hash(builder.key(in), 1);
   key = text_hash(package, key);
   for (const std::string& file : files) key = text_hash(read_file(rtl + "/" + file), key);
   key = text_hash(source.waveform ? "waveform" : "", key);
@@ -39,7 +76,8 @@ std::string build_model(const Plan& plan, const ModelSource& source) {
   if (!fs::is_directory(source.work_dir))
     throw std::runtime_error(source.work_dir + ": cannot be made, needed for models");
   in.work = fs::canonical(source.work_dir).string();
-  in.base = fmt::format("{}/{}-{:016x}", in.work, source.unit, key);
+  in.base = fmt::format("{}/{}{}-{:016x}", in.work, source.unit,
+                        source.kind == ModelKind::kRtl ? "" : std::string("-") + builder.name, key);
   const std::string library = in.base + "/model.so";
   if (fs::exists(library)) return library;
   const Lock lock(in.base + ".lock");
@@ -53,7 +91,7 @@ std::string build_model(const Plan& plan, const ModelSource& source) {
     in.files.push_back(fs::path(file).filename().string());
     write_file(in.dir + "/" + in.files.back(), read_file(rtl + "/" + file));
   }
-  build_verilator(in);
+  builder.build(in);
   folder.commit();
   return library;
 }

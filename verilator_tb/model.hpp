@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// A unit's RTL as a loadable library: Verilated and compiled once per plan and source text, kept in
-// a work folder by the hash of everything that went into it.
+// A unit as a loadable library that simulates it: its RTL or its netlist by Verilator, or its RTL
+// by CXXRTL. Built once per plan and source text, kept in a work folder by the hash of everything
+// that went into it.
 #pragma once
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,18 +14,32 @@
 
 namespace photonloom {
 
+// What a library simulates: the RTL by Verilator; the ECP5 netlist that Yosys makes of it, by
+// Verilator with models of the part's cells (fpga/models and Yosys' own); the RTL by Yosys' CXXRTL.
+enum class ModelKind { kRtl, kNetlist, kCxxrtl };
+
+// "rtl", "netlist", "cxxrtl".
+std::optional<ModelKind> model_kind(const std::string& name);
+std::string model_kind_name(ModelKind kind);
+// Of the waveforms it writes, "fst" or "vcd".
+std::string waveform_extension(ModelKind kind);
+
 struct ModelSource {
   std::string unit;                      // module; of a generated package also photonloom_chip
   std::string rtl_dir;                   // empty: default_rtl_dir()
   std::string work_dir = "build/cosim";  // where libraries are kept
-  bool waveform = false;                 // a library that can write FST; a little slower
+  bool waveform = false;                 // a library that can write waveforms; a little slower
   // Parameters of the module other than the plan's, "Name=value" each.
   std::vector<std::string> parameters = {};
+  ModelKind kind = ModelKind::kRtl;
+  std::string yosys = "yosys";  // the command, where one is needed
+  // Of kNetlist: a Verilog netlist of the unit, instead of synthesizing one.
+  std::string netlist = {};
 };
 
-// Path of the library, built if it is not there (tens of seconds; needs verilator and a C++
-// compiler, $CXX or c++). Several processes may ask for the same one. A failure is an error with
-// the end of the tool's output.
+// Path of the library, built if it is not there (tens of seconds, a netlist minutes; needs a C++
+// compiler, $CXX or c++, Verilator for all but CXXRTL, Yosys for all but the RTL). Several
+// processes may ask for the same one. A failure is an error with the end of the tool's output.
 std::string build_model(const Plan& plan, const ModelSource& source);
 
 // A port's storage in the model: 1, 2, 4 or 8 bytes, or words of 32 bits least significant first.

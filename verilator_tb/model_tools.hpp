@@ -48,12 +48,28 @@ struct ModelInput {
   std::vector<ModulePort> ports;
   std::vector<std::string> parameters;  // "Name=value"
   bool waveform = false;
+  std::string yosys;    // the command
+  std::string netlist;  // a netlist that is there already; empty: it is synthesized
 };
 
-// A builder's key is everything beside the input that its library depends on: tools and their
-// versions, flags, text of its own. Asking for it is an error where a tool is missing.
+struct Yosys {
+  std::string version;  // "Yosys 0.23 (...)"
+  std::string share;    // its folder of cell libraries and headers
+};
+// An error where `command` is no Yosys.
+const Yosys& yosys(const std::string& command);
+// Script lines that read the unit with its parameters.
+std::string yosys_read(const ModelInput& in, const std::string& flags);
+
+// A builder's key is everything beside unit, sources, parameters and waveform that its library
+// depends on: tools and their versions, flags, text of its own. Asking for it is an error where a
+// tool is missing.
 std::string verilator_key();
+std::string netlist_key(const ModelInput& in);
+std::string cxxrtl_key(const ModelInput& in);
 void build_verilator(const ModelInput& in);
+void build_netlist(const ModelInput& in);
+void build_cxxrtl(const ModelInput& in);
 
 // Verilog in `files`, in that order, to dir/model.so. `flags` are Verilator's.
 void verilate(const ModelInput& in, const std::vector<std::string>& files,

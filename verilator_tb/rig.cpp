@@ -256,7 +256,7 @@ Rig::Rig(const Plan& plan, const std::string& unit, const RunOptions& options)
     : unit_(unit),
       options_(options),
       model_(build_model(plan, {unit, options.rtl_dir, options.work_dir, !options.waveform.empty(),
-                                options.parameters}),
+                                options.parameters, options.kind, options.yosys, options.netlist}),
              options.seed * 0x9e3779b97f4a7c15ull + options.initial_seed) {
   clock_ = model_.port("clk_i").data;
   reset_ = model_.port("rst_i").data;

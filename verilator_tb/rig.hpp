@@ -32,7 +32,10 @@ struct RunOptions {
   std::string rtl_dir;                  // empty: default_rtl_dir()
   std::vector<std::string> parameters;  // of the module, "Name=value", instead of the plan's
   std::string work_dir = "build/cosim";
-  std::string waveform;                             // FST file; empty: none
+  ModelKind kind = ModelKind::kRtl;
+  std::string yosys = "yosys";  // the command that makes netlists and CXXRTL models
+  std::string netlist;          // of kNetlist: simulated instead of synthesizing one
+  std::string waveform;         // file; empty: none
   uint64_t waveform_from = 0, waveform_to = ~0ull;  // cycles
   bool timeline = false;  // keep the cycle in which each packet went in and out
 };

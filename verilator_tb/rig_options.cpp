@@ -35,7 +35,11 @@ void RigFlags::add_to(CLI::App& command, const std::string& seed_flag) {
       "50000.");
   add("--rtl", rtl_, "Folder of the RTL sources, if not those of this build.");
   add("--work", work_, "Folder of the built models. Default build/cosim.");
-  add("--wave", wave_, "Write a waveform (FST) to this file.");
+  add("--yosys", yosys_, "The Yosys that makes netlists and CXXRTL models. Default yosys.");
+  add("--netlist", netlist_,
+      "With backend netlist: this Verilog netlist of the unit, made for the same plan, instead of "
+      "a synthesis.");
+  add("--wave", wave_, "Write a waveform to this file: FST, of CXXRTL models VCD.");
   add("--wave-unit", wave_unit_, "The unit to write it of.");
   add("--wave-cycles", wave_cycles_, "The cycles to write, FROM:TO.");
 }
@@ -67,6 +71,8 @@ RunOptions RigFlags::options(const std::string& unit) const {
   o.watchdog = watchdog_;
   o.rtl_dir = rtl_;
   o.work_dir = work_;
+  o.yosys = yosys_;
+  o.netlist = netlist_;
   if (wave_.empty() || (!wave_unit_.empty() && wave_unit_ != unit)) return o;
   o.waveform = wave_;
   if (!wave_cycles_.empty()) {
