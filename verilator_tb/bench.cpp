@@ -221,6 +221,7 @@ int run_bench(int argc, char** argv, const std::string& unit, const Bench& bench
   }
   try {
     command.seed = command.rig.options(unit).seed;
+    command.rig.check_netlist(command.backend == "netlist");
     std::vector<BenchPlan> plans;
     unsigned long long from = 0, to = 0;
     char extra = 0;

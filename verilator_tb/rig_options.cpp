@@ -87,14 +87,21 @@ RunOptions RigFlags::options(const std::string& unit) const {
   return o;
 }
 
+void RigFlags::check_netlist(size_t units) const {
+  if (!netlist_.empty() && units != 1)
+    throw std::runtime_error(fmt::format(
+        "--netlist {}: is of one unit, but {} run with backend netlist", netlist_, units));
+}
+
 void RigFlags::check_waveform(const std::set<std::string>& units) const {
   if (wave_.empty() && (!wave_unit_.empty() || !wave_cycles_.empty()))
     throw std::runtime_error("--wave-unit and --wave-cycles need --wave FILE");
   if (wave_.empty()) return;
   if (wave_unit_.empty() && units.size() > 1)
-    throw std::runtime_error("--wave: several units run as RTL; name one with --wave-unit");
+    throw std::runtime_error("--wave: several units run as hardware; name one with --wave-unit");
   if (!wave_unit_.empty() && !units.count(wave_unit_))
-    throw std::runtime_error(fmt::format("--wave-unit {}: no such unit runs as RTL", wave_unit_));
+    throw std::runtime_error(
+        fmt::format("--wave-unit {}: no such unit runs as hardware", wave_unit_));
 }
 
 }  // namespace photonloom

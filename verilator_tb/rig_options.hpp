@@ -18,6 +18,8 @@ class RigFlags {
 
   // A waveform is of one unit: an error where --wave does not say of which of several.
   void check_waveform(const std::set<std::string>& units) const;
+  // So is a netlist: an error where --netlist is given and not just one unit runs as netlist.
+  void check_netlist(size_t units) const;
 
  private:
   uint64_t seed_ = 1, initial_seed_ = 1;

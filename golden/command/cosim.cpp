@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -35,9 +36,10 @@ struct CosimOptions {
   bool keep_going = false, json = false;
 };
 
-// "a=rtl,b=golden" -> units to run as RTL.
-std::set<std::string> units_as_rtl(const std::string& text) {
-  std::set<std::string> named, rtl;
+// "a=rtl,b=golden" -> the units that do not run as golden, each with its backend.
+std::map<std::string, std::string> hardware_units(const std::string& text) {
+  std::set<std::string> named;
+  std::map<std::string, std::string> hardware;
   for (size_t at = 0; at <= text.size();) {
     const size_t end = std::min(text.find(',', at), text.size());
     const std::string item = text.substr(at, end - at);
@@ -45,18 +47,27 @@ std::set<std::string> units_as_rtl(const std::string& text) {
     const std::string unit = item.substr(0, equals),
                       backend = equals == std::string::npos ? "" : item.substr(equals + 1);
     if (std::find(std::begin(kUnits), std::end(kUnits), unit) == std::end(kUnits) ||
-        (backend != "rtl" && backend != "golden"))
+        (backend != "golden" && !model_kind(backend)))
       throw UsageError(fmt::format(
-          "--backend: '{}', expected UNIT=rtl or UNIT=golden with UNIT photon_gatherer, "
-          "reorder_buffer or cdf_sampler",
+          "--backend: '{}', expected UNIT=BACKEND with UNIT photon_gatherer, reorder_buffer or "
+          "cdf_sampler and BACKEND rtl, netlist, cxxrtl or golden",
           item));
     if (!named.insert(unit).second)
       throw UsageError(fmt::format("--backend: {} stands twice", unit));
-    if (backend == "rtl") rtl.insert(unit);
+    if (backend != "golden") hardware[unit] = backend;
     at = end + 1;
   }
-  if (rtl.empty()) throw UsageError("--backend: names no unit as rtl, there is nothing to compare");
-  return rtl;
+  if (hardware.empty())
+    throw UsageError(
+        "--backend: names no unit as rtl, netlist or cxxrtl, there is nothing to compare");
+  return hardware;
+}
+
+// What the hardware is called: its backend where all units have the same.
+std::string hardware_name(const std::map<std::string, std::string>& hardware) {
+  for (const auto& [unit, backend] : hardware)
+    if (backend != hardware.begin()->second) return "hardware";
+  return hardware.begin()->second;
 }
 
 // This program's command line as a shell takes it.
@@ -75,7 +86,7 @@ std::string command_line() {
   return text;
 }
 
-// One unit as RTL beside golden: owns both, and hands the frame the comparison.
+// One unit as hardware beside golden: owns both, and hands the frame the comparison.
 template <class Unit, class ClockedUnit>
 struct Side {
   std::unique_ptr<Unit> golden;
@@ -152,9 +163,17 @@ void print_units(const std::vector<UnitReport>& units) {
 
 void cosim(const CosimOptions& o) {
   const FrameRequest request = o.frame.request();
-  const std::set<std::string> rtl = units_as_rtl(o.backends);
+  const std::map<std::string, std::string> hardware = hardware_units(o.backends);
+  const std::string name = hardware_name(hardware);
   for (const char* unit : kUnits) o.rig.options(unit);  // bad values before long work
-  o.rig.check_waveform(rtl);
+  std::set<std::string> units_with_waves;
+  size_t netlists = 0;
+  for (const auto& [unit, backend] : hardware) {
+    units_with_waves.insert(unit);
+    netlists += backend == "netlist";
+  }
+  o.rig.check_netlist(netlists);
+  o.rig.check_waveform(units_with_waves);
   o.threads.apply();
   const std::string stem = std::filesystem::path(request.scene_file).stem().string();
   const std::string output =
@@ -179,58 +198,62 @@ void cosim(const CosimOptions& o) {
   Side<PhotonGatherer, ClockedPhotonGatherer> gatherer;
   Side<ReorderBuffer, ClockedReorderBuffer> reorder;
   Side<CdfSampler, ClockedCdfSampler> sampler;
-  Image rtl_image;
+  Image hardware_image;
   std::vector<UnitReport> reports;
   try {
     const auto options = [&](const std::string& unit) {
-      context.unit = unit;
       RunOptions run = o.rig.options(unit);
+      run.kind = *model_kind(hardware.at(unit));
+      context.unit = unit;
+      context.backend = hardware.at(unit);
+      context.waveform = waveform_extension(run.kind);
       run.timeline = o.timeline > 0;
       context.seed = run.seed;
       return run;
     };
     {
-      const ProgressPhase phase(&progress, "models", rtl.size(), "units");
-      if (rtl.count("photon_gatherer")) {
+      const ProgressPhase phase(&progress, "models", hardware.size(), "units");
+      if (hardware.count("photon_gatherer")) {
         const RunOptions run = options("photon_gatherer");
         units.photon_gatherer =
             gatherer.start(frame.plan, context, std::move(units.photon_gatherer),
                            make_rtl_photon_gatherer(frame.plan, run));
         phase.advance(1);
       }
-      if (rtl.count("reorder_buffer")) {
+      if (hardware.count("reorder_buffer")) {
         const RunOptions run = options("reorder_buffer");
         units.reorder_buffer = reorder.start(frame.plan, context, std::move(units.reorder_buffer),
                                              make_rtl_reorder_buffer(frame.plan, run));
         phase.advance(1);
       }
-      if (rtl.count("cdf_sampler")) {
+      if (hardware.count("cdf_sampler")) {
         const RunOptions run = options("cdf_sampler");
         units.cdf_sampler = sampler.start(frame.plan, context, std::move(units.cdf_sampler),
                                           make_rtl_cdf_sampler(frame.plan, run));
         phase.advance(1);
       }
     }
-    rtl_image = render_frame(frame.input(Arithmetic::kGolden), units, counts, &progress);
+    hardware_image = render_frame(frame.input(Arithmetic::kGolden), units, counts, &progress);
     if (gatherer.rtl) reports.push_back(report_of("photon_gatherer", gatherer));
     if (reorder.rtl) reports.push_back(report_of("reorder_buffer", reorder));
     if (sampler.rtl) reports.push_back(report_of("cdf_sampler", sampler));
   } catch (const RigError& error) {
     throw std::runtime_error(
-        fmt::format("{}\n  again, with a waveform:\n    {} --wave {}.fst --wave-unit {}",
-                    error.what(), context.rerun, error.unit, error.unit));
+        fmt::format("{}\n  again, with a waveform:\n    {} --wave {}.{} --wave-unit {}",
+                    error.what(), context.rerun, error.unit,
+                    waveform_extension(*model_kind(hardware.at(error.unit))), error.unit));
   }
 
   describe_frame(golden_image, frame, request, "golden");
-  describe_frame(rtl_image, frame, request, "golden");
+  describe_frame(hardware_image, frame, request, "golden");
   const std::string golden_file = folder.temporary() + "/golden.exr",
-                    rtl_file = folder.temporary() + "/rtl.exr";
+                    hardware_file = folder.temporary() + "/" + name + ".exr";
   write_exr(golden_image, golden_file);
-  write_exr(rtl_image, rtl_file);
+  write_exr(hardware_image, hardware_file);
   const auto exposure = exposure_for(golden_image, golden_file);
   write_png(golden_image, folder.temporary() + "/golden.png", exposure);
-  write_png(rtl_image, folder.temporary() + "/rtl.png", exposure);
-  const bool same = read_file(golden_file) == read_file(rtl_file);
+  write_png(hardware_image, folder.temporary() + "/" + name + ".png", exposure);
+  const bool same = read_file(golden_file) == read_file(hardware_file);
   write_file(folder.temporary() + "/timeline.json", timeline.json());
   write_plan(frame.plan, folder.temporary() + "/plan.toml", frame.reasons);
 
@@ -249,11 +272,9 @@ void cosim(const CosimOptions& o) {
     differences += u.differences;
     bypassed += u.bypassed();
     if (u.compared == 0 && idle.empty()) idle = u.unit;
-    Json entry = {{"packets", u.compared},
-                  {"differences", u.differences},
-                  {"bypassed", u.bypassed()},
-                  {"busy_percent", u.busy()},
-                  {"counters", u.counters}};
+    Json entry = {{"backend", hardware.at(u.unit)}, {"packets", u.compared},
+                  {"differences", u.differences},   {"bypassed", u.bypassed()},
+                  {"busy_percent", u.busy()},       {"counters", u.counters}};
     if (u.unit == "reorder_buffer")
       entry["mean_displacement"] = ratio(u.count("displacement"), u.count("packets matched"));
     summary["units"][u.unit] = entry;
@@ -278,40 +299,42 @@ void cosim(const CosimOptions& o) {
     print_units(reports);
     for (const UnitReport& u : reports)
       if (!u.first_difference.empty()) fmt::print("{}\n", u.first_difference);
-    fmt::print("golden {} rtl: {} packets, {} differences\n", differences ? "!=" : "==", compared,
-               differences);
-    fmt::print("image bytes of golden and rtl are {}\n", same ? "identical" : "different");
-    fmt::print("wrote {}: golden.exr, rtl.exr, timeline.json (Perfetto), summary.json, plan.toml\n",
-               output);
+    fmt::print("golden {} {}: {} packets, {} differences\n", differences ? "!=" : "==", name,
+               compared, differences);
+    fmt::print("image bytes of golden and {} are {}\n", name, same ? "identical" : "different");
+    fmt::print("wrote {}: golden.exr, {}.exr, timeline.json (Perfetto), summary.json, plan.toml\n",
+               output, name);
   }
   if (!idle.empty())
     throw CheckFailed(
         fmt::format("{} saw no packet: the plan of this scene gives it no work", idle));
   if (differences) throw CheckFailed(fmt::format("{} packets differ from golden", differences));
-  if (bypassed) throw CheckFailed(fmt::format("{} packets bypassed the RTL", bypassed));
-  if (!same) throw CheckFailed("the image of the RTL is not the golden image");
+  if (bypassed) throw CheckFailed(fmt::format("{} packets bypassed the hardware", bypassed));
+  if (!same) throw CheckFailed(fmt::format("the image of {} is not the golden image", name));
 }
 
 void add_cosim(CLI::App& app) {
   auto o = std::make_shared<CosimOptions>();
   CLI::App* c = app.add_subcommand("cosim", "A frame through the hardware, compared with golden");
   c->footer(
-      "Renders the frame twice: with golden units, and with the named units as RTL in Verilator.\n"
-      "Every packet of those is compared with golden's; the frame goes on with what the RTL gave.\n"
+      "Renders the frame twice: with golden units, and with the named units as hardware: rtl in\n"
+      "Verilator, its ECP5 netlist, or cxxrtl, its model by Yosys (docs/netlist.md).\n"
+      "Every packet of those is compared with golden's; the frame goes on with what they gave.\n"
       "Models are built once per plan and RTL source and kept in --work.\n"
       "Exit status 0 when all packets and the image's bytes are equal.\n\n"
       "Examples:\n"
       "  photonloom cosim scenes/cornell.xml --size 64x64 --spp 1 --gather-rays 16 --k 16 \\\n"
       "      --photons 50000\n"
+      "  photonloom cosim scenes/cornell.xml --size 32x32 --backend photon_gatherer=netlist\n"
       "  photonloom cosim scenes/cornell.xml --size 32x32 --backend reorder_buffer=rtl \\\n"
       "      --stall adversary --rig-seed 7");
   o->frame.add_to(*c);
   c->add_option("--backend", o->backends,
-                "Units and what stands for them, UNIT=rtl or UNIT=golden, with commas between "
-                "(default: all three as rtl)")
+                "Units and what stands for them: UNIT=rtl, =netlist, =cxxrtl or =golden, with "
+                "commas between (default: all three as rtl)")
       ->type_name("UNIT=B,...");
   c->add_flag("--keep-going", o->keep_going,
-              "Render to the end with the RTL's packets although they differ");
+              "Render to the end with the hardware's packets although they differ");
   c->add_option("-o,--output", o->output,
                 "Folder for images, timeline and summary (default: WORK/SCENE)")
       ->type_name("DIR");

@@ -81,14 +81,21 @@ void write_packets(const std::vector<P>& packets, const Plan& plan, const std::s
   fmt::print("wrote {}: {} {} packets\n", path, packets.size(), P::kName);
 }
 
+// Options of a unit that runs as hardware.
+RunOptions run_options(const ReplayOptions& o) {
+  RunOptions run = o.rig.options(o.unit);
+  run.kind = *model_kind(o.backend);
+  return run;
+}
+
 void replay_photon_gatherer(const ReplayOptions& o, const Plan& plan) {
   const PhotonMap global = load_map(o.photons, plan, false);
   const PhotonMap caustic = load_map(o.caustics, plan, true);
   const std::vector<GatherQuery> in = read_trace<GatherQuery>(o.packets, plan);
   std::unique_ptr<PhotonGatherer> unit;
   ClockedPhotonGatherer* clocked = nullptr;
-  if (o.backend == "rtl") {
-    auto rtl = make_rtl_photon_gatherer(plan, o.rig.options("photon_gatherer"));
+  if (model_kind(o.backend)) {
+    auto rtl = make_rtl_photon_gatherer(plan, run_options(o));
     clocked = rtl.get();
     unit = std::move(rtl);
   } else {
@@ -111,8 +118,8 @@ void replay_photon_gatherer(const ReplayOptions& o, const Plan& plan) {
 void replay_reorder_buffer(const ReplayOptions& o, const Plan& plan) {
   const std::vector<GatherQuery> in = read_trace<GatherQuery>(o.packets, plan);
   std::vector<GatherQuery> out;
-  if (o.backend == "rtl") {
-    const auto rtl = make_rtl_reorder_buffer(plan, o.rig.options("reorder_buffer"));
+  if (model_kind(o.backend)) {
+    const auto rtl = make_rtl_reorder_buffer(plan, run_options(o));
     rtl->process(in, out);
     rtl->finish();
   } else {
@@ -148,8 +155,8 @@ void replay_cdf_sampler(const ReplayOptions& o, const Plan& plan) {
     in.push_back(p);
   });
   std::vector<Sample> out;
-  if (o.backend == "rtl") {
-    const auto rtl = make_rtl_cdf_sampler(plan, o.rig.options("cdf_sampler"));
+  if (model_kind(o.backend)) {
+    const auto rtl = make_rtl_cdf_sampler(plan, run_options(o));
     rtl->process(in, out);
     rtl->finish();
   } else {
@@ -165,6 +172,7 @@ void replay(const ReplayOptions& o) {
   if (!gatherer && !(o.photons.empty() && o.caustics.empty()))
     throw UsageError(fmt::format("{} has no meaning for {}",
                                  o.photons.empty() ? "--caustics" : "--photons", o.unit));
+  o.rig.check_netlist(o.backend == "netlist");
   const Plan plan = read_plan(o.plan);
   if (gatherer)
     replay_photon_gatherer(o, plan);
@@ -201,8 +209,8 @@ void add_replay(CLI::App& app) {
   c->add_option("--caustics", o->caustics, "The caustic map's photons (photon_gatherer)")
       ->type_name("FILE.jsonl");
   c->add_option("--backend", o->backend,
-                "rtl (default), golden, or brute: gathers by trying every photon")
-      ->check(CLI::IsMember({"rtl", "golden", "brute"}))
+                "rtl (default), netlist, cxxrtl, golden, or brute: gathers by trying every photon")
+      ->check(CLI::IsMember({"rtl", "netlist", "cxxrtl", "golden", "brute"}))
       ->type_name("NAME");
   c->add_option("-o,--output", o->output, "Packets that came out")
       ->required()
