@@ -1,0 +1,429 @@
+// SPDX-License-Identifier: Apache-2.0
+// The host's side of the link against a double of the board: bytes that are changed, lost or
+// doubled, boards that go away, journals.
+#include <fcntl.h>
+#include <fmt/core.h>
+#include <stdlib.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <regex>
+
+#include "golden/numeric/output_file.hpp"
+#include "host/photon_gatherer.hpp"
+#include "tests/catch.hpp"
+#include "tests/command/run.hpp"
+#include "tests/photon_sets.hpp"
+#include "tests/units/board_double.hpp"
+
+using namespace photonloom;
+using namespace photonloom::test;
+
+namespace {
+
+// A small plan with both maps, their photons, queries of every kind and golden's answers.
+struct Case {
+  Plan plan;
+  PhotonMap global, caustic;
+  std::vector<GatherQuery> queries;
+  std::vector<GatherResult> results;
+  std::vector<GatherPhoton> photons;
+
+  explicit Case(size_t n = 300) {
+    plan.k = 6;
+    plan.global = {.present = true, .photons = 203, .r2_max = plan.r2_limit()};
+    plan.caustic = {.present = true, .photons = 90, .r2_max = plan.r2_limit() / 64};
+    plan.replay_queries = 512;
+    global = build_photon_map(make_photons(plan, PointSet::kSurfaces, 203, 1), plan);
+    caustic = build_photon_map(make_photons(plan, PointSet::kClustered, 90, 2), plan);
+    for (size_t i = 0; i < n; ++i) {
+      queries.push_back(make_query(plan, PointSet::kSurfaces, 3, i));
+      queries.back().map = i % 5 == 0;
+      queries.back().want_photons = i % 3 == 0;
+      queries.back().flush = i % 41 == 40;
+    }
+    const auto golden = make_golden_photon_gatherer(plan);
+    golden->load(global, caustic);
+    golden->process(queries, results, photons);
+  }
+
+  std::unique_ptr<BoardDouble> board() const {
+    auto double_ = std::make_unique<BoardDouble>(plan);
+    double_->set_maps(global, caustic);
+    return double_;
+  }
+};
+
+struct Run {
+  std::vector<GatherResult> results;
+  std::vector<GatherPhoton> photons;
+  Counters counters;
+};
+
+// All queries, in three calls.
+Run run_on(const Case& c, BoardOptions options) {
+  BoardPhotonGatherer unit(c.plan, std::move(options));
+  unit.load(c.global, c.caustic);
+  Run run;
+  const std::span<const GatherQuery> in = c.queries;
+  const size_t cuts[] = {0, in.size() / 7, in.size() / 2, in.size()};
+  for (size_t i = 0; i < 3; ++i)
+    unit.process(in.subspan(cuts[i], cuts[i + 1] - cuts[i]), run.results, run.photons);
+  run.counters = unit.counters();
+  return run;
+}
+
+void check_equal(const Case& c, const Run& run) {
+  CHECK(run.results == c.results);
+  CHECK(run.photons == c.photons);
+}
+
+}  // namespace
+
+TEST_CASE("CRC-32 and frames") {
+  const std::string digits = "123456789";
+  CHECK(link_crc({reinterpret_cast<const uint8_t*>(digits.data()), digits.size()}) == 0xCBF43926);
+  const Bytes content{0xC0, 0x01, 0xDB, 0xDC, 0xDD, 0x00};
+  const Bytes wire = encode_frame(content);
+  const Bytes start{0xC0, 0xDB, 0xDC, 0x01, 0xDB, 0xDD, 0xDC, 0xDD, 0x00};
+  CHECK(Bytes(wire.begin(), wire.begin() + static_cast<long>(start.size())) == start);
+  CHECK(wire.back() == 0xC0);
+  FrameDecoder decoder;
+  for (int i = 0; i < 3; ++i) {
+    std::optional<Bytes> got;
+    for (const uint8_t byte : wire)
+      if (auto g = decoder.take(byte)) got = g;
+    REQUIRE(got);
+    CHECK(*got == content);
+  }
+  CHECK(decoder.bad() == 0);
+}
+
+TEST_CASE("no frame with one byte changed, lost or doubled is taken for another") {
+  Bytes content;
+  for (int i = 0; i < 40; ++i) content.push_back(static_cast<uint8_t>(hash_bits(1, i, 0, 0)));
+  content[5] = 0xC0;
+  content[9] = 0xDB;
+  const Bytes wire = encode_frame(content), next = encode_frame(Bytes{1, 2, 3});
+  const auto check = [&](Bytes harmed) {
+    harmed.insert(harmed.end(), next.begin(), next.end());
+    FrameDecoder decoder;
+    std::vector<Bytes> got;
+    for (const uint8_t byte : harmed)
+      if (auto g = decoder.take(byte)) got.push_back(*g);
+    // The next frame always arrives; of this one everything or nothing.
+    REQUIRE(!got.empty());
+    CHECK(got.back() == Bytes{1, 2, 3});
+    for (size_t i = 0; i + 1 < got.size(); ++i) CHECK(got[i] == content);
+  };
+  for (size_t at = 0; at + 1 < wire.size(); ++at) {
+    for (int value = 0; value < 256; ++value) {
+      Bytes harmed = wire;
+      harmed[at] = static_cast<uint8_t>(value);
+      check(harmed);
+    }
+    Bytes harmed = wire;
+    harmed.erase(harmed.begin() + static_cast<long>(at));
+    check(harmed);
+    harmed = wire;
+    harmed.insert(harmed.begin() + static_cast<long>(at), wire[at]);
+    check(harmed);
+  }
+}
+
+TEST_CASE("registers are those of docs/host-link.md") {
+  const std::string page = read_file(source("docs/host-link.md"));
+  const std::map<std::string, uint32_t> registers{{"Magic", kRegMagic},
+                                                  {"Version", kRegVersion},
+                                                  {"PlanHash", kRegPlanHash},
+                                                  {"Session", kRegSession},
+                                                  {"Gatherers", kRegGatherers},
+                                                  {"RxBytes", kRegRxBytes},
+                                                  {"InputRoom", kRegInputRoom},
+                                                  {"InputPosition", kRegInputPosition},
+                                                  {"OutputFirst", kRegOutputFirst},
+                                                  {"ClockKHz", kRegClockKhz},
+                                                  {"Flags", kRegFlags},
+                                                  {"FramesBad", kRegFramesBad},
+                                                  {"BytesLost", kRegBytesLost},
+                                                  {"ReplayControl", kRegReplayControl},
+                                                  {"ReplayQueries", kRegReplayQueries},
+                                                  {"ReplayPasses", kRegReplayPasses},
+                                                  {"ReplayMode", kRegReplayMode},
+                                                  {"ReplayCycles", kRegReplayCycles},
+                                                  {"ReplaySignature", kRegReplaySignature},
+                                                  {"ReplayResults", kRegReplayResults}};
+  const std::regex row("\\| ([0-9]+)[^|]* \\| `([A-Za-z]+)`");
+  size_t rows = 0;
+  for (std::sregex_iterator at(page.begin(), page.end(), row), end; at != end; ++at, ++rows) {
+    INFO(at->str());
+    REQUIRE(registers.count((*at)[2]));
+    CHECK(registers.at((*at)[2]) == std::stoul((*at)[1]));
+  }
+  CHECK(rows == registers.size());
+}
+
+TEST_CASE("a board answers as golden does") {
+  const Case c;
+  const Scratch scratch;
+  const auto board = c.board();
+  const Run run =
+      run_on(c, {.open = [&] { return std::make_unique<FaultyLink>(*board, Faults{}, 1); },
+                 .device = "double",
+                 .work_dir = scratch / "work"});
+  check_equal(c, run);
+  CHECK(board->loaded());
+  CHECK(board->asked == c.queries.size());
+  CHECK(run.counters.at("packets in") == c.queries.size());
+  CHECK(run.counters.at("link frames again") == 0);
+  CHECK(scratch.entries() == 1);
+  CHECK(std::filesystem::is_empty(scratch / "work"));  // no journal is left
+}
+
+TEST_CASE("harmed bytes cost time and no packet") {
+  const Case c;
+  const Faults kinds[] = {{300, 0, 0}, {0, 300, 0}, {0, 0, 300}, {900, 900, 900}, {400, 400, 400}};
+  uint64_t again = 0;
+  for (const Faults& faults : kinds)
+    for (uint64_t seed = 1; seed <= 6; ++seed) {
+      INFO("1 in " << faults.corrupt << ", " << faults.drop << ", " << faults.duplicate << ", seed "
+                   << seed);
+      const Scratch scratch;
+      const auto board = c.board();
+      board->rx_bytes = seed % 2 ? 600 : 4000;
+      board->output_room = seed % 3 ? 60 : 1000;
+      const Run run =
+          run_on(c, {.open = [&] { return std::make_unique<FaultyLink>(*board, faults, seed); },
+                     .device = "double",
+                     .wait = 1000,
+                     .work_dir = scratch / "work"});
+      check_equal(c, run);
+      CHECK(board->asked == c.queries.size());  // each query once, however often it was sent
+      again += run.counters.at("link frames again");
+    }
+  CHECK(again > 500);
+}
+
+TEST_CASE("a board that comes back goes on, with or without its memory") {
+  const Case c;
+  for (const bool reset : {false, true}) {
+    const Scratch scratch;
+    const auto board = c.board();
+    uint64_t opened = 0;
+    std::vector<std::string> told;
+    const Run run =
+        run_on(c, {.open =
+                       [&] {
+                         if (opened && reset) board->reset();
+                         const uint64_t until_lost = opened == 0 || reset ? 6500 : 1500;
+                         ++opened;
+                         return std::make_unique<FaultyLink>(*board, Faults{}, 1, until_lost);
+                       },
+                   .device = "double",
+                   .work_dir = scratch / "work",
+                   .tell = [&](const std::string& text) { told.push_back(text); }});
+    check_equal(c, run);
+    CHECK(opened >= 3);
+    CHECK(run.counters.at("link lost") == opened - 1);
+    REQUIRE(told.size() == 2 * (opened - 1));
+    CHECK(told[0] == "double: is gone; waiting 10 seconds for it to come back");
+    CHECK(told[1] == "double is back");
+    const PhotonGathererImage image = photon_gatherer_image(c.plan, c.global, c.caustic);
+    CHECK(board->loads == (reset ? opened : 1) * image.cfg.size());
+  }
+}
+
+TEST_CASE("a board that stays away is given up, and the next run goes on") {
+  const Case c;
+  const Scratch scratch;
+  const auto board = c.board();
+  bool plugged = true;
+  BoardOptions options{.open = [&]() -> std::unique_ptr<ByteLink> {
+                         if (!plugged) throw LinkLost("double: cannot be opened");
+                         plugged = false;
+                         return std::make_unique<FaultyLink>(*board, Faults{}, 1, 9000);
+                       },
+                       .device = "double",
+                       .wait = 0.3,
+                       .work_dir = scratch / "work"};
+  std::string message;
+  try {
+    run_on(c, options);
+  } catch (const LinkLost& lost) {
+    message = lost.what();
+  }
+  CHECK_THAT(message, ContainsSubstring("double: did not come back within 0.3 seconds; ") &&
+                          ContainsSubstring(" answers are kept in ") &&
+                          ContainsSubstring(", the same command goes on after them"));
+  REQUIRE(std::distance(std::filesystem::directory_iterator(scratch / "work"), {}) == 1);
+  const std::string journal = std::filesystem::directory_iterator(scratch / "work")->path();
+
+  const uint64_t asked = board->asked;
+  CHECK(asked > 40);
+  CHECK(asked < c.queries.size());
+  const auto second = [&](bool resume) {
+    board->asked = 0;
+    board->reset();
+    return run_on(c, {.open = [&] { return std::make_unique<FaultyLink>(*board, Faults{}, 1); },
+                      .device = "double",
+                      .work_dir = scratch / "work",
+                      .resume = resume});
+  };
+
+  SECTION("from the last answer that came") {
+    const Run run = second(true);
+    check_equal(c, run);
+    const uint64_t resumed = run.counters.at("packets resumed");
+    CHECK(resumed > 30);
+    CHECK(resumed <= asked);
+    CHECK(board->asked == c.queries.size() - resumed);
+    CHECK(!std::filesystem::exists(journal));
+  }
+  SECTION("or from the start") {
+    const Run run = second(false);
+    check_equal(c, run);
+    CHECK(board->asked == c.queries.size());
+  }
+  SECTION("a journal cut off or damaged anywhere is used up to there") {
+    const std::string whole = read_file(journal);
+    for (size_t at = 0; at < whole.size(); at += whole.size() / 23) {
+      for (const bool cut : {true, false}) {
+        std::string harmed = cut ? whole.substr(0, at) : whole;
+        if (!cut) harmed[at] = static_cast<char>(harmed[at] ^ 0x40);
+        write_file(journal, harmed);
+        const Run run = second(true);
+        check_equal(c, run);
+        CHECK(board->asked >= c.queries.size() - asked);
+        CHECK(board->asked == c.queries.size() - run.counters.at("packets resumed"));
+      }
+    }
+  }
+  SECTION("a run that asks something else takes only what it asks for") {
+    Case other;
+    std::swap(other.queries[20], other.queries[21]);
+    other.results.clear();
+    other.photons.clear();
+    const auto golden = make_golden_photon_gatherer(other.plan);
+    golden->load(other.global, other.caustic);
+    golden->process(other.queries, other.results, other.photons);
+    board->asked = 0;
+    const Run run =
+        run_on(other, {.open = [&] { return std::make_unique<FaultyLink>(*board, Faults{}, 1); },
+                       .device = "double",
+                       .work_dir = scratch / "work"});
+    check_equal(other, run);
+    CHECK(run.counters.at("packets resumed") == 20);
+    CHECK(board->asked == c.queries.size() - 20);
+  }
+}
+
+TEST_CASE("what answers must be this plan's bitstream") {
+  const Case c(10);
+  const auto board = c.board();
+  const auto message = [&] {
+    try {
+      BoardPhotonGatherer unit(
+          c.plan, {.open = [&] { return std::make_unique<FaultyLink>(*board, Faults{}, 1); },
+                   .device = "double",
+                   .wait = 0.1});
+      return std::string("accepted");
+    } catch (const WrongBoard& wrong) {
+      return std::string(wrong.what());
+    } catch (const LinkLost& lost) {
+      return std::string(lost.what());
+    }
+  };
+  CHECK(message() == "accepted");
+  board->hash ^= 0x100;
+  CHECK_THAT(message(),
+             ContainsSubstring(fmt::format("double: holds the bitstream of plan {:016x}, but this "
+                                           "is plan {}; build the bitstream",
+                                           board->hash, plan_hash_text(c.plan))));
+  board->version = 9;
+  CHECK_THAT(message(),
+             ContainsSubstring("speaks version 9 of the host link, this program version 1"));
+  board->magic = 1;
+  CHECK_THAT(message(), ContainsSubstring("this is no Photonloom board"));
+  board->mute = true;
+  CHECK_THAT(message(), ContainsSubstring("double: no answer for 0.1 seconds"));
+}
+
+TEST_CASE("a board that hangs or says too much") {
+  const Case c(40);
+  const Scratch scratch;
+  const auto board = c.board();
+  const auto run = [&] {
+    return run_on(c, {.open = [&] { return std::make_unique<FaultyLink>(*board, Faults{}, 1); },
+                      .device = "double",
+                      .wait = 0.2,
+                      .work_dir = scratch / "work"});
+  };
+  SECTION("a packet too many is handed on") {
+    board->one_photon_too_many = true;
+    CHECK(run().photons != c.photons);
+  }
+  SECTION("no result is not waited for without end") {
+    board->stuck = true;
+    CHECK_THROWS_WITH(run(), ContainsSubstring("the board answers, but no result came for 0.2 "
+                                               "seconds, after 0 of 5 queries"));
+  }
+}
+
+TEST_CASE("a replay through the link") {
+  const Case c(200);
+  const auto double_ = c.board();
+  Board board(std::make_unique<FaultyLink>(*double_, Faults{500, 500, 500}, 3), 1000);
+  board.start_session(77);
+  board.load(c.plan, photon_gatherer_image(c.plan, c.global, c.caustic));
+  const Board::Replay one = board.replay(c.plan, c.queries, 1, 0);
+  const Board::Replay two = board.replay(c.plan, c.queries, 2, 0);
+  CHECK(one.results == c.queries.size());
+  CHECK(two.results == 2 * c.queries.size());
+  CHECK(one.signature != two.signature);
+  CHECK_THROWS_WITH(board.replay(c.plan, {}, 1, 0), ContainsSubstring("holds 1 to 512"));
+}
+
+TEST_CASE("names of devices") {
+  CHECK(parse_device("/dev/ttyUSB0").path == "/dev/ttyUSB0");
+  CHECK(parse_device("/dev/ttyUSB0").baud == kDefaultBaud);
+  CHECK(parse_device("/dev/ttyUSB0@3000000").baud == 3000000);
+  CHECK(parse_device("/dev/a@b@115200").path == "/dev/a@b");
+  for (const char* wrong : {"", "@115200", "/dev/ttyUSB0@", "/dev/ttyUSB0@fast", "/dev/ttyUSB0@1"})
+    CHECK_THROWS_AS(parse_device(wrong), std::runtime_error);
+}
+
+TEST_CASE("serial ports") {
+  CHECK_THROWS_WITH(open_serial({"/nonexistent/tty", 115200}),
+                    ContainsSubstring("/nonexistent/tty: cannot be opened: No such file"));
+  CHECK_THROWS_WITH(open_serial({"/dev/null", 115200}),
+                    "/dev/null: is no serial port or pseudo-terminal");
+
+  const int master = posix_openpt(O_RDWR | O_NOCTTY);
+  REQUIRE(master >= 0);
+  REQUIRE(grantpt(master) == 0);
+  REQUIRE(unlockpt(master) == 0);
+  const std::string name = ptsname(master);
+  const auto port = open_serial({name, 3000000});
+  CHECK_THROWS_WITH(open_serial({name, 3000000}),
+                    ContainsSubstring("is in use by another program"));
+  // Every byte passes both ways as it is, those that mean something to a terminal too.
+  Bytes all(256);
+  for (size_t i = 0; i < all.size(); ++i) all[i] = static_cast<uint8_t>(i);
+  Bytes got(512);
+  port->write(all);
+  CHECK(::read(master, got.data(), got.size()) == 256);
+  got.resize(256);
+  CHECK(got == all);
+  REQUIRE(::write(master, all.data(), all.size()) == 256);
+  Bytes back;
+  while (back.size() < 256) {
+    const size_t n = port->read(got, 1);
+    REQUIRE(n > 0);
+    back.insert(back.end(), got.begin(), got.begin() + static_cast<long>(n));
+  }
+  CHECK(back == all);
+  CHECK(port->read(got, 0.01) == 0);
+  close(master);
+  CHECK_THROWS_AS(port->read(got, 1), LinkLost);
+}
