@@ -10,8 +10,9 @@
 // (WRITETHROUGH) or the old one (READBEFOREWRITE). RST clears the output alone, and with RESETMODE "SYNC" keeps the
 // port from writing. REGMODE "OUTREG" puts a register with its own enable OCE behind the output.
 //
-// Collision: bits that the other port writes in the cycle in which they are read are undefined on the part; here they
-// come out inverted, so that whoever uses them fails. Two writes of one bit in one cycle are undefined too.
+// Collision: what is read of bits that the other port is set to write is undefined on the part when both clocks come
+// together; here such bits are read inverted, so that whoever uses them fails. Two writes of one bit at once are
+// undefined too.
 //
 // Behaviour: Lattice FPGA-TN-02204 (ECP5 memory usage guide); which of its forms occur: Yosys, techlibs/ecp5.
 module DP16KD #(
