@@ -17,9 +17,8 @@ namespace photonloom {
 namespace {
 
 constexpr const char* kCounterNames[] = {
-    "busy",          "queries",         "nodes",        "dropped",       "leaves",
-    "candidates",    "insertions",      "cache hits",   "line requests", "input waited",
-    "result waited", "reorder packets", "lines served", "memory busy",
+    "busy",      "queries",        "nodes",          "leaves",    "insertions",   "line requests",
+    "stalls in", "stalls results", "stalls photons", "reordered", "lines served", "memory busy",
 };
 
 constexpr size_t kRegisters = kRegCounters + 2 * std::size(kCounterNames);

@@ -373,7 +373,7 @@ Counters BoardPhotonGatherer::counters() const {
   c["link frames again"] = sum(&LinkCounts::repeated);
   // As the other backends call them.
   c["cycles"] = c["busy"];
-  c["cache misses"] = c["line requests"];
+  c["stalls out"] = c["stalls results"] + c["stalls photons"];
   c["bytes read"] = c["line requests"] * static_cast<uint64_t>(plan_.line_bytes());
   return c;
 }

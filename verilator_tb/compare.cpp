@@ -30,13 +30,15 @@ void StreamComparer::differ(const void* golden, const void* other, uint64_t cycl
   std::vector<uint32_t> g(layout_.words()), o(layout_.words());
   layout_.pack(golden, g.data());
   layout_.pack(other, o.data());
+  const bool simulated = !context_.waveform.empty();
   std::string text = fmt::format(
       "{0}, stream {1}: packet {2} differs from golden ({3} matched before)\n"
-      "  cycle {4}, seed {5}, plan {6}\n  input  {7}\n  golden {8}\n  {9:6} {10}\n"
-      "    {11:<24}{12:>24}{13:>24}  unit\n",
-      context_.unit, stream_, compared_, matched_, cycle, context_.seed, context_.plan, input,
-      to_hex(g.data(), layout_.bits()), context_.backend, to_hex(o.data(), layout_.bits()), "field",
-      "golden", context_.backend);
+      "  {4}plan {5}\n  input  {6}\n  golden {7}\n  {8:6} {9}\n"
+      "    {10:<24}{11:>24}{12:>24}  unit\n",
+      context_.unit, stream_, compared_, matched_,
+      simulated ? fmt::format("cycle {}, seed {}, ", cycle, context_.seed) : "", context_.plan,
+      input, to_hex(g.data(), layout_.bits()), context_.backend, to_hex(o.data(), layout_.bits()),
+      "field", "golden", context_.backend);
   for (const FieldPlace& f : layout_.fields())
     for (int i = 0; i < f.elements; ++i) {
       const uint64_t a = layout_.get(golden, f, i), b = layout_.get(other, f, i);
@@ -44,7 +46,9 @@ void StreamComparer::differ(const void* golden, const void* other, uint64_t cycl
                           f.array ? fmt::format("{}[{}]", f.name, i) : f.name, a, b,
                           f.unit.empty() ? "" : "  ", f.unit);
     }
-  if (!context_.rerun.empty())
+  if (!context_.rerun.empty() && !simulated)
+    text += "  again:\n    " + context_.rerun;
+  else if (!context_.rerun.empty())
     text += fmt::format(
         "  again, with a waveform of the window around it:\n"
         "    {} --wave {}.{} --wave-unit {} --wave-cycles {}:{}",
@@ -77,10 +81,11 @@ std::string label(const P& p) {
 class ComparingPhotonGatherer final : public Comparing<PhotonGatherer> {
  public:
   ComparingPhotonGatherer(const Plan& plan, const CompareContext& context, PhotonGatherer& golden,
-                          ClockedPhotonGatherer& other)
+                          PhotonGatherer& other)
       : plan_(plan),
         golden_(golden),
         other_(other),
+        clocked_(dynamic_cast<const Clocked*>(&other)),
         timeline_(context.timeline),
         results_(PacketLayout::of<GatherResult>(plan), "result", context),
         photons_(PacketLayout::of<GatherPhoton>(plan), "photon", context) {}
@@ -98,10 +103,9 @@ class ComparingPhotonGatherer final : public Comparing<PhotonGatherer> {
     const size_t result0 = results.size(), photon0 = photons.size();
     other_.process(in, results, photons);
     results_.compare<GatherResult>(golden_results, std::span(results).subspan(result0),
-                                   other_.out_cycles(0),
-                                   [&](size_t i) { return text_of(plan_, in[i]); });
+                                   out_cycles(0), [&](size_t i) { return text_of(plan_, in[i]); });
     photons_.compare<GatherPhoton>(golden_photons, std::span(photons).subspan(photon0),
-                                   other_.out_cycles(1), [&](size_t i) {
+                                   out_cycles(1), [&](size_t i) {
                                      // The query whose photons hold the i-th.
                                      for (size_t q = 0; q < in.size(); ++q) {
                                        if (!in[q].want_photons || in[q].flush) continue;
@@ -111,10 +115,10 @@ class ComparingPhotonGatherer final : public Comparing<PhotonGatherer> {
                                      }
                                      return std::string("none");
                                    });
-    const auto from = other_.in_cycles(), to = other_.out_cycles(0);
-    if (timeline_)
-      for (size_t i = 0; i < std::min({in.size(), from.size(), to.size()}); ++i)
-        timeline_->add("photon_gatherer", label(in[i]), from[i], to[i]);
+    if (!timeline_ || !clocked_) return;
+    const auto from = clocked_->in_cycles(), to = out_cycles(0);
+    for (size_t i = 0; i < std::min({in.size(), from.size(), to.size()}); ++i)
+      timeline_->add("photon_gatherer", label(in[i]), from[i], to[i]);
   }
   Counters counters() const override { return other_.counters(); }
   uint64_t packets_in() const override { return packets_in_; }
@@ -125,9 +129,13 @@ class ComparingPhotonGatherer final : public Comparing<PhotonGatherer> {
   }
 
  private:
+  std::span<const uint64_t> out_cycles(int stream) const {
+    return clocked_ ? clocked_->out_cycles(stream) : std::span<const uint64_t>{};
+  }
   Plan plan_;
   PhotonGatherer& golden_;
-  ClockedPhotonGatherer& other_;
+  PhotonGatherer& other_;
+  const Clocked* clocked_;  // the other one, if it has a clock
   Timeline* timeline_;
   uint64_t packets_in_ = 0;
   StreamComparer results_, photons_;
@@ -223,7 +231,7 @@ class ComparingStreams final : public Comparing<Unit> {
 std::unique_ptr<Comparing<PhotonGatherer>> compare_units(const Plan& plan,
                                                          const CompareContext& context,
                                                          PhotonGatherer& golden,
-                                                         ClockedPhotonGatherer& other) {
+                                                         PhotonGatherer& other) {
   return std::make_unique<ComparingPhotonGatherer>(plan, context, golden, other);
 }
 

@@ -97,6 +97,7 @@ void RigFlags::check_waveform(const std::set<std::string>& units) const {
   if (wave_.empty() && (!wave_unit_.empty() || !wave_cycles_.empty()))
     throw std::runtime_error("--wave-unit and --wave-cycles need --wave FILE");
   if (wave_.empty()) return;
+  if (units.empty()) throw std::runtime_error("--wave: no unit is simulated");
   if (wave_unit_.empty() && units.size() > 1)
     throw std::runtime_error("--wave: several units run as hardware; name one with --wave-unit");
   if (!wave_unit_.empty() && !units.count(wave_unit_))

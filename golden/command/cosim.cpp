@@ -15,6 +15,7 @@
 #include "golden/command/frame_options.hpp"
 #include "golden/image/sheet.hpp"
 #include "golden/numeric/output_file.hpp"
+#include "host/photon_gatherer.hpp"
 #include "verilator_tb/backends.hpp"
 #include "verilator_tb/compare.hpp"
 #include "verilator_tb/rig_options.hpp"
@@ -33,33 +34,56 @@ struct CosimOptions {
   RigFlags rig;
   std::string backends = "photon_gatherer=rtl,reorder_buffer=rtl,cdf_sampler=rtl", output;
   uint64_t timeline = 5000;
-  bool keep_going = false, json = false;
+  bool keep_going = false, json = false, no_resume = false;
+  double board_wait = 10;
 };
 
-// "a=rtl,b=golden" -> the units that do not run as golden, each with its backend.
-std::map<std::string, std::string> hardware_units(const std::string& text) {
+constexpr const char* kBoard = "board";
+
+// The units that do not run as golden, each with its backend.
+struct Hardware {
+  std::map<std::string, std::string> units;
+  std::string device;  // of the board, where a unit runs on one
+};
+
+// From "a=rtl,b=golden,c=board:DEVICE".
+Hardware hardware_units(const std::string& text) {
   std::set<std::string> named;
-  std::map<std::string, std::string> hardware;
+  Hardware hardware;
   for (size_t at = 0; at <= text.size();) {
     const size_t end = std::min(text.find(',', at), text.size());
     const std::string item = text.substr(at, end - at);
     const size_t equals = item.find('=');
-    const std::string unit = item.substr(0, equals),
-                      backend = equals == std::string::npos ? "" : item.substr(equals + 1);
+    const std::string unit = item.substr(0, equals);
+    std::string backend = equals == std::string::npos ? "" : item.substr(equals + 1);
+    const size_t colon = backend.find(':');
+    const bool board = backend.substr(0, colon) == kBoard && colon != std::string::npos;
     if (std::find(std::begin(kUnits), std::end(kUnits), unit) == std::end(kUnits) ||
-        (backend != "golden" && !model_kind(backend)))
+        (backend != "golden" && !board && !model_kind(backend)))
       throw UsageError(fmt::format(
           "--backend: '{}', expected UNIT=BACKEND with UNIT photon_gatherer, reorder_buffer or "
-          "cdf_sampler and BACKEND rtl, netlist, cxxrtl or golden",
+          "cdf_sampler and BACKEND rtl, netlist, cxxrtl, board:DEVICE or golden",
           item));
     if (!named.insert(unit).second)
       throw UsageError(fmt::format("--backend: {} stands twice", unit));
-    if (backend != "golden") hardware[unit] = backend;
+    if (board) {
+      if (unit != "photon_gatherer")
+        throw UsageError(
+            fmt::format("--backend: '{}', a board has photon_gatherer only behind its link", item));
+      hardware.device = backend.substr(colon + 1);
+      try {
+        parse_device(hardware.device);
+      } catch (const std::runtime_error& error) {
+        throw UsageError(fmt::format("--backend: {}", error.what()));
+      }
+      backend = kBoard;
+    }
+    if (backend != "golden") hardware.units[unit] = backend;
     at = end + 1;
   }
-  if (hardware.empty())
+  if (hardware.units.empty())
     throw UsageError(
-        "--backend: names no unit as rtl, netlist or cxxrtl, there is nothing to compare");
+        "--backend: names no unit as rtl, netlist, cxxrtl or board, there is nothing to compare");
   return hardware;
 }
 
@@ -87,22 +111,36 @@ std::string command_line() {
 }
 
 // One unit as hardware beside golden: owns both, and hands the frame the comparison.
-template <class Unit, class ClockedUnit>
+template <class Unit>
 struct Side {
-  std::unique_ptr<Unit> golden;
-  std::unique_ptr<ClockedUnit> rtl;
+  std::unique_ptr<Unit> golden, hardware;
+  Clocked* clocked = nullptr;  // the hardware, where it has a clock
   Comparing<Unit>* both = nullptr;
 
+  template <class HardwareUnit>
   std::unique_ptr<Unit> start(const Plan& plan, const CompareContext& context,
                               std::unique_ptr<Unit> golden_unit,
-                              std::unique_ptr<ClockedUnit> rtl_unit) {
+                              std::unique_ptr<HardwareUnit> hardware_unit) {
     golden = std::move(golden_unit);
-    rtl = std::move(rtl_unit);
-    auto comparing = compare_units(plan, context, *golden, *rtl);
+    clocked = dynamic_cast<Clocked*>(hardware_unit.get());
+    auto comparing = compare_units(plan, context, *golden, *hardware_unit);
+    hardware = std::move(hardware_unit);
     both = comparing.get();
     return comparing;
   }
 };
+
+std::unique_ptr<BoardPhotonGatherer> on_board(const Plan& plan, const std::string& device,
+                                              const CosimOptions& o) {
+  BoardOptions options;
+  options.open = [name = parse_device(device)] { return open_serial(name); };
+  options.device = parse_device(device).path;
+  options.wait = o.board_wait;
+  options.work_dir = o.rig.options("photon_gatherer").work_dir;
+  options.resume = !o.no_resume;
+  options.tell = [](const std::string& text) { fmt::print(stderr, "photonloom: {}\n", text); };
+  return std::make_unique<BoardPhotonGatherer>(plan, std::move(options));
+}
 
 // What a unit did, for the table and the summary.
 struct UnitReport {
@@ -122,9 +160,9 @@ struct UnitReport {
   }
 };
 
-template <class Unit, class ClockedUnit>
-UnitReport report_of(const std::string& name, Side<Unit, ClockedUnit>& side) {
-  side.rtl->finish();
+template <class Unit>
+UnitReport report_of(const std::string& name, Side<Unit>& side) {
+  if (side.clocked) side.clocked->finish();
   return {name,
           side.both->first_report(),
           side.both->compared(),
@@ -145,15 +183,27 @@ void print_units(const std::vector<UnitReport>& units) {
                u.differences, u.bypassed(), u.count("cycles"), u.busy(), u.count("stalls in"),
                u.count("stalls out"));
     if (u.unit == "photon_gatherer") {
+      const bool board = u.counters.count("link bytes out");  // its time is that of the link
       const uint64_t hits = u.count("cache hits"), all = hits + u.count("cache misses");
-      fmt::print("  cache hits {} of {} ({:.1f} %), {} bytes read, {:.1f} a gather\n", hits, all,
-                 100 * ratio(hits, all), u.count("bytes read"),
+      const std::string first = board ? ""
+                                      : fmt::format("cache hits {} of {} ({:.1f} %), ", hits, all,
+                                                    100 * ratio(hits, all));
+      const std::string second = board
+                                     ? "a gather: "
+                                     : fmt::format("{:.1f} cycles a gather: ",
+                                                   ratio(u.count("cycles"), u.count("packets in")));
+      fmt::print("  {}{} bytes read, {:.1f} a gather\n", first, u.count("bytes read"),
                  ratio(u.count("bytes read"), u.count("packets in")));
-      fmt::print("  {:.1f} cycles a gather: {:.1f} nodes, {:.1f} leaves, {:.1f} insertions\n",
-                 ratio(u.count("cycles"), u.count("packets in")),
+      fmt::print("  {}{:.1f} nodes, {:.1f} leaves, {:.1f} insertions\n", second,
                  ratio(u.count("nodes"), u.count("packets in")),
                  ratio(u.count("leaves"), u.count("packets in")),
                  ratio(u.count("insertions"), u.count("packets in")));
+      if (board)
+        fmt::print(
+            "  link: {} bytes out, {} in, {} frames sent again, lost {} times; {} packets were "
+            "answered before\n",
+            u.count("link bytes out"), u.count("link bytes in"), u.count("link frames again"),
+            u.count("link lost"), u.count("packets resumed"));
     }
     if (u.unit == "reorder_buffer")
       fmt::print("  mean displacement {:.1f} packets\n",
@@ -163,13 +213,14 @@ void print_units(const std::vector<UnitReport>& units) {
 
 void cosim(const CosimOptions& o) {
   const FrameRequest request = o.frame.request();
-  const std::map<std::string, std::string> hardware = hardware_units(o.backends);
+  const Hardware chosen = hardware_units(o.backends);
+  const std::map<std::string, std::string>& hardware = chosen.units;
   const std::string name = hardware_name(hardware);
   for (const char* unit : kUnits) o.rig.options(unit);  // bad values before long work
   std::set<std::string> units_with_waves;
   size_t netlists = 0;
   for (const auto& [unit, backend] : hardware) {
-    units_with_waves.insert(unit);
+    if (backend != kBoard) units_with_waves.insert(unit);
     netlists += backend == "netlist";
   }
   o.rig.check_netlist(netlists);
@@ -183,6 +234,8 @@ void cosim(const CosimOptions& o) {
   ConsoleProgress progress;
   PreparedFrame frame = prepare_frame(request, Arithmetic::kGolden, &progress);
   print_warnings(frame.warnings);
+  if (!chosen.device.empty())  // a wrong board is refused before long work
+    Board(open_serial(parse_device(chosen.device)), o.board_wait).check_plan(frame.plan);
   FrameUnits golden_units = make_golden_units(frame.plan);
   FrameCounts golden_counts, counts;
   Image golden_image =
@@ -195,18 +248,21 @@ void cosim(const CosimOptions& o) {
   context.keep_going = o.keep_going;
   context.timeline = &timeline;
   FrameUnits units = make_golden_units(frame.plan);
-  Side<PhotonGatherer, ClockedPhotonGatherer> gatherer;
-  Side<ReorderBuffer, ClockedReorderBuffer> reorder;
-  Side<CdfSampler, ClockedCdfSampler> sampler;
+  Side<PhotonGatherer> gatherer;
+  Side<ReorderBuffer> reorder;
+  Side<CdfSampler> sampler;
   Image hardware_image;
   std::vector<UnitReport> reports;
   try {
     const auto options = [&](const std::string& unit) {
       RunOptions run = o.rig.options(unit);
-      run.kind = *model_kind(hardware.at(unit));
       context.unit = unit;
       context.backend = hardware.at(unit);
-      context.waveform = waveform_extension(run.kind);
+      context.waveform.clear();
+      if (const auto kind = model_kind(context.backend)) {
+        run.kind = *kind;
+        context.waveform = waveform_extension(*kind);
+      }
       run.timeline = o.timeline > 0;
       context.seed = run.seed;
       return run;
@@ -216,8 +272,11 @@ void cosim(const CosimOptions& o) {
       if (hardware.count("photon_gatherer")) {
         const RunOptions run = options("photon_gatherer");
         units.photon_gatherer =
-            gatherer.start(frame.plan, context, std::move(units.photon_gatherer),
-                           make_rtl_photon_gatherer(frame.plan, run));
+            chosen.device.empty()
+                ? gatherer.start(frame.plan, context, std::move(units.photon_gatherer),
+                                 make_rtl_photon_gatherer(frame.plan, run))
+                : gatherer.start(frame.plan, context, std::move(units.photon_gatherer),
+                                 on_board(frame.plan, chosen.device, o));
         phase.advance(1);
       }
       if (hardware.count("reorder_buffer")) {
@@ -234,9 +293,9 @@ void cosim(const CosimOptions& o) {
       }
     }
     hardware_image = render_frame(frame.input(Arithmetic::kGolden), units, counts, &progress);
-    if (gatherer.rtl) reports.push_back(report_of("photon_gatherer", gatherer));
-    if (reorder.rtl) reports.push_back(report_of("reorder_buffer", reorder));
-    if (sampler.rtl) reports.push_back(report_of("cdf_sampler", sampler));
+    if (gatherer.hardware) reports.push_back(report_of("photon_gatherer", gatherer));
+    if (reorder.hardware) reports.push_back(report_of("reorder_buffer", reorder));
+    if (sampler.hardware) reports.push_back(report_of("cdf_sampler", sampler));
   } catch (const RigError& error) {
     throw std::runtime_error(
         fmt::format("{}\n  again, with a waveform:\n    {} --wave {}.{} --wave-unit {}",
@@ -318,7 +377,8 @@ void add_cosim(CLI::App& app) {
   CLI::App* c = app.add_subcommand("cosim", "A frame through the hardware, compared with golden");
   c->footer(
       "Renders the frame twice: with golden units, and with the named units as hardware: rtl in\n"
-      "Verilator, its ECP5 netlist, or cxxrtl, its model by Yosys (docs/netlist.md).\n"
+      "Verilator, its ECP5 netlist, cxxrtl, its model by Yosys (docs/netlist.md), or a board with\n"
+      "the plan's bitstream at the other end of a serial port (docs/board.md).\n"
       "Every packet of those is compared with golden's; the frame goes on with what they gave.\n"
       "Models are built once per plan and RTL source and kept in --work.\n"
       "Exit status 0 when all packets and the image's bytes are equal.\n\n"
@@ -327,14 +387,23 @@ void add_cosim(CLI::App& app) {
       "      --photons 50000\n"
       "  photonloom cosim scenes/cornell.xml --size 32x32 --backend photon_gatherer=netlist\n"
       "  photonloom cosim scenes/cornell.xml --size 32x32 --backend reorder_buffer=rtl \\\n"
-      "      --stall adversary --rig-seed 7");
+      "      --stall adversary --rig-seed 7\n"
+      "  photonloom cosim scenes/cornell.xml --plan plan.toml \\\n"
+      "      --backend photon_gatherer=board:/dev/ttyUSB0@1000000");
   o->frame.add_to(*c);
   c->add_option("--backend", o->backends,
                 "Units and what stands for them: UNIT=rtl, =netlist, =cxxrtl or =golden, with "
-                "commas between (default: all three as rtl)")
+                "commas between; photon_gatherer=board:DEVICE[@BAUD] too (default: all three as "
+                "rtl)")
       ->type_name("UNIT=B,...");
   c->add_flag("--keep-going", o->keep_going,
               "Render to the end with the hardware's packets although they differ");
+  c->add_option("--board-wait", o->board_wait,
+                "Seconds for a board that went away to come back (default 10)")
+      ->check(CLI::Range(0.1, 86400.0))
+      ->type_name("S");
+  c->add_flag("--no-resume", o->no_resume,
+              "Ask a board everything, also what an interrupted run has answers to");
   c->add_option("-o,--output", o->output,
                 "Folder for images, timeline and summary (default: WORK/SCENE)")
       ->type_name("DIR");
