@@ -21,6 +21,8 @@ constexpr const char* kPhotonOnly[] = {
 
 }  // namespace
 
+bool is_plan(const std::string& path) { return std::filesystem::path(path).extension() == ".toml"; }
+
 std::pair<int, int> parse_size(const std::string& text) {
   int width = 0, height = 0;
   const char* end = text.data() + text.size();

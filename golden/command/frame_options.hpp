@@ -28,6 +28,9 @@ class FrameOptions {
   std::string size_;
 };
 
+// Whether a command that takes a scene or a plan was given a plan: a file name that ends in .toml.
+bool is_plan(const std::string& path);
+
 // "WxH" -> pixels; throws UsageError.
 std::pair<int, int> parse_size(const std::string& text);
 

@@ -2,6 +2,8 @@
 // photonloom generate PLAN|SCENE -o DIR
 #include <fmt/core.h>
 
+#include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <map>
 
@@ -9,6 +11,7 @@
 #include "golden/command/frame_options.hpp"
 #include "golden/numeric/output_file.hpp"
 #include "golden/unit/photon_gatherer_image.hpp"
+#include "rtl/generate/board.hpp"
 #include "rtl/generate/hardware.hpp"
 #include "rtl/generate/sources.hpp"
 
@@ -17,44 +20,51 @@ namespace {
 
 struct GenerateOptions {
   FrameOptions frame;
-  std::string output, unit, rtl;
+  std::string output, unit, board, rtl;
+  double clock_mhz = 0;
   bool check = false;
 };
 
-bool is_plan(const std::string& path) { return std::filesystem::path(path).extension() == ".toml"; }
-
 // The scene's photon maps as the hardware takes them, in hexadecimal: configuration words as
 // "address data", line memory as a beat a line, for $readmemh or a loader.
-void add_images(const PreparedFrame& frame, std::map<std::string, std::string>& files) {
+std::map<std::string, std::string> images(const PreparedFrame& frame) {
+  std::map<std::string, std::string> files;
   const PhotonGathererImage image = photon_gatherer_image(frame.plan, frame.global, frame.caustic);
-  constexpr size_t kBeatBytes = 16;  // photonloom_pkg::LineBeatBits
+  const auto beat_bytes = static_cast<size_t>(frame.plan.beat_bits / 8);
   std::string& cfg = files["images/cfg.hex"];
   for (const CfgWrite& w : image.cfg) cfg += fmt::format("{:06x} {:016x}\n", w.address, w.data);
   for (const bool is_caustic : {false, true}) {
     const std::vector<uint8_t>& bytes = image.lines[is_caustic ? 1 : 0];
     if (bytes.empty()) continue;
     std::string& lines = files[is_caustic ? "images/caustic_lines.hex" : "images/global_lines.hex"];
-    for (size_t beat = 0; beat < bytes.size(); beat += kBeatBytes) {
-      for (size_t i = kBeatBytes; i-- > 0;)
+    for (size_t beat = 0; beat < bytes.size(); beat += beat_bytes) {
+      for (size_t i = beat_bytes; i-- > 0;)
         lines += fmt::format("{:02x}", beat + i < bytes.size() ? bytes[beat + i] : 0);
       lines += '\n';
     }
   }
+  return files;
 }
 
 void generate(const GenerateOptions& o) {
   const FrameRequest asked = o.frame.request();
   const std::string& source = asked.scene_file;
   if (o.check) {
-    if (!o.output.empty() || !o.unit.empty())
-      throw UsageError("--check looks at the package in a folder; -o and --unit do not go with it");
+    if (!o.output.empty() || !o.unit.empty() || !o.board.empty() || o.clock_mhz != 0)
+      throw UsageError(
+          "--check looks at the package in a folder; -o, --unit, --board and --clock do not go "
+          "with "
+          "it");
     check_hardware(source, o.rtl.empty() ? default_rtl_dir() : o.rtl);
     fmt::print("{}: is what its plan and the RTL sources give\n", source);
     return;
   }
   if (o.output.empty()) throw UsageError("generate needs -o DIR, or --check");
+  if (o.clock_mhz != 0 && o.board.empty()) throw UsageError("--clock is a board's; give --board");
   HardwareRequest request;
   request.unit = o.unit;
+  request.board = o.board;
+  request.clock_khz = static_cast<int>(std::lround(1000 * o.clock_mhz));
   request.rtl_dir = o.rtl;
   std::map<std::string, std::string> files;
   if (is_plan(source)) {
@@ -71,8 +81,11 @@ void generate(const GenerateOptions& o) {
     print_warnings(frame.warnings);
     request.plan = frame.plan;
     request.reasons = frame.reasons;
+    const std::vector<std::string> units = units_present(frame.plan);
+    if (o.unit == "photon_gatherer" ||
+        (o.unit.empty() && std::find(units.begin(), units.end(), "photon_gatherer") != units.end()))
+      request.images = images(frame);
     files = generate_hardware(request);
-    if (files.count("rtl/photon_gatherer/photon_gatherer.sv")) add_images(frame, files);
   }
   OutputFolder folder(o.output);
   for (const auto& [name, text] : files) {
@@ -93,11 +106,16 @@ void add_generate(CLI::App& app) {
       "plan\n"
       "uses, photonloom_pkg.sv with the plan's constants and packets, the wired top\n"
       "photonloom_chip, a file list, a FuseSoC core and a README with ports, packets and budget.\n"
+      "With --board the top is that board's, with pins, clock, host link and a Makefile down to "
+      "the\n"
+      "bitstream; with --unit too, that unit alone on the board's part, to read its size and "
+      "speed.\n"
       "Equal plans give equal packages.\n\n"
       "Examples:\n"
       "  photonloom generate plan.toml -o hw\n"
       "  photonloom generate scenes/cornell.xml --photons 50000 --k 16 -o hw\n"
       "  photonloom generate plan.toml -o gatherer --unit photon_gatherer\n"
+      "  photonloom generate plan.toml -o ulx3s --board ulx3s-85f\n"
       "  photonloom generate --check hw");
   o->frame.add_to(*c);
   c->get_option("SCENE")->description(
@@ -106,6 +124,12 @@ void add_generate(CLI::App& app) {
       ->type_name("DIR");
   c->add_option("--unit", o->unit, "This unit alone, to be built into another system")
       ->type_name("NAME");
+  std::string boards;
+  for (const std::string& b : board_names()) boards += (boards.empty() ? "" : ", ") + b;
+  c->add_option("--board", o->board, "For this board: " + boards)->type_name("NAME");
+  c->add_option("--clock", o->clock_mhz, "The board's clock, if not its default")
+      ->type_name("MHZ")
+      ->check(CLI::Range(1.0, 400.0));
   c->add_flag("--check", o->check, "Only tell whether the package in a folder is stale");
   c->add_option("--rtl", o->rtl, "Folder of the RTL sources, if not those of this build")
       ->type_name("DIR");

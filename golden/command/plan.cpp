@@ -8,6 +8,7 @@
 #include "golden/command/console.hpp"
 #include "golden/command/frame_options.hpp"
 #include "golden/numeric/output_file.hpp"
+#include "rtl/generate/hardware.hpp"
 
 namespace photonloom {
 namespace {
@@ -52,8 +53,48 @@ std::vector<std::pair<std::string, uint64_t>> memory_bits(const Plan& plan) {
   return rows;
 }
 
+// What the plan asks for: units, memory and an estimate of a part's resources.
+void describe(const Plan& plan, const std::string& file, const PlanOptions& o) {
+  const auto rows = memory_bits(plan);
+  if (o.json) {
+    nlohmann::ordered_json j;
+    j["plan"] = file;
+    j["hash"] = plan_hash_text(plan);
+    j["units"] = units_present(plan);
+    for (const auto& [name, bits] : rows) j["memory_bits"][name] = bits;
+    fmt::print("{}\n", j.dump(2));
+    return;
+  }
+  for (const auto& [name, bits] : rows)
+    fmt::print("  {:<52} {:>12.1f} KiB\n", name, static_cast<double>(bits) / 8192);
+}
+
+// A plan that is there already, with lines changed.
+void edit(const FrameRequest& request, const PlanOptions& o) {
+  const std::vector<std::string> useless = o.frame.photon_options();
+  if (!useless.empty() && useless != std::vector<std::string>{"--set"})
+    throw UsageError(fmt::format("{}: {} already is a plan; change its lines with --set",
+                                 useless[0] == "--set" ? useless[1] : useless[0],
+                                 request.scene_file));
+  Plan plan = read_plan(request.scene_file);
+  for (const std::string& line : request.set) set_plan_line(plan, line);
+  derive_plan(plan);
+  check_plan(plan);
+  if (o.output == "-") {
+    fmt::print("{}", plan_text(plan, {}));
+    return;
+  }
+  if (!o.output.empty()) write_plan(plan, o.output, {});
+  const std::string& file = o.output.empty() ? request.scene_file : o.output;
+  if (!o.json)
+    fmt::print("{}{} (hash {})\n", o.output.empty() ? "" : "wrote ", file, plan_hash_text(plan));
+  describe(plan, file, o);
+}
+
 void plan(const PlanOptions& o) {
   const FrameRequest request = o.frame.request();
+  if (is_plan(request.scene_file)) return edit(request, o);
+  if (o.output.empty()) throw UsageError("a scene's plan needs -o FILE (- for standard output)");
   o.threads.apply();
   ConsoleProgress progress;
   const PreparedFrame frame = prepare_frame(request, Arithmetic::kGolden, &progress, true);
@@ -63,18 +104,8 @@ void plan(const PlanOptions& o) {
     return;
   }
   write_plan(frame.plan, o.output, frame.reasons);
-  const auto rows = memory_bits(frame.plan);
-  if (o.json) {
-    nlohmann::ordered_json j;
-    j["plan"] = o.output;
-    j["hash"] = plan_hash_text(frame.plan);
-    for (const auto& [name, bits] : rows) j["memory_bits"][name] = bits;
-    fmt::print("{}\n", j.dump(2));
-    return;
-  }
-  fmt::print("wrote {} (hash {})\n", o.output, plan_hash_text(frame.plan));
-  for (const auto& [name, bits] : rows)
-    fmt::print("  {:<52} {:>12.1f} KiB\n", name, static_cast<double>(bits) / 8192);
+  if (!o.json) fmt::print("wrote {} (hash {})\n", o.output, plan_hash_text(frame.plan));
+  describe(frame.plan, o.output, o);
 }
 
 void add_plan(CLI::App& app) {
@@ -85,14 +116,18 @@ void add_plan(CLI::App& app) {
       "everything else from them, the scene and the options. The file may be edited; render,\n"
       "generate and cosim take it with --plan and refuse what cannot be built. docs/plan.md\n"
       "explains every line.\n\n"
+      "Of a plan.toml instead of a scene it tells the same, with --set lines changed, and writes "
+      "the\n"
+      "changed plan only with -o.\n\n"
       "Examples:\n"
       "  photonloom plan scenes/cornell.xml -o plan.toml --photons 50000 --k 16\n"
-      "  photonloom plan scenes/cornell.xml -o - --error 0.001");
+      "  photonloom plan scenes/cornell.xml -o - --error 0.001\n"
+      "  photonloom plan plan.toml --set gather.k=8");
   o->frame.add_to(*c);
+  c->get_option("SCENE")->description("A Mitsuba XML scene, or a plan.toml to tell about");
   c->add_option("-o,--output", o->output, "The file to write, - for standard output")
-      ->required()
       ->type_name("FILE");
-  c->add_flag("--json", o->json, "Print one JSON object: hash and memory");
+  c->add_flag("--json", o->json, "Print one JSON object: hash, units and memory");
   o->threads.add_to(*c);
   c->callback([o] { plan(*o); });
 }

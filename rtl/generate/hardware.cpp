@@ -6,11 +6,14 @@
 #include <algorithm>
 #include <cctype>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 #include <set>
 #include <stdexcept>
 
 #include "golden/numeric/output_file.hpp"
+#include "golden/numeric/sha256.hpp"
 #include "golden/packet/layout.hpp"
+#include "rtl/generate/board.hpp"
 #include "rtl/generate/package.hpp"
 #include "rtl/generate/sources.hpp"
 #include "rtl/generate/tables.hpp"
@@ -37,6 +40,7 @@ std::set<std::string> modules_not_taken(const Plan& plan) {
     without.insert("reorder_fullest");
   if (plan.reorder_key == ReorderKey::kNone) without.insert("reorder_key");
   if (plan.reciprocal_bits == 0) without.insert("reciprocal");
+  without.insert(plan.photon_memory == PhotonMemory::kSdram ? "photon_ram" : "photon_sdram");
   return without;
 }
 
@@ -65,31 +69,6 @@ struct ChipPort {
   bool output;
   std::string type, name, meaning, unit, port;
 };
-
-// Widths in a unit's port list may use its parameters: on the chip they are the package's, of the
-// same name. The gatherer's own TagBits is that of its line port.
-std::string package_type(const std::string& type, const std::string& unit) {
-  const auto is_word = [](char c) {
-    return std::isalnum(static_cast<unsigned char>(c)) || c == '_';
-  };
-  const bool named = type.find("photonloom_pkg::") != std::string::npos;
-  std::string out;
-  for (size_t i = 0; i < type.size();) {
-    std::string word;
-    while (i < type.size() && is_word(type[i])) word += type[i++];
-    if (named || word.empty() || !std::isupper(static_cast<unsigned char>(word[0])))
-      out += word;
-    else if (unit == "photon_gatherer" && word == "TagBits")
-      out += "photonloom_pkg::LineTagBits";
-    else
-      out += "photonloom_pkg::" + word;
-    if (!word.empty()) continue;
-    if (!(type[i] == ' ' && !out.empty() && (out.back() == ' ' || out.back() == '[')))
-      out += type[i];
-    ++i;
-  }
-  return out;
-}
 
 // What a port of a stream means is the same everywhere.
 std::string meaning_of(const std::string& name, const std::string& type,
@@ -281,15 +260,18 @@ std::map<std::string, std::string> generate_hardware(const HardwareRequest& requ
                                                : "final gather rays"));
     units = {request.unit};
   }
-  const bool chip = request.unit.empty();
-  const std::string top = chip ? kChip : request.unit;
+  const BoardRequest on_board{request.board, request.unit, request.clock_khz};
+  if (!request.board.empty()) check_board(plan, on_board);
+  const bool chip = request.unit.empty() && request.board.empty();
   const uint64_t hash = plan_hash(plan);
 
   std::map<std::string, std::string> files;
   std::vector<std::string> order = {"rtl/photonloom_pkg.sv"};
   files["rtl/photonloom_pkg.sv"] = write_package(plan, hash);
   const std::set<std::string> without = modules_not_taken(plan);
-  for (const std::string& unit : units)
+  // On a board the units stand in board_core.
+  const bool core = !request.board.empty() && request.unit.empty();
+  for (const std::string& unit : core ? std::vector<std::string>{"board_core"} : units)
     for (const std::string& file : module_files(rtl, unit, without)) {
       if (!files.emplace("rtl/" + file, read_file(rtl + "/" + file)).second) continue;
       order.push_back("rtl/" + file);
@@ -298,7 +280,24 @@ std::map<std::string, std::string> generate_hardware(const HardwareRequest& requ
     files["rtl/photonloom_chip.sv"] = write_chip(plan, rtl);
     order.push_back("rtl/photonloom_chip.sv");
   }
+  std::string top = chip ? kChip : request.unit;
+  BoardFiles board;
+  if (!request.board.empty()) {
+    board = board_files(plan, on_board, rtl, order);
+    top = board.top;
+    order.push_back("rtl/" + top + ".sv");
+    files.merge(board.files);
+  }
   files["plan.toml"] = plan_text(plan, request.reasons);
+  nlohmann::ordered_json asked{
+      {"unit", request.unit}, {"board", request.board}, {"clock_khz", board.clock_khz}};
+  for (const auto& [name, text] : request.images) {
+    Sha256 sum;
+    sum.add(text);
+    asked["images"][name] = sum.hex();
+    files[name] = text;
+  }
+  files["package.json"] = asked.dump(2) + "\n";
 
   std::string list, core_files;
   for (const std::string& file : order) {
@@ -332,20 +331,32 @@ std::map<std::string, std::string> generate_hardware(const HardwareRequest& requ
   std::set<std::string> packets;
   if (chip)
     ports = chip_ports(plan, rtl);
-  else
-    for (const ModulePort& p : module_ports(rtl, request.unit))
-      ports.push_back({p.output, package_type(p.type, request.unit), p.name,
-                       meaning_of(p.name, p.type, p.meaning), request.unit, p.name});
+  else {
+    const std::string module = core ? board.inner : request.unit;
+    for (const ModulePort& p : module_ports(rtl, module))
+      ports.push_back({p.output, package_type(p.type, module), p.name,
+                       meaning_of(p.name, p.type, p.meaning), module, p.name});
+  }
   std::string packet_tables;
   for (const std::string& name : packet_names())
     for (const ChipPort& p : ports)
-      if (p.type == "photonloom_pkg::" + name + "_t" && packets.insert(name).second)
+      if ((core || p.type == "photonloom_pkg::" + name + "_t") && packets.insert(name).second)
         packet_tables += packet_table(plan, name) + "\n";
   std::string constants = "| constant | value | meaning |\n|---|---|---|\n";
   for (const PackageConstant& c : package_constants(plan))
     constants += fmt::format("| `{}` | {} | {} |\n", c.name, c.value, c.meaning);
   std::string contents;
   for (const std::string& unit : units) contents += fmt::format(" `{}`", unit);
+  const std::string lint =
+      fmt::format("verilator --lint-only -Wall --top-module {}{} -f files.f", top,
+                  files.count("board/primitives.sv") ? " board/primitives.sv" : "");
+  const std::string synthesis =
+      request.board.empty()
+          ? fmt::format(
+                "- Synthesize: `yosys -p \"read_verilog -sv $(tr '\\n' ' ' < files.f); "
+                "synth_ecp5 -abc9 -top {}\"`.\n",
+                top)
+          : std::string();
   files["README.md"] = fmt::format(
       "# {0}\n\n"
       "Photon-mapping hardware for plan `{1}` (`plan.toml`), generated by `photonloom generate`. "
@@ -353,16 +364,18 @@ std::map<std::string, std::string> generate_hardware(const HardwareRequest& requ
       "- `files.f` lists the sources in order, relative to this folder; top module `{0}`.\n"
       "- `photonloom.core` is the same for FuseSoC.\n"
       "- Check that nothing here is stale: `photonloom generate --check DIR`.\n"
-      "- Lint: `verilator --lint-only -Wall --top-module {0} -f files.f`.\n"
-      "- Synthesize: `yosys -p \"read_verilog -sv $(tr '\\n' ' ' < files.f); synth_ecp5 -abc9 -top "
-      "{0}\"`.\n\n"
+      "- Lint: `{7}`.\n"
+      "{8}\n"
+      "{9}"
       "Streams are valid/ready: valid never waits for ready, the packet holds until it is taken. "
       "Reset is synchronous, active high.\n\n"
-      "## Ports\n\n{3}\n## Packets\n\nThe first field is in the most significant bits, element 0 "
+      "## Ports{10}\n\n{3}\n## Packets\n\nThe first field is in the most significant bits, element "
+      "0 "
       "of an array lowest.\n\n{4}## Budget\n\n{5}\n## Constants\n\nOf `photonloom_pkg`, beside "
       "`PlanHash` = `{1}`; modules take theirs as parameter defaults.\n\n{6}",
       top, plan_hash_text(plan), contents, port_table(ports), packet_tables,
-      budget_table(plan, units), constants);
+      budget_table(plan, units), constants, lint, synthesis, board.readme,
+      request.board.empty() ? std::string() : fmt::format(" of `{}`", board.inner));
   return files;
 }
 
@@ -384,26 +397,48 @@ void check_hardware(const std::string& dir, const std::string& rtl_dir) {
         fmt::format("{}: is stale, made from plan {}, but {}/plan.toml is plan "
                     "{}{}",
                     package, found, dir, expected, again));
-  // A package of one unit has no chip; its list of files tells which unit it is.
-  if (!fs::exists(dir + "/rtl/photonloom_chip.sv"))
-    for (const std::string& unit : units_present(request.plan))
-      if (fs::exists(fmt::format("{0}/rtl/{1}/{1}.sv", dir, unit))) request.unit = unit;
+  const std::string asked = dir + "/package.json";
+  if (!fs::is_regular_file(asked)) throw std::runtime_error(asked + ": is missing" + again);
+  std::map<std::string, std::string> images;  // path -> SHA-256
+  try {
+    const nlohmann::json j = nlohmann::json::parse(read_file(asked));
+    request.unit = j.at("unit").get<std::string>();
+    request.board = j.at("board").get<std::string>();
+    request.clock_khz = j.at("clock_khz").get<int>();
+    if (j.contains("images")) images = j.at("images").get<std::map<std::string, std::string>>();
+  } catch (const nlohmann::json::exception& error) {
+    throw std::runtime_error(
+        fmt::format("{}: is damaged, expected unit, board, clock_khz and images{}", asked, again));
+  }
   std::map<std::string, std::string> files = generate_hardware(request);
   files.erase("plan.toml");
-  for (const auto& [name, content] : files) {
+  files.erase("package.json");
+  const auto read = [&](const std::string& name) {
     const std::string path = dir + "/" + name;
     if (!fs::is_regular_file(path)) throw std::runtime_error(path + ": is missing" + again);
-    if (read_file(path) != content)
-      throw std::runtime_error(fmt::format(
-          "{}: is stale, differs from what its plan and the RTL sources give{}", path, again));
+    return read_file(path);
+  };
+  for (const auto& [name, content] : files)
+    if (read(name) != content)
+      throw std::runtime_error(
+          fmt::format("{}/{}: is stale, differs from what its plan and the RTL sources give{}", dir,
+                      name, again));
+  for (const auto& [name, hash] : images) {
+    Sha256 sum;
+    sum.add(read(name));
+    if (sum.hex() != hash)
+      throw std::runtime_error(
+          fmt::format("{}/{}: is not the image that was generated{}", dir, name, again));
   }
-  for (const auto& entry : fs::recursive_directory_iterator(dir + "/rtl"))
-    if (entry.is_regular_file()) {
+  for (const char* folder : {"rtl", "board", "images"}) {
+    if (!fs::is_directory(dir + "/" + folder)) continue;
+    for (const auto& entry : fs::recursive_directory_iterator(dir + "/" + folder)) {
       const std::string name = fs::relative(entry.path(), dir).string();
-      if (!files.count(name))
+      if (entry.is_regular_file() && !files.count(name) && !images.count(name))
         throw std::runtime_error(
             fmt::format("{}/{}: does not belong to the package{}", dir, name, again));
     }
+  }
 }
 
 }  // namespace photonloom

@@ -18,18 +18,23 @@ std::vector<std::string> units_present(const Plan& plan);
 std::string write_chip(const Plan& plan, const std::string& rtl_dir);
 
 struct HardwareRequest {
-  Plan plan;
-  PlanReasons reasons;
-  std::string unit;     // one unit alone; empty: the chip
-  std::string rtl_dir;  // empty: default_rtl_dir()
+  Plan plan{};
+  PlanReasons reasons{};
+  std::string unit{};     // one unit alone; empty: the chip, or all of a board
+  std::string rtl_dir{};  // empty: default_rtl_dir()
+  std::string board{};    // files of this board too; with a unit, that unit alone on its part
+  int clock_khz = 0;      // the board's clock, 0 for its default
+  std::map<std::string, std::string> images{};  // further files, images/NAME -> text
 };
 
-// Path in the package -> text. Deterministic in plan and RTL. A unit that the plan has not, or an
-// unknown one, is an error.
+// Path in the package -> text. Deterministic in the request and the RTL. A unit that the plan has
+// not, an unknown one, and an unknown board are errors. package.json says what was asked for and
+// the SHA-256 of each image, for check_hardware.
 std::map<std::string, std::string> generate_hardware(const HardwareRequest& request);
 
 // Throws std::runtime_error with the first thing in `dir` that is stale: a file that is not what
-// its plan.toml and the RTL in `rtl_dir` give, is missing, or is too much.
+// its plan.toml, its package.json and the RTL in `rtl_dir` give, is missing, or is too much in
+// rtl/, board/ or images/.
 void check_hardware(const std::string& dir, const std::string& rtl_dir);
 
 }  // namespace photonloom

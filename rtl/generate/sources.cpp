@@ -127,4 +127,27 @@ std::vector<ModulePort> module_ports(const std::string& rtl_dir, const std::stri
   throw std::runtime_error(fmt::format("{}/{}: no port list found", rtl_dir, file));
 }
 
+std::string package_type(const std::string& type, const std::string& unit) {
+  const auto is_word = [](char c) {
+    return std::isalnum(static_cast<unsigned char>(c)) || c == '_';
+  };
+  const bool named = type.find("photonloom_pkg::") != std::string::npos;
+  std::string out;
+  for (size_t i = 0; i < type.size();) {
+    std::string word;
+    while (i < type.size() && is_word(type[i])) word += type[i++];
+    if (named || word.empty() || !std::isupper(static_cast<unsigned char>(word[0])))
+      out += word;
+    else if (unit == "photon_gatherer" && word == "TagBits")
+      out += "photonloom_pkg::LineTagBits";
+    else
+      out += "photonloom_pkg::" + word;
+    if (!word.empty()) continue;
+    if (!(type[i] == ' ' && !out.empty() && (out.back() == ' ' || out.back() == '[')))
+      out += type[i];
+    ++i;
+  }
+  return out;
+}
+
 }  // namespace photonloom

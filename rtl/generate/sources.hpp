@@ -29,4 +29,8 @@ struct ModulePort {
 // line.
 std::vector<ModulePort> module_ports(const std::string& rtl_dir, const std::string& module);
 
+// The type of a unit's port as seen from outside: widths that use the unit's parameters use the
+// package's constants of the same name; the gatherer's own TagBits is that of its line port.
+std::string package_type(const std::string& type, const std::string& unit);
+
 }  // namespace photonloom

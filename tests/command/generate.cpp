@@ -49,8 +49,8 @@ TEST_CASE("a package lints, is the same twice, and is checked") {
   REQUIRE(made.status == 0);
   check_tools(hw, "photonloom_chip");
   CHECK(run("generate --check " + hw).status == 0);
-  CHECK(generate_hardware({gatherer_plan(), {}, "", ""}) ==
-        generate_hardware({gatherer_plan(), {}, "", ""}));
+  CHECK(generate_hardware({.plan = gatherer_plan()}) ==
+        generate_hardware({.plan = gatherer_plan()}));
   const std::string all = read_file(hw + "/README.md") + read_file(hw + "/files.f") +
                           read_file(hw + "/photonloom.core");
   CHECK(all.find(environment("PHOTONLOOM_SOURCE")) == std::string::npos);
@@ -107,12 +107,22 @@ TEST_CASE("a scene's package lints as a whole and has its maps as images") {
   CHECK(lines("global_lines.hex") == plan.lines(plan.global) * beats);
   CHECK(lines("caustic_lines.hex") == plan.lines(plan.caustic) * beats);
   CHECK(lines("cfg.hex") == plan.lines(plan.global) - 1 + plan.lines(plan.caustic) - 1 + 4);
+
+  const std::string image = hw + "/images/cfg.hex", text = read_file(image);
+  const auto stale = [&] { return run("generate --check " + hw).err; };
+  write_file(image, text + "\n");
+  CHECK_THAT(stale(), ContainsSubstring("images/cfg.hex: is not the image that was generated"));
+  std::filesystem::remove(image);
+  CHECK_THAT(stale(), ContainsSubstring("images/cfg.hex: is missing"));
+  write_file(image, text);
+  write_file(hw + "/images/more.hex", "");
+  CHECK_THAT(stale(), ContainsSubstring("images/more.hex: does not belong to the package"));
 }
 
 TEST_CASE("only what the plan needs") {
   Plan plan = gatherer_plan();
   plan.gather_rays = 4;
-  const auto files = [&] { return generate_hardware({plan, {}, "", ""}); };
+  const auto files = [&] { return generate_hardware({.plan = plan}); };
   const auto all = files();
   CHECK(all.count("rtl/reorder_buffer/reorder_sweep.sv") == 1);
   CHECK(all.count("rtl/reorder_buffer/reorder_fullest.sv") == 0);
@@ -134,7 +144,7 @@ TEST_CASE("packages of many plans lint") {
   for (uint64_t seed = 1; seed <= 3; ++seed) {
     const Scratch scratch;
     INFO("random plan " << seed);
-    for (const auto& [name, text] : generate_hardware({random_plan(seed), {}, "", ""})) {
+    for (const auto& [name, text] : generate_hardware({.plan = random_plan(seed)})) {
       std::filesystem::create_directories((scratch.path / name).parent_path());
       write_file(scratch / name, text);
     }
@@ -167,6 +177,51 @@ TEST_CASE("one unit alone") {
   CHECK(none.err.find("the plan has no cdf_sampler") != std::string::npos);
   CHECK(run(fmt::format("generate {} -o {} --unit shader", scratch / "plan.toml", hw))
             .err.find("there is no unit shader") != std::string::npos);
+}
+
+TEST_CASE("packages for boards lint and are checked") {
+  Plan plan = gatherer_plan();
+  plan.gather_rays = 4;
+  for (const char* board : {"ulx3s-85f", "up5k", "arty-a7-100t"})
+    for (const char* unit : {"", "reorder_buffer", "cdf_sampler", "photon_gatherer"}) {
+      if (std::string(board) != "ulx3s-85f" && *unit && std::string(unit) != "reorder_buffer")
+        continue;
+      if (std::string(board) == "up5k" && !*unit) continue;
+      const Scratch scratch;
+      INFO(board << " " << unit);
+      write_plan(plan, scratch / "plan.toml");
+      const std::string hw = scratch / "hw";
+      const Outcome made =
+          run(fmt::format("generate {} --board {}{}{} -o {}", scratch / "plan.toml", board,
+                          *unit ? " --unit " : "", unit, hw));
+      INFO(made.err);
+      REQUIRE(made.status == 0);
+      std::string top = std::string(board) + (*unit ? "_" : "") + unit + "_top";
+      std::replace(top.begin(), top.end(), '-', '_');
+      CHECK(tool(fmt::format("cd {} && verilator --lint-only -Wall --top-module {} {} -f files.f",
+                             hw, top, *unit ? "" : "board/primitives.sv")));
+      CHECK(run("generate --check " + hw).status == 0);
+      const std::string file = fmt::format("{}/rtl/{}.sv", hw, top);
+      write_file(file, read_file(file) + "\n");
+      CHECK_THAT(run("generate --check " + hw).err, ContainsSubstring(top + ".sv: is stale"));
+    }
+}
+
+TEST_CASE("a board that cannot hold the plan is refused") {
+  Plan plan = gatherer_plan();
+  const auto refused = [&](const std::string& board, const std::string& unit, int clock_khz,
+                           const std::string& why) {
+    CHECK_THROWS_WITH(generate_hardware({plan, {}, unit, "", board, clock_khz, {}}),
+                      ContainsSubstring(why));
+  };
+  refused("nexys", "", 0, "there is no board nexys, expected one of ulx3s-85f, up5k");
+  refused("up5k", "", 0, "room for one unit alone");
+  refused("ulx3s-85f", "", 51300, "the PLL cannot make 51300 kHz");
+  refused("arty-a7-100t", "", 51300, "the PLL cannot make 51300 kHz");
+  plan.photon_memory = PhotonMemory::kSdram;
+  refused("arty-a7-100t", "", 0, "has no SDRAM");
+  CHECK(run("generate --check a --board up5k").status == 2);
+  CHECK(run("generate a.toml -o b --clock 50").status == 2);
 }
 
 TEST_CASE("bad plans and wrong use") {

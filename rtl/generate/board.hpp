@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a hardware package has for one FPGA board beside the RTL: the top with clock, reset and
+// pins, the constraints, and a Makefile that goes from there to a bitstream. docs/fpga.md.
+#pragma once
+#include <map>
+#include <string>
+#include <vector>
+
+#include "golden/plan/plan.hpp"
+
+namespace photonloom {
+
+// Names of the boards: "ulx3s-85f", "up5k", "arty-a7-100t".
+std::vector<std::string> board_names();
+
+struct BoardRequest {
+  std::string name;
+  // One unit alone between a shift register and a signature register, clocked by the pin, so that
+  // its own speed can be read; empty: board_core, all of the board.
+  std::string unit;
+  // Clock of the design in kHz, 0 for the board's default: what the PLL makes for the whole board,
+  // what a unit alone is constrained to.
+  int clock_khz = 0;
+};
+
+struct BoardFiles {
+  std::string top;    // module in rtl/TOP.sv
+  std::string inner;  // the module that it instantiates: a unit, or board_core
+  int clock_khz = 0;  // as chosen
+  int uart_baud = 0;  // of the link; 0 for a unit alone
+  std::map<std::string, std::string> files;  // path in the package -> text
+  std::string readme;                        // section of the package's README
+};
+
+// Throws std::runtime_error for an unknown board or one that cannot hold what is asked for.
+void check_board(const Plan& plan, const BoardRequest& request);
+
+// Throws too for a clock that the board's PLL cannot make. `sources` are the files of the RTL in
+// order, without the top.
+BoardFiles board_files(const Plan& plan, const BoardRequest& request, const std::string& rtl_dir,
+                       const std::vector<std::string>& sources);
+
+}  // namespace photonloom
