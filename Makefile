@@ -2,7 +2,7 @@
 # The daily workflow. Each verb first installs its own missing packages (scripts/setup), and only those.
 JOBS := $(shell nproc)
 .DEFAULT_GOAL := build
-.PHONY: help build demo test test-full gallery precision mutate bench bench-rtl asan fuzz format clean references mutate-golden fpga-tools
+.PHONY: help build demo test test-full gallery precision mutate bench bench-rtl asan fuzz format clean references mutate-golden fpga-tools fpga
 
 help: ## this list
 	@sed -n 's/^\([a-z-]*\):[^#]*## \(.*\)/  make \1\t\2/p' Makefile | expand -t 24
@@ -69,6 +69,11 @@ fuzz: ## a minute of the scene loader under libFuzzer
 
 fpga-tools: ## Yosys, nextpnr-ecp5 and ecppack in build/fpga-tools, without touching the host
 	@scripts/fpga-tools
+
+fpga: build ## resources, Fmax and bitstream of PLAN on BOARD (SEEDS=3, UNITS=... for some parts)
+	@scripts/setup fpga
+	@case "$(BOARD)" in up5k) ;; *) scripts/fpga-tools ;; esac
+	@scripts/fpga $(PLAN) $(if $(BOARD),--board $(BOARD)) $(if $(SEEDS),--seeds $(SEEDS)) $(if $(UNITS),--units $(UNITS)) $(if $(CLOCK),--clock $(CLOCK)) $(FPGA_FLAGS)
 
 format: ## clang-format on every C++ file
 	@scripts/setup format

@@ -24,7 +24,8 @@ namespace photonloom {
 namespace {
 
 struct Options {
-  std::string scene = PHOTONLOOM_SOURCE_DIR "/scenes/cornell.xml", json, work = "build/cosim";
+  std::string scene = PHOTONLOOM_SOURCE_DIR "/scenes/cornell.xml", json, write_plan,
+              work = "build/cosim";
   uint64_t photons = 65536, queries = 20000, seed = 1;
   std::vector<int> ks = {8, 16, 50};
   int size = 48, rays = 16;
@@ -154,7 +155,13 @@ int run(const Options& o) {
   plan.cache_ways = o.ways;
   plan.cache_misses = o.misses;
   plan.reorder_packets = 2048;  // 64 KB of 32-byte packets
+  plan.photon_memory = PhotonMemory::kSdram;
+  plan.k = o.ks.front();
   check_plan(plan);
+  if (!o.write_plan.empty()) {
+    write_file(o.write_plan, plan_text(plan));
+    return 0;
+  }
   const PhotonMap map =
       build_photon_map(pack_photons(pass.photons, plan, plan.global, nullptr), plan);
   std::vector<GatherQuery> queries = make_queries(world, *caster, plan, o);
@@ -243,6 +250,8 @@ int main(int argc, char** argv) {
   app.add_option("--cache-ways", o.ways, "Its associativity.");
   app.add_option("--cache-misses", o.misses, "Misses outstanding.");
   app.add_option("--json", o.json, "Write the table here too.");
+  app.add_option("--write-plan", o.write_plan,
+                 "Write the plan of the first k here, and measure nothing.");
   app.add_option("--work", o.work, "Folder of Verilated models.");
   try {
     app.parse(argc, argv);

@@ -1,0 +1,203 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What scripts/fpga, scripts/area-check and scripts/fpga-plans share: packages for a board, synthesis, placement, counts.
+
+Resources are a dict by the names in RESOURCES. LUT-equivalents are LUT4 + 2 CCU2C + 4 DPR16X4: a carry cell takes two
+LUTs of a slice, a 16 x 4 memory four.
+"""
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+
+ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
+PHOTONLOOM = os.path.join(ROOT, "build", "photonloom")
+UNITS = ["photon_gatherer", "reorder_buffer", "cdf_sampler"]
+
+# Our name of a resource, the cells that are one, and what an LFE5U-85F has (docs/data.md).
+ECP5 = {
+    "LUT4": (["LUT4"], 83640),
+    "FF": (["TRELLIS_FF"], 83640),
+    "CCU2C": (["CCU2C"], None),
+    "DPR16X4": (["TRELLIS_DPR16X4"], None),
+    "DP16KD": (["DP16KD"], 208),
+    "MULT18X18D": (["MULT18X18D"], 156),
+}
+ICE40 = {
+    "LUT4": (["SB_LUT4"], 5280),
+    "FF": (None, 5280),  # every SB_DFF...
+    "SB_RAM40_4K": (["SB_RAM40_4K"], 30),
+    "SB_MAC16": (["SB_MAC16"], 8),
+}
+BOARDS = {"ulx3s-85f": ECP5, "up5k": ICE40}
+RESOURCES = list(ECP5)
+
+
+class Failure(Exception):
+    """Something the user is told in one sentence."""
+
+
+def fail(text, status=1):
+    print(f"{os.path.basename(sys.argv[0])}: {text}", file=sys.stderr)
+    sys.exit(status)
+
+
+def run(command, log=None, **options):
+    """Runs a command; a Failure names its log, or carries its last words."""
+    done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, **options)
+    if log:
+        with open(log, "w") as f:
+            f.write(done.stdout)
+    if done.returncode != 0:
+        words = [line for line in done.stdout.splitlines() if line.strip()]
+        said = next((line for line in words if "ERROR" in line), words[-1] if words else "it said nothing")
+        raise Failure(f"{' '.join(command[:2])} failed: {said}" + (f" (all of it: {log})" if log else ""))
+    return done.stdout
+
+
+def first_line(command):
+    try:
+        done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    except OSError:
+        return None
+    return done.stdout.splitlines()[0] if done.stdout else None
+
+
+def yosys_version(yosys):
+    """'0.23' of 'Yosys 0.23 (git sha1 ...)'; None where it does not start."""
+    found = re.match(r"Yosys (\d+\.\d+)", first_line([yosys, "-V"]) or "")
+    return found.group(1) if found else None
+
+
+def find_tools(board):
+    """Paths and versions of what the board's flow runs: those of make fpga-tools, else of PATH."""
+    names = {"ulx3s-85f": ["yosys", "nextpnr-ecp5", "ecppack"], "up5k": ["yosys", "nextpnr-ice40", "icepack"]}[board]
+    tools, versions = {}, {}
+    for name in names:
+        ours = os.path.join(ROOT, "build", "fpga-tools", "bin", name)
+        path = ours if board == "ulx3s-85f" and os.access(ours, os.X_OK) else shutil.which(name)
+        if not path:
+            raise Failure(f"{name} is not there; run 'make fpga-tools'" if board == "ulx3s-85f" else
+                          f"{name} is not on PATH; install Debian's package of it")
+        tools[name] = path
+        version = first_line([path, "-V" if name in ("yosys", "nextpnr-ice40") else "--version"])
+        versions[name] = version if version and name != "icepack" else "as the distribution has it"
+    return tools, versions
+
+
+def generate(plan, folder, board, unit=None, clock=None, settings=()):
+    """A package for a board, in `folder`; returns what package.json says."""
+    command = [PHOTONLOOM, "generate", plan, "--board", board, "-o", folder]
+    if unit:
+        command += ["--unit", unit]
+    if clock:
+        command += ["--clock", str(clock)]
+    for line in settings:
+        command += ["--set", line]
+    kept = os.path.join(folder, "build")
+    aside = folder.rstrip("/") + ".built"
+    shutil.rmtree(aside, ignore_errors=True)
+    before = tree(folder)
+    if os.path.isdir(kept):
+        os.rename(kept, aside)  # generate replaces the folder; what was built of the same files stays good
+    run(command)
+    if os.path.isdir(aside):
+        if tree(folder) == before:
+            os.rename(aside, kept)
+        else:
+            shutil.rmtree(aside)
+    with open(os.path.join(folder, "package.json")) as f:
+        return json.load(f)
+
+
+def tree(folder):
+    """Path -> bytes of all files of a package, what was built apart."""
+    files = {}
+    for where, folders, names in os.walk(folder):
+        if where == folder and "build" in folders:
+            folders.remove("build")
+        for name in names:
+            path = os.path.join(where, name)
+            with open(path, "rb") as f:
+                files[os.path.relpath(path, folder)] = f.read()
+    return files
+
+
+def counts_of(stat_file, board, module):
+    """Resources of a module in the JSON of Yosys' stat."""
+    with open(stat_file) as f:
+        modules = json.load(f)["modules"]
+    if "\\" + module not in modules:
+        raise Failure(f"{stat_file}: has no module {module}, only {', '.join(modules)}")
+    cells = modules["\\" + module]["num_cells_by_type"]
+    counts = {}
+    for name, (types, _) in BOARDS[board].items():
+        counts[name] = sum(n for cell, n in cells.items() if (cell in types if types else cell.startswith("SB_DFF")))
+    if board == "ulx3s-85f":
+        counts["LUT-eq"] = counts["LUT4"] + 2 * counts["CCU2C"] + 4 * counts["DPR16X4"]
+    return counts
+
+
+def binding(counts, board):
+    """The resource of which the part has the least left: (name, used, of)."""
+    shares = []
+    for name, (_, capacity) in BOARDS[board].items():
+        if capacity and name != "LUT4":
+            shares.append((counts[name] / capacity, name, counts[name], capacity))
+    lut = counts.get("LUT-eq", counts["LUT4"])
+    capacity = BOARDS[board]["LUT4"][1]
+    shares.append((lut / capacity, "LUT-eq" if "LUT-eq" in counts else "LUT4", lut, capacity))
+    _, name, used, of = max(shares)
+    return {"resource": name, "used": used, "of": of}
+
+
+def flow_variables(board, tools):
+    if board == "ulx3s-85f":
+        return [f"YOSYS={tools['yosys']}", f"NEXTPNR={tools['nextpnr-ecp5']}", f"ECPPACK={tools['ecppack']}"]
+    return [f"YOSYS={tools['yosys']}", f"NEXTPNR={tools['nextpnr-ice40']}", f"ICEPACK={tools['icepack']}"]
+
+
+def synthesise(folder, board, top, module, tools):
+    """Counts of `module` in the package's top; its netlist is left in the package's build folder."""
+    run(["make", "-C", folder, "synth"] + flow_variables(board, tools), log=folder.rstrip("/") + ".synthesis.log")
+    return counts_of(os.path.join(folder, "build", top + ".stat.json"), board, module)
+
+
+def place(folder, board, top, seed, tools):
+    """Fmax in MHz of each clock and the placed use, with one seed; `.bit` beside it."""
+    run(["make", "-C", folder, f"SEED={seed}", "NEXTPNR_FLAGS=--timing-allow-fail"] + flow_variables(board, tools),
+        log=f"{folder.rstrip('/')}.seed{seed}.log")
+    with open(os.path.join(folder, "build", f"{top}_seed{seed}.json")) as f:
+        report = json.load(f)
+    clocks = {name: {"achieved": c["achieved"], "constraint": c["constraint"]} for name, c in report["fmax"].items()}
+    if not clocks:
+        raise Failure(f"{folder}: nextpnr reports no clock")
+    return {"seed": seed, "clocks": clocks, "utilization": report["utilization"]}
+
+
+def median(values):
+    ordered = sorted(values)
+    middle = len(ordered) // 2
+    return ordered[middle] if len(ordered) % 2 else (ordered[middle - 1] + ordered[middle]) / 2
+
+
+def markdown(rows, header):
+    """A Markdown table."""
+    lines = ["| " + " | ".join(header) + " |", "|" + "---|" * len(header)]
+    for row in rows:
+        lines.append("| " + " | ".join(str(x) for x in row) + " |")
+    return "\n".join(lines) + "\n"
+
+
+def replace_between(path, mark, text):
+    """Puts text between <!-- mark --> and <!-- end of mark --> of a page."""
+    with open(path) as f:
+        page = f.read()
+    start, end = f"<!-- {mark} -->\n", f"<!-- end of {mark} -->"
+    if start not in page or end not in page:
+        raise Failure(f"{path}: has no marks '{start.strip()}' and '{end}'")
+    head, rest = page.split(start, 1)
+    tail = rest.split(end, 1)[1]
+    with open(path, "w") as f:
+        f.write(head + start + text + end + tail)
