@@ -51,6 +51,20 @@ TEST_CASE("all units as RTL give golden's packets and render's bytes") {
   CHECK(read_file(scratch / "render.exr") == read_file(scratch / "out/rtl.exr"));
 }
 
+TEST_CASE("units by different simulators") {
+  const Scratch scratch;
+  const Outcome o = run(cosim("--backend reorder_buffer=cxxrtl,cdf_sampler=rtl --stall bursts -o " +
+                              (scratch / "out")));
+  INFO(o.out << o.err);
+  REQUIRE(o.status == 0);
+  CHECK_THAT(o.out, ContainsSubstring("golden == hardware: ") &&
+                        ContainsSubstring("image bytes of golden and hardware are identical"));
+  const auto summary = nlohmann::json::parse(read_file(scratch / "out/summary.json"));
+  CHECK(summary["units"]["reorder_buffer"]["backend"] == "cxxrtl");
+  CHECK(summary["units"]["cdf_sampler"]["backend"] == "rtl");
+  CHECK(std::filesystem::exists(scratch / "out/hardware.exr"));
+}
+
 TEST_CASE("a planted bug is reported with a command that shows it, and reaches the image") {
   const Scratch scratch;
   std::filesystem::copy(source("rtl"), scratch / "rtl", std::filesystem::copy_options::recursive);
@@ -108,7 +122,8 @@ TEST_CASE("wrong use") {
   CHECK(run(cosim("--backend cdf_sampler=golden")).status == 2);
   CHECK(run(cosim("--backend cdf_sampler=rtl,cdf_sampler=rtl")).status == 2);
   for (const char* bad : {"--stall sometimes", "--latency 0", "--wave x.fst", "--wave-cycles 3:4",
-                          "--wave x.fst --wave-unit reorder_buffer --wave-cycles 9:3"}) {
+                          "--wave x.fst --wave-unit reorder_buffer --wave-cycles 9:3",
+                          "--backend reorder_buffer=netlist --yosys no-such-yosys"}) {
     INFO(bad);
     const Outcome o = run(cosim(bad));
     CHECK(o.status == 1);

@@ -107,6 +107,21 @@ TEST_CASE("addresses follow the photons, not their order") {
   CHECK(addresses.substr(0, addresses.find('\n')).find(first) != std::string::npos);
 }
 
+TEST_CASE("a CXXRTL model leaves the same packets as golden") {
+  Files f;
+  REQUIRE(f.replay("reorder_buffer", "queries.jsonl", "--backend golden").status == 0);
+  const std::string golden = read_file(f.scratch / "out.jsonl");
+  const Outcome o = f.replay("reorder_buffer", "queries.jsonl", "--backend cxxrtl --stall bursts");
+  INFO(o.err);
+  REQUIRE(o.status == 0);
+  CHECK(read_file(f.scratch / "out.jsonl") == golden);
+  const Outcome netlist =
+      f.replay("reorder_buffer", "queries.jsonl", "--backend rtl --netlist netlist.v");
+  CHECK(netlist.status == 1);
+  CHECK_THAT(netlist.err, ContainsSubstring("--netlist netlist.v: is of one unit, but 0 run with "
+                                            "backend netlist"));
+}
+
 TEST_CASE("packets that no flush follows stay held") {
   Files f;
   const Outcome o = f.replay("reorder_buffer", "queries.jsonl", "--backend golden");
