@@ -223,12 +223,17 @@ std::string joined(const std::vector<std::string>& files) {
 
 std::string synthesis_script(const Board& b, const std::string& top, const std::string& unit,
                              const std::vector<std::string>& sources) {
-  std::string text = fmt::format(
-      "# SPDX-License-Identifier: Apache-2.0\n"
-      "read_verilog -sv{}\n"
-      "{} -top {}\n"
-      "tee -q -o build/{}.stat.json stat -json\n",
-      joined(sources), b.flow == Flow::kEcp5 ? "synth_ecp5 -abc9" : "synth_ice40 -abc9", top, top);
+  std::string text =
+      fmt::format("# SPDX-License-Identifier: Apache-2.0\nread_verilog -sv{}\n", joined(sources));
+  // An iCE40 has no memories of LUTs: they become flip-flops.
+  if (b.flow == Flow::kIce40)
+    text += fmt::format(
+        "hierarchy -check -top {0}\nsetattr -unset ram_style a:ram_style=distributed\n"
+        "synth_ice40 -device u -abc9 -top {0}\n",
+        top);
+  else
+    text += fmt::format("synth_ecp5 -abc9 -top {}\n", top);
+  text += fmt::format("tee -q -o build/{}.stat.json stat -json\n", top);
   // The unit's own size has been counted; now it is flattened for placement.
   if (!unit.empty()) text += fmt::format("setattr -unset keep_hierarchy t:{}\nflatten\n", unit);
   return text + fmt::format("write_json build/{}.json\n", top);
