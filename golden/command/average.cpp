@@ -25,6 +25,7 @@ const Channel& channel_of(const Image& image, const std::string& name, const std
 }
 
 void average(const AverageOptions& o) {
+  require_suffix("--output", o.output, ".exr");
   std::vector<Image> images;
   for (const std::string& path : o.inputs) {
     images.push_back(read_exr(path));
@@ -62,7 +63,7 @@ void add_average(CLI::App& app) {
       "are. Renders with different seeds average to one with as many samples as all of them.\n\n"
       "Example: photonloom average seed1.exr seed2.exr -o both.exr --channels R,G,B");
   c->add_option("IMAGE", o->inputs, "EXR files")->required();
-  c->add_option("-o,--output", o->output, "The EXR to write")->required();
+  c->add_option("-o,--output", o->output, "The EXR to write")->required()->type_name("FILE.exr");
   c->add_option("--channels", o->channels, "Keep only these (default: those of the first image)")
       ->delimiter(',')
       ->type_name("NAME,...");

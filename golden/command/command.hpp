@@ -43,6 +43,9 @@ class ThreadsOption {
   int given_ = 0;
 };
 
+// Throws UsageError unless `path`, given by `option`, ends in `suffix`: the format that is written.
+void require_suffix(const std::string& option, const std::string& path, const std::string& suffix);
+
 // --seed S for a subcommand: a decimal integer below 2^64; anything else is refused, not wrapped.
 CLI::Option* add_seed_option(CLI::App& command, uint64_t& seed, const std::string& description);
 

@@ -87,6 +87,7 @@ void write_heat(const std::vector<double>& values, int width, int height, const 
 }
 
 void compare(const CompareOptions& o) {
+  if (!o.error_map.empty()) require_suffix("--error-map", o.error_map, ".png");
   const Image a = read_exr(o.a), b = read_exr(o.b);
   if (a.width != b.width || a.height != b.height)
     throw std::runtime_error(fmt::format("{} is {}x{}, but {} is {}x{}: expected the same size",
@@ -129,7 +130,8 @@ void add_compare(CLI::App& app) {
   c->add_option("--layer", o->layer,
                 "Compare this layer: direct, caustic, indirect, emission, albedo, N, Z, ...");
   c->add_option("--error-map", o->error_map,
-                "PNG of FLIP per pixel: black 0, red 1/3, yellow 2/3, white 1");
+                "PNG of FLIP per pixel: black 0, red 1/3, yellow 2/3, white 1")
+      ->type_name("FILE.png");
   c->add_flag("--json", o->json, "Print one JSON object");
   c->add_flag("--identical", o->identical, "Fail unless every value is the same");
   for (Limit& limit : o->limits)

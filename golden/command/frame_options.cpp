@@ -76,12 +76,15 @@ void FrameOptions::add_to(CLI::App& c) {
                "Relative error that the number formats may add; chooses their widths")
       ->type_name("E");
   add_seed_option(c, request_.seed, "Of all randomness (default 1)");
-  c.add_option("--load-photons", request_.load_photons,
-               "Global photons from a file that `photonloom photons` wrote, instead of --photons")
+  c.add_option(
+       "--load-photons", request_.load_photons,
+       "Global photons from a file that `photonloom photons` wrote, all of them; --photons beside "
+       "it must be their number")
       ->type_name("PLY");
-  c.add_option("--load-caustics", request_.load_caustics,
-               "Caustic photons from a file that `photonloom photons --caustic` wrote, instead of "
-               "--caustic-photons")
+  c.add_option(
+       "--load-caustics", request_.load_caustics,
+       "Caustic photons from a file that `photonloom photons --caustic` wrote, all of them; "
+       "--caustic-photons beside it must be their number")
       ->type_name("PLY");
 }
 
@@ -92,14 +95,11 @@ FrameRequest FrameOptions::request() const {
       if (command_->count(option) > 0)
         throw UsageError(fmt::format(
             "{}: the plan given by --plan decides it; change its line with --set", option));
-  for (const auto& [file, number] : {std::pair("--load-photons", "--photons"),
-                                     std::pair("--load-caustics", "--caustic-photons")})
-    if (command_->count(file) > 0 && command_->count(number) > 0)
-      throw UsageError(
-          fmt::format("{} and {} exclude each other: the file has all its photons", file, number));
   if (request.radius && !(*request.radius >= 0 && std::isfinite(*request.radius)))
     throw UsageError(fmt::format(
         "--radius: {}, expected a finite number of scene units, 0 for none", *request.radius));
+  if (request.error && !(*request.error > 0 && *request.error < 1))
+    throw UsageError(fmt::format("--error: {}, expected a number between 0 and 1", *request.error));
   if (!size_.empty()) request.size = parse_size(size_);
   request.scene_file = scene_.path();
   request.parameters = scene_.parameters();

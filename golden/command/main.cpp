@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <charconv>
 #include <exception>
+#include <filesystem>
 #include <memory>
 #include <new>
 #include <string>
@@ -40,6 +41,12 @@ void ThreadsOption::apply() const {
 
 int ThreadsOption::threads() const {
   return given_ > 0 ? given_ : tbb::info::default_concurrency();
+}
+
+void require_suffix(const std::string& option, const std::string& path, const std::string& suffix) {
+  if (std::filesystem::path(path).extension() != suffix)
+    throw UsageError(
+        fmt::format("{}: '{}', expected a name that ends in {}", option, path, suffix));
 }
 
 CLI::Option* add_seed_option(CLI::App& command, uint64_t& seed, const std::string& description) {

@@ -128,8 +128,7 @@ void render(const RenderOptions& o) {
   if (path && (!request.plan_file.empty() || !o.record.empty()))
     throw UsageError(fmt::format("{}: has no meaning with --integrator path",
                                  o.record.empty() ? "--plan" : "--record"));
-  if (std::filesystem::path(o.output).extension() != ".exr")
-    throw UsageError(fmt::format("--output: '{}', expected a name that ends in .exr", o.output));
+  require_suffix("--output", o.output, ".exr");
   if (path)
     for (const std::string& option : o.frame.photon_options())
       print_warnings({option + " changes nothing with --integrator path"});

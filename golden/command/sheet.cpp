@@ -18,6 +18,7 @@ struct SheetOptions {
 };
 
 void sheet(const SheetOptions& o) {
+  require_suffix("--output", o.output, ".png");
   std::vector<Tile> tiles;
   double exposure = o.exposure.value_or(0);
   bool row_exposed = false;
@@ -53,7 +54,7 @@ void add_sheet(CLI::App& app) {
       "Example: photonloom sheet -o sheet.png \"path traced=path.exr\" golden=golden.exr "
       "error.png");
   c->add_option("TILE", o->tiles, "LABEL=FILE or FILE, row by row; .exr or .png")->required();
-  c->add_option("-o,--output", o->output, "The PNG to write")->required();
+  c->add_option("-o,--output", o->output, "The PNG to write")->required()->type_name("FILE.png");
   c->add_option("--columns", o->columns, "Tiles in a row (default 3)")->check(CLI::Range(1, 100));
   c->add_option("--shrink", o->shrink, "Average N x N pixels into one (default 1)")
       ->check(CLI::Range(1, 64))

@@ -10,17 +10,18 @@
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
+#include <map>
 #include <mutex>
-#include <set>
 #include <stdexcept>
 
 namespace photonloom {
 namespace {
 
 std::mutex unfinished_mutex;
-std::set<std::string>& unfinished() {
-  static std::set<std::string> paths;
-  return paths;
+// What is being written, and under which name it will stand.
+std::map<std::string, std::string>& unfinished() {
+  static std::map<std::string, std::string> targets;
+  return targets;
 }
 
 // Held for good once the program is being interrupted: whoever wants to begin or commit waits for
@@ -35,6 +36,13 @@ std::string beside(const std::string& path) {
   return fmt::format("{}.partial-{}-{}", path, getpid(), number++);
 }
 
+// The name that a file of an unfinished folder will have; under unfinished_mutex.
+std::string final_name(const std::string& path) {
+  for (const auto& [temporary, target] : unfinished())
+    if (path.rfind(temporary + "/", 0) == 0) return target + path.substr(temporary.size());
+  return path;
+}
+
 // The file a link points to: the link itself stays.
 std::string resolved(const std::string& path) {
   std::error_code ignored;
@@ -45,10 +53,10 @@ std::string resolved(const std::string& path) {
 }  // namespace
 
 void OutputFile::fail(const char* what) const {
-  throw std::runtime_error(fmt::format("{}: {}: {}", path_, what, std::strerror(errno)));
+  throw std::runtime_error(fmt::format("{}: {}: {}", shown_, what, std::strerror(errno)));
 }
 
-OutputFile::OutputFile(std::string path) : path_(std::move(path)) {
+OutputFile::OutputFile(std::string path) : path_(std::move(path)), shown_(path_) {
   struct stat info {};
   if (path_.empty()) throw std::runtime_error("the name of an output file is empty");
   const bool exists = stat(path_.c_str(), &info) == 0;
@@ -62,11 +70,12 @@ OutputFile::OutputFile(std::string path) : path_(std::move(path)) {
   if (exists && access(path_.c_str(), W_OK) != 0) fail("cannot be written");
   const std::lock_guard lock(unfinished_mutex);
   path_ = resolved(path_);
+  shown_ = final_name(path_);
   const std::string temporary = beside(path_);
   descriptor_ = open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
   if (descriptor_ < 0) fail("cannot be created");
   temporary_ = temporary;
-  unfinished().insert(temporary_);
+  unfinished().emplace(temporary_, path_);
 }
 
 OutputFile::~OutputFile() {
@@ -121,7 +130,7 @@ OutputFolder::OutputFolder(std::string path) : path_(std::move(path)) {
   std::filesystem::create_directories(temporary, error);
   if (error) throw std::runtime_error(path_ + ": cannot be created: " + error.message());
   temporary_ = temporary;
-  unfinished().insert(temporary_);
+  unfinished().emplace(temporary_, path_);
 }
 
 OutputFolder::~OutputFolder() {
@@ -180,7 +189,7 @@ std::string read_file(const std::string& path) {
 void remove_unfinished_outputs() {
   unfinished_mutex.lock();  // never unlocked: the program ends now
   std::error_code ignored;
-  for (const std::string& path : unfinished()) std::filesystem::remove_all(path, ignored);
+  for (const auto& [path, target] : unfinished()) std::filesystem::remove_all(path, ignored);
 }
 
 }  // namespace photonloom

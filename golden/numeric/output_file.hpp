@@ -26,6 +26,7 @@ class OutputFile {
   [[noreturn]] void fail(const char* what) const;
 
   std::string path_;
+  std::string shown_;      // path_ as the user knows it, also inside of an unfinished folder
   std::string temporary_;  // empty when written directly
   std::string buffer_;
   int descriptor_ = -1;

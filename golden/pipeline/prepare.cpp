@@ -21,8 +21,9 @@ PhotonPass photons_of(const World& world, const RayCaster& caster, bool is_caust
                     : trace_global_photons(world, caster, stored, seed, progress);
 }
 
+// `asked` is what was asked for beside the file: as many as it holds, or as its maker asked for.
 PhotonPass loaded_photons(const std::string& path, bool is_caustic, const World& world,
-                          Progress* progress) {
+                          std::optional<uint64_t> asked, Progress* progress) {
   const ProgressPhase phase(progress, is_caustic ? "load caustics" : "load photons", 0, "");
   PhotonFile file = read_photon_file(path);
   const std::string kind = is_caustic ? "caustic" : "global";
@@ -33,6 +34,10 @@ PhotonPass loaded_photons(const std::string& path, bool is_caustic, const World&
     throw SceneError(
         fmt::format("{}: was traced in another scene (hash {:016x}), expected {:016x}, that of {}",
                     path, *file.scene_hash, world.scene().hash, world.scene().name));
+  if (asked && *asked != file.photons.size() && *asked != file.requested)
+    throw SceneError(fmt::format("{}: holds {} photons, expected {}, as {} asks", path,
+                                 file.photons.size(), *asked,
+                                 is_caustic ? "--caustic-photons" : "--photons"));
   const Cube cube{world.cube_origin(), world.cube_extent()};
   for (size_t i = 0; i < file.photons.size(); ++i)
     if (!holds(cube, file.photons[i].position))
@@ -168,7 +173,8 @@ PreparedFrame prepare_frame(std::unique_ptr<World> world, const FrameRequest& re
             "{}: the image asks no {} photons: {}", file, is_caustic ? "caustic" : "global",
             from_file ? "the plan has no such map"
                       : (is_caustic ? needed.caustic_reason : needed.global_reason)));
-      pass = loaded_photons(file, is_caustic, *frame.world, progress);
+      pass = loaded_photons(file, is_caustic, *frame.world,
+                            is_caustic ? request.caustic_photons : request.photons, progress);
       continue;
     }
     if (!wanted || stored == 0) continue;

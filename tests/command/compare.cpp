@@ -86,7 +86,17 @@ TEST_CASE("compare refuses what cannot be compared, in one line") {
       run("compare " + s / "a.exr" + " " + s / "a.exr" + " --error-map " + s / "map.png").status ==
       0);
   CHECK(s.entries() == 5);
-  CHECK(run("compare " + s / "a.exr" + " " + s / "a.exr" + " --error-map /dev/full").status == 1);
+  CHECK(run("compare " + s / "a.exr" + " " + s / "a.exr" + " --error-map /dev/full").status == 2);
+  std::filesystem::create_symlink("/dev/full", s / "full.png");
+  CHECK(
+      run("compare " + s / "a.exr" + " " + s / "a.exr" + " --error-map " + s / "full.png").status ==
+      1);
+  const Outcome jpeg =
+      run("compare " + s / "a.exr" + " " + s / "a.exr" + " --error-map " + s / "map.jpg");
+  CHECK(jpeg.status == 2);
+  CHECK(jpeg.err ==
+        "photonloom: --error-map: '" + s / "map.jpg" + "', expected a name that ends in .png\n");
+  CHECK(s.entries() == 6);
   CHECK(run("compare " + s / "a.exr" + " " + s / "a.exr" + " --layer caustic").status == 1);
 }
 

@@ -93,6 +93,13 @@ TEST_CASE("loaded photon maps and a plan from a file give the same bytes") {
   good("render" + balls() + kSmall + " --load-photons" + quoted(scratch / "g.ply") +
        "--load-caustics" + quoted(scratch / "c.ply") + "-o" + quoted(scratch / "loaded.exr"));
   CHECK(read_file(scratch / "loaded.exr") == read_file(rendered));
+  // A number beside a file must be the file's.
+  good("render" + balls() + kSmall + kPhotons + " --load-photons" + quoted(scratch / "g.ply") +
+       "--load-caustics" + quoted(scratch / "c.ply") + "-o" + quoted(scratch / "loaded.exr"));
+  CHECK(read_file(scratch / "loaded.exr") == read_file(rendered));
+  fails("render" + balls() + kSmall + " --caustic-photons 999 --load-caustics" +
+            quoted(scratch / "c.ply") + "-o" + quoted(scratch / "x.exr"),
+        1, {"c.ply: holds ", "expected 999, as --caustic-photons asks"});
   good("plan" + balls() + kSmall + kPhotons + " -o" + quoted(plan));
   good("render" + balls() + "--plan" + quoted(plan) + "-o" + quoted(scratch / "planned.exr"));
   CHECK(read_file(scratch / "planned.exr") == read_file(rendered));
@@ -176,6 +183,9 @@ TEST_CASE("what cannot be is one clear error, and nothing is left behind") {
   for (const std::string radius : {"-1", "nan", "inf"})
     fails("render" + box() + kSmall + " --photons 100 --radius " + radius + out, 2,
           {"--radius: " + radius + ", expected"});
+  for (const std::string error : {"0", "-0.1", "1", "nan", "inf"})
+    fails("plan" + box() + "--photons 100 --error " + error + " -o" + quoted(scratch / "p.toml"), 2,
+          {"--error: " + error + ", expected"});
   fails("rendre" + box() + out, 2, {"'rendre' is no command"});
   fails("render" + box() + "--arithmetic exact" + out, 2, {"--arithmetic"});
   fails("render" + box() + "-D x" + out, 2, {"-D"});

@@ -117,6 +117,12 @@ TEST_CASE("outputs appear whole or not at all") {
     write_file(out.temporary() + "/x", "1");
   }
   REQUIRE_FALSE(fs::exists(folder / "dir"));
+  {
+    OutputFolder out(folder / "dir");
+    fs::remove(out.temporary());
+    REQUIRE(message([&] { OutputFile file(out.temporary() + "/x"); }) ==
+            folder / "dir/x" + ": cannot be created: No such file or directory");
+  }
   for (const char* text : {"1", "2"}) {
     OutputFolder out(folder / "dir/");
     write_file(out.temporary() + "/x", text);

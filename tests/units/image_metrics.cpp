@@ -101,6 +101,36 @@ TEST_CASE("HDR-FLIP takes the exposure at which the reference reaches 0.85") {
   REQUIRE(hdr_flip(constant(0, 0, 0), constant(0, 0, 0))[0] == 0);
 }
 
+TEST_CASE("HDR-FLIP of two flat fields, 16 to 1, is the largest over four exposures") {
+  // b is 1 on the left three quarters and 16 on the right, a 1.25 times as much: the exposures run
+  // from the one at which 16 is mapped to 0.85 to the one at which 1 is, 4 stops and so 4
+  // exposures, 4/3 stops apart. The curve takes x to 0.85 at 0.16002 x^2 - 0.2829 x - 0.119 = 0,
+  // which has the root (0.2829 + sqrt(0.08003 + 0.07617)) / 0.32004 = 2.1189.
+  constexpr double kTarget = 2.1189;
+  // Greys: L* = 116 Y^(1/3) - 16, and 41.28, 16.51 as above.
+  const auto flip_of_greys = [](double a, double b) {
+    const double e = std::pow(116 * std::fabs(std::cbrt(a) - std::cbrt(b)), 0.7);
+    return e < 16.51 ? 0.95 / 16.51 * e : 0.95 + 0.05 * (e - 16.51) / (41.28 - 16.51);
+  };
+  const int width = 96, height = 24;
+  Planes a = constant(1.25, 1.25, 1.25, width, height), b = constant(1, 1, 1, width, height);
+  for (size_t c = 0; c < 3; ++c)
+    for (size_t p = 0; p < a.c[c].size(); ++p)
+      if (p % 96 >= 72) a.c[c][p] = 20, b.c[c][p] = 16;
+  double left = 0, right = 0;
+  for (int i = 0; i < 4; ++i) {
+    const double scale = kTarget * std::exp2(4.0 * i / 3 - 4);
+    left = std::max(left, flip_of_greys(aces_curve(1.25 * scale), aces_curve(scale)));
+    right = std::max(right, flip_of_greys(aces_curve(20 * scale), aces_curve(16 * scale)));
+  }
+  // Farther from the border than the filters reach.
+  const std::vector<double> flip = hdr_flip(a, b);
+  REQUIRE(flip[12 * width + 30] == Approx(left).margin(5e-4));
+  REQUIRE(flip[12 * width + 90] == Approx(right).margin(5e-4));
+  // The largest on the left is neither at the first nor at the last exposure, but between.
+  REQUIRE(left > flip_of_greys(aces_curve(1.25 * kTarget / 16), aces_curve(kTarget / 16)) + 5e-4);
+}
+
 TEST_CASE("FLIP sees an edge that a constant shift of the same size does not have") {
   Planes step = constant(0.5, 0.5, 0.5, 40, 40), shifted = constant(0.5, 0.5, 0.5, 40, 40);
   const Planes flat = constant(0.5, 0.5, 0.5, 40, 40);
