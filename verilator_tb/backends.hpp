@@ -31,6 +31,12 @@ class ClockedCdfSampler : public CdfSampler, public Clocked {};
 
 std::unique_ptr<ClockedPhotonGatherer> make_rtl_photon_gatherer(const Plan& plan,
                                                                 const RunOptions& options);
+// All gatherers of the plan's board on its photon memory, with the behavioural SDRAM where that is
+// one. With `reordered` queries pass the reorder buffer: results come in its order, and process()
+// gives those that are due, which are as many as golden's buffer has let go.
+std::unique_ptr<ClockedPhotonGatherer> make_rtl_gather_engine(const Plan& plan,
+                                                              const RunOptions& options,
+                                                              bool reordered);
 std::unique_ptr<ClockedReorderBuffer> make_rtl_reorder_buffer(const Plan& plan,
                                                               const RunOptions& options);
 std::unique_ptr<ClockedCdfSampler> make_rtl_cdf_sampler(const Plan& plan,

@@ -57,9 +57,22 @@ struct PhotonGathererBench {
   std::vector<GatherCase> cases;
 };
 
+// A cluster of gatherers with its photon memory: the gatherer's cases, some of them through the
+// reorder buffer.
+struct ClusterCase {
+  std::string name;
+  GatherCase gather;
+  bool reordered = false;
+};
+struct GatherClusterBench {
+  std::vector<BenchPlan> plans;
+  std::vector<ClusterCase> cases;
+};
+
 int bench_main(int argc, char** argv, const ReorderBufferBench& bench);
 int bench_main(int argc, char** argv, const CdfSamplerBench& bench);
 int bench_main(int argc, char** argv, const PhotonGathererBench& bench);
+int bench_main(int argc, char** argv, const GatherClusterBench& bench);
 
 // A random plan that check_plan() would pass, small enough to simulate: for `make test-full`.
 Plan random_plan(uint64_t seed);

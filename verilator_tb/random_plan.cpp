@@ -62,6 +62,9 @@ Plan draw(RoleRandom& random) {
   p.gather_rays = between(1, 64);
   // Half the plans with a line in one beat, or in halves.
   if (random.below(2)) p.beat_bits = 8 * line_bytes >> between(0, 1);
+  p.gatherers = between(1, 4);
+  p.photon_memory = static_cast<PhotonMemory>(between(0, 1));
+  p.board_cache_bytes = line_bytes << between(2, 6);
   return p;
 }
 

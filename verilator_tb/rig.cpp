@@ -279,6 +279,14 @@ LineMemory& Rig::add_memory(const Plan& plan) {
   return *memory_;
 }
 
+void Rig::add_clock(const std::string& name, double period, std::function<void(uint64_t)> before,
+                    std::function<void(uint64_t)> after) {
+  second_clock_ = model_.port(name).data;
+  second_period_ = period;
+  before_second_ = std::move(before);
+  after_second_ = std::move(after);
+}
+
 void Rig::set(const std::string& port, uint64_t value) { write_port(model_.port(port), value); }
 
 uint64_t Rig::get(const std::string& port) const { return read_port(model_.port(port)); }
@@ -318,6 +326,17 @@ void Rig::cycle() {
   } else if (waveform_open_) {
     model_.close_waveform();
     waveform_open_ = false;
+  }
+  // Edges of the second clock since the last rising edge of the first.
+  for (; second_clock_ &&
+         static_cast<double>(second_edges_) * second_period_ < static_cast<double>(cycle_ + 1);
+       ++second_edges_) {
+    before_second_(second_edges_);
+    *second_clock_ = 1;
+    model_.eval();
+    after_second_(second_edges_);
+    *second_clock_ = 0;
+    model_.eval();
   }
   bool moved = false;
   for (auto& s : sources_) moved |= s->sample(cycle_);

@@ -28,6 +28,7 @@ struct RunOptions {
   bool random_latency = false;          // uniform in [1, 2 * latency], replies out of order
   int banks = 8;                        // of the line memory, by line number
   int bank_cycles = 0;                  // a bank takes one request in so many cycles; 0: no limit
+  double sdram_period = 1;              // of a board's SDRAM clock, in cycles
   uint64_t watchdog = 50000;            // cycles without any handshake while something is owed
   std::string rtl_dir;                  // empty: default_rtl_dir()
   std::vector<std::string> parameters;  // of the module, "Name=value", instead of the plan's
@@ -161,8 +162,15 @@ class Rig {
 
   void set(const std::string& port, uint64_t value);
   uint64_t get(const std::string& port) const;
+  const ModelPort& port(const std::string& name) const { return model_.port(name); }
   bool has_port(const std::string& port) const { return model_.has_port(port); }
   std::vector<std::string> counter_ports() const;  // count_*_o
+
+  // A second clock at port `name`, `period` of a cycle of clk_i, whose edges fall where they may.
+  // `before` and `after` are called around each of its rising edges with the edge's number, so that
+  // they drive and read the pins of its domain. One at most.
+  void add_clock(const std::string& name, double period, std::function<void(uint64_t)> before,
+                 std::function<void(uint64_t)> after);
 
   void reset();
   void cycle();
@@ -179,6 +187,10 @@ class Rig {
   std::vector<std::unique_ptr<Taker>> takers_;
   std::unique_ptr<LineMemory> memory_;
   uint8_t *clock_, *reset_;
+  uint8_t* second_clock_ = nullptr;
+  double second_period_ = 1;
+  uint64_t second_edges_ = 0;
+  std::function<void(uint64_t)> before_second_, after_second_;
   uint64_t cycle_ = 0;
   uint64_t quiet_ = 0;
   bool waveform_open_ = false;

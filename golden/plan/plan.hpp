@@ -87,7 +87,8 @@ struct Plan {
   // [board]: what a board's top holds beside one gatherer; never which packets come
   int gatherers = 1;
   PhotonMemory photon_memory = PhotonMemory::kBlockRam;
-  int replay_queries = 1024;  // block RAM of the query replayer
+  int board_cache_bytes = 65536;  // of photon lines, before an SDRAM
+  int replay_queries = 1024;      // block RAM of the query replayer
   // [frame]
   int width = 256, height = 256;
   int spp = 16;
@@ -196,6 +197,8 @@ struct Plan {
     v("board", "gatherers", p.gatherers, 1, 16, "gatherers behind a board's dispatcher");
     v("board", "photon_memory", p.photon_memory, 0, 0,
       "where a board keeps the photon lines: block_ram or sdram");
+    v("board", "cache_bytes", p.board_cache_bytes, 64, 1 << 20,
+      "lines that all gatherers share before an SDRAM");
     v("board", "replay_queries", p.replay_queries, 2, 65536,
       "queries that a board's replayer holds, a power of two");
     v("frame", "width", p.width, 1, 16384, "pixels");

@@ -22,6 +22,7 @@ constexpr std::array<const char*, 3> kKeyNames{"none", "hilbert", "hash"};
 constexpr std::array<const char*, 2> kDrainNames{"sweep", "fullest"};
 constexpr std::array<const char*, 2> kCombineNames{"sum", "product"};
 constexpr std::array<const char*, 2> kPhotonMemoryNames{"block_ram", "sdram"};
+constexpr uint64_t kSdramBytes = uint64_t{32} << 20;  // 256 Mbit
 constexpr const auto& names_of(ReorderKey) { return kKeyNames; }
 constexpr const auto& names_of(ReorderDrain) { return kDrainNames; }
 constexpr const auto& names_of(TableCombine) { return kCombineNames; }
@@ -283,6 +284,18 @@ std::optional<PlanProblem> find_problem(const Plan& plan) {
     return fail("gatherer.beat_bits",
                 fmt::format("is {}, expected whole bytes of which a line of {} bits is a multiple",
                             plan.beat_bits, 8 * plan.line_bytes()));
+  if (plan.photon_memory == PhotonMemory::kSdram) {
+    // Four ways, as rtl/board/photon_sdram.sv has.
+    if (plan.board_cache_bytes < 4 * plan.line_bytes())
+      return fail("board.cache_bytes", fmt::format("is {}, expected at least 4 lines of {} bytes",
+                                                   plan.board_cache_bytes, plan.line_bytes()));
+    const uint64_t stride = uint64_t{1} << clog2(static_cast<uint64_t>(plan.line_bytes()));
+    const uint64_t bytes = (plan.lines(plan.global) + plan.lines(plan.caustic)) * stride;
+    if (bytes > kSdramBytes)
+      return fail("board.photon_memory",
+                  fmt::format("is sdram, which holds {} bytes; the maps' lines take {}",
+                              kSdramBytes, bytes));
+  }
   if (!power_of_two(plan.replay_queries))
     return fail("board.replay_queries",
                 fmt::format("is {}, expected a power of two", plan.replay_queries));

@@ -367,6 +367,7 @@ PlannedFrame make_plan(const World& world, const PlanRequest& request, const Pho
   why["board.gatherers"] = "one behind the dispatcher; more where a board has room";
   why["board.photon_memory"] = fmt::format("the maps have {} KiB, block RAM serves up to {}",
                                            map_bytes / 1024, kBoardBlockRamBytes / 1024);
+  why["board.cache_bytes"] = "used before an SDRAM: some 26 block RAMs of an LFE5U-85F";
   why["board.replay_queries"] = "the rate of a board without its link";
 
   // The frame.

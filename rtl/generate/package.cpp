@@ -71,6 +71,7 @@ std::vector<PackageConstant> package_constants(const Plan& plan) {
   number("line_beat_bits", static_cast<uint64_t>(plan.beat_bits), "one beat of the line port");
   LINE(gatherers, "gatherers of a board");
   LINE(photon_memory, "of a board: 0 block RAM, 1 SDRAM");
+  LINE(board_cache_bytes, "lines that a board's gatherers share before an SDRAM");
   LINE(replay_queries, "queries that a board's replayer holds");
   number("line_tag_bits",
          static_cast<uint64_t>(std::max(1, clog2(static_cast<uint64_t>(plan.cache_misses)))),

@@ -158,6 +158,22 @@ TEST_CASE("each fault is one sentence with file, line, key and what was expected
   has(error_of(edited(plan, "photon", "channels", "2")), {"photon.channels", "1 or 3"});
 }
 
+TEST_CASE("an SDRAM holds the maps and its cache a line in each way, or the plan is refused") {
+  Plan plan;
+  plan.global = {.present = true, .photons = 1 << 21};
+  plan.photon_memory = PhotonMemory::kSdram;
+  CHECK(!find_problem(plan));
+  plan.board_cache_bytes = 511;
+  REQUIRE(find_problem(plan));
+  CHECK(find_problem(plan)->line == "board.cache_bytes");
+  plan.board_cache_bytes = 512;
+  ++plan.global.photons;
+  REQUIRE(find_problem(plan));
+  CHECK(find_problem(plan)->line == "board.photon_memory");
+  plan.photon_memory = PhotonMemory::kBlockRam;
+  CHECK(!find_problem(plan));
+}
+
 TEST_CASE("no plan that passes can overflow the shader's product or the pixel") {
   // All corners of the widths that meet there: whatever passes the checks has room.
   for (const int mantissa : {2, 9, 16})

@@ -1,0 +1,381 @@
+// SPDX-License-Identifier: Apache-2.0
+// Photon lines in an SDR SDRAM, shared by Gatherers gatherers through one cache of whole lines in block RAM
+// (docs/photon_memory.md). Global line l lies at byte l * stride, the caustic map's lines behind the global map's; stride is
+// the power of two not under a line's bytes.
+//
+// Line ports are those of photon_gatherer, side by side, gatherer 0 lowest. A line from the cache comes 6 cycles after its
+// request where nobody else asks, one line a cycle where a beat is a whole line, else one in Beats + 3 cycles. At most
+// Outstanding lines are on their way from the SDRAM, which delivers them in order; there is room for all of them on this side, so nothing
+// depends on the ratio of the clocks, but the rate: the SDRAM's 16 bits a cycle need a quarter of its frequency here.
+//
+// forget_i (while no query is in flight) empties the cache. Words of 32 bits are written as into photon_ram; a line that the
+// cache holds does not change by it, so forget_i comes after.
+module photon_sdram #(
+    parameter int unsigned Gatherers = photonloom_pkg::Gatherers,
+    parameter int unsigned BeatBits = photonloom_pkg::LineBeatBits,
+    parameter int unsigned CacheBytes = photonloom_pkg::BoardCacheBytes,
+    parameter int unsigned CacheWays = 4,
+    parameter int unsigned CacheMisses = 8,
+    parameter int unsigned SdramKHz = 100000,  // frequency of clk_sdram_i at most
+    localparam int unsigned TagBits = photonloom_pkg::LineTagBits,
+    localparam int unsigned LineBits = photonloom_pkg::LineBits
+) (
+    input  logic                              clk_i,
+    input  logic                              rst_i,
+    input  logic                              forget_i,
+    input  logic [             Gatherers-1:0] line_req_valid_i,
+    output logic [             Gatherers-1:0] line_req_ready_o,
+    input  logic [Gatherers*(LineBits+1)-1:0] line_req_addr_i,
+    input  logic [     Gatherers*TagBits-1:0] line_req_tag_i,
+    output logic [             Gatherers-1:0] line_rsp_valid_o,
+    output logic [     Gatherers*TagBits-1:0] line_rsp_tag_o,
+    output logic [    Gatherers*BeatBits-1:0] line_rsp_data_o,
+    // words of the lines
+    input  logic                              write_valid_i,
+    output logic                              write_ready_o,
+    input  logic [                      27:0] write_address_i,
+    input  logic [                      31:0] write_data_i,
+    output logic                              ready_o,          // the SDRAM is initialised
+    // the chip, in the domain of clk_sdram_i
+    input  logic                              clk_sdram_i,
+    output logic                              sdram_cke_o,
+    output logic                              sdram_cs_no,
+    output logic                              sdram_ras_no,
+    output logic                              sdram_cas_no,
+    output logic                              sdram_we_no,
+    output logic [                       1:0] sdram_ba_o,
+    output logic [                      12:0] sdram_a_o,
+    output logic [                       1:0] sdram_dqm_o,
+    input  logic [                      15:0] sdram_dq_i,
+    output logic [                      15:0] sdram_dq_o,
+    output logic                              sdram_dq_oe_o,
+    // counted since reset
+    output logic [                      39:0] count_lines_o,    // lines read from the SDRAM
+    output logic [                      39:0] count_busy_o      // cycles with such a line on its way
+);
+  localparam int unsigned Bucket = photonloom_pkg::Bucket;
+  localparam int unsigned PhotonBits = photonloom_pkg::PhotonBits;
+  localparam int unsigned StrideBits = 8 * photonloom_pkg::PhotonBytes;
+  localparam int unsigned LineHalfwords = Bucket * StrideBits / 16;
+  localparam int unsigned HalfwordBits = $clog2(LineHalfwords);
+  localparam int unsigned LineWords = LineHalfwords / 2;
+  localparam int unsigned WordBits = $clog2(LineWords);
+  localparam int unsigned Beats = Bucket * StrideBits / BeatBits;
+  localparam int unsigned BeatNumberBits = Beats > 1 ? $clog2(Beats) : 1;
+  localparam int unsigned SourceBits = Gatherers > 1 ? $clog2(Gatherers) : 1;
+  localparam int unsigned ClientBits = SourceBits + TagBits;
+  localparam int unsigned GlobalLines = photonloom_pkg::GlobalPresent == 0 ? 0 :
+      (photonloom_pkg::GlobalPhotons + Bucket - 1) / Bucket;
+  localparam int unsigned CausticLines = photonloom_pkg::CausticPresent == 0 ? 0 :
+      (photonloom_pkg::CausticPhotons + Bucket - 1) / Bucket;
+  localparam int unsigned Lines = GlobalLines + CausticLines;
+  // 64-bit words on the way from the SDRAM.
+  localparam int unsigned Outstanding = 4;
+  localparam int unsigned WideWords = LineHalfwords / 4;
+  localparam int unsigned WideBits = $clog2(WideWords + 1);
+  localparam int unsigned RspDepth = 1 << $clog2(Outstanding * WideWords);
+  localparam int unsigned OutBits = $clog2(Outstanding + 1);
+
+  // The largest power of two of sets that fits.
+  localparam int unsigned SetsThatFit = CacheBytes / (Bucket * photonloom_pkg::PhotonBytes * CacheWays);
+  localparam int unsigned Sets = SetsThatFit == 0 ? 0 : 1 << ($clog2(SetsThatFit + 1) - 1);
+  localparam int unsigned SetBits = Sets > 1 ? $clog2(Sets) : 1;
+  localparam int unsigned MissBits = CacheMisses > 1 ? $clog2(CacheMisses) : 1;
+
+  if (Sets == 0) begin : gen_bad_cache
+    board_cache_bytes_must_hold_one_line_in_each_way bad_cache ();
+  end
+  if (Lines > (1 << (24 - HalfwordBits))) begin : gen_bad_lines
+    photon_maps_must_fit_in_32_megabytes_of_sdram bad_lines ();
+  end
+  if (BeatBits * Beats != Bucket * StrideBits) begin : gen_bad_beat
+    gatherer_beat_bits_must_divide_the_line bad_beat ();
+  end
+
+  logic rst, rst_sdram;
+  reset_bridge reset (
+      .clk_i(clk_i),
+      .rst_i(rst_i),
+      .rst_o(rst),
+      .other_clk_i(clk_sdram_i),
+      .other_rst_o(rst_sdram)
+  );
+
+  // ---- gatherers to cache ----
+  logic ask_valid, ask_ready;
+  logic [LineBits+TagBits:0] ask;
+  logic [SourceBits-1:0] ask_source;
+  logic [Gatherers*(LineBits+1+TagBits)-1:0] req;
+
+  for (genvar g = 0; g < Gatherers; g++) begin : gen_req
+    assign req[(LineBits+1+TagBits)*g+:LineBits+1+TagBits] = {
+      line_req_addr_i[(LineBits+1)*g+:LineBits+1], line_req_tag_i[TagBits*g+:TagBits]
+    };
+  end
+  arbiter #(
+      .Inputs(Gatherers),
+      .Width(LineBits + 1 + TagBits)
+  ) turns (
+      .clk_i(clk_i),
+      .rst_i(rst_i),
+      .in_valid_i(line_req_valid_i),
+      .in_ready_o(line_req_ready_o),
+      .in_i(req),
+      .out_valid_o(ask_valid),
+      .out_ready_i(ask_ready),
+      .out_o(ask),
+      .out_source_o(ask_source)
+  );
+
+  logic answer_ready, issue, answer_valid;
+  logic [ClientBits-1:0] answer_client;
+  logic [Bucket*PhotonBits-1:0] answer_line;
+  logic line_req_valid, line_req_ready, line_rsp_valid;
+  logic [LineBits:0] line_req_addr;
+  logic [MissBits-1:0] line_req_tag, line_rsp_tag;
+  logic [63:0] line_rsp_data;
+
+  cache #(
+      .AddressBits(LineBits + 1),
+      .Clients(1 << ClientBits),
+      .Items(Bucket),
+      .ItemBytes(photonloom_pkg::PhotonBytes),
+      .ItemBits(PhotonBits),
+      .BeatBits(64),
+      .Sets(Sets),
+      .Ways(CacheWays),
+      .Misses(CacheMisses)
+  ) lines (
+      .clk_i(clk_i),
+      .rst_i(rst_i),
+      .invalidate_i(forget_i),
+      .set_mask_i(SetBits'(Sets - 1)),
+      .bypass_i(1'b0),
+      .in_valid_i(ask_valid),
+      .in_ready_o(ask_ready),
+      .in_client_i({ask_source, ask[TagBits-1:0]}),
+      .in_address_i(ask[LineBits+TagBits:TagBits]),
+      .out_ready_i(answer_ready),
+      .issue_o(issue),
+      .out_valid_o(answer_valid),
+      .out_client_o(answer_client),
+      .out_line_o(answer_line),
+      .line_req_valid_o(line_req_valid),
+      .line_req_ready_i(line_req_ready),
+      .line_req_addr_o(line_req_addr),
+      .line_req_tag_o(line_req_tag),
+      .line_rsp_valid_i(line_rsp_valid),
+      .line_rsp_tag_i(line_rsp_tag),
+      .line_rsp_data_i(line_rsp_data),
+      /* verilator lint_off PINCONNECTEMPTY */
+      .hit_o(),
+      .miss_o()
+      /* verilator lint_on PINCONNECTEMPTY */
+  );
+
+  // ---- cache to gatherers: a line register, given out beat by beat ----
+  logic [Bucket*PhotonBits-1:0] line_q;
+  logic [Bucket*StrideBits-1:0] line_raw;
+  logic [ClientBits-1:0] client_q;
+  logic given_q, sending_q, last_beat;
+  logic [BeatNumberBits-1:0] beat_q;
+
+  assign last_beat = beat_q == BeatNumberBits'(Beats - 1);
+  // With a beat a line the register is free again each cycle.
+  assign answer_ready = Beats == 1 || (!given_q && !answer_valid && !sending_q);
+  for (genvar photon = 0; photon < Bucket; photon++) begin : gen_unpack
+    assign line_raw[StrideBits*photon+:StrideBits] = StrideBits'(line_q[PhotonBits*photon+:PhotonBits]);
+  end
+  always_ff @(posedge clk_i) begin
+    given_q <= issue;
+    if (answer_valid) begin
+      line_q <= answer_line;
+      client_q <= answer_client;
+      sending_q <= 1'b1;
+      beat_q <= '0;
+    end else if (sending_q) begin
+      sending_q <= !last_beat;
+      beat_q <= beat_q + 1'b1;
+    end
+    if (rst_i) begin
+      given_q <= 1'b0;
+      sending_q <= 1'b0;
+    end
+  end
+  for (genvar g = 0; g < Gatherers; g++) begin : gen_rsp
+    assign line_rsp_valid_o[g] = sending_q && client_q[TagBits+:SourceBits] == SourceBits'(g);
+    assign line_rsp_tag_o[TagBits*g+:TagBits] = client_q[TagBits-1:0];
+    assign line_rsp_data_o[BeatBits*g+:BeatBits] = line_raw[BeatBits*32'(beat_q)+:BeatBits];
+  end
+
+  // ---- words to write ----
+  logic write_valid, write_taken;
+  logic [27:0] write_line;
+  logic [WordBits-1:0] write_word;
+  logic [31:0] write_data;
+
+  photon_word_address #(
+      .LineWords(LineWords)
+  ) word_address (
+      .clk_i(clk_i),
+      .rst_i(rst_i),
+      .in_valid_i(write_valid_i),
+      .in_ready_o(write_ready_o),
+      .in_address_i(write_address_i),
+      .in_data_i(write_data_i),
+      .out_valid_o(write_valid),
+      .out_taken_i(write_taken),
+      .out_line_o(write_line),
+      .out_word_o(write_word),
+      .out_data_o(write_data)
+  );
+
+  // ---- to the SDRAM's clock: {write, address, data}; words before lines ----
+  logic go_valid, go_ready, write_inside, line_go;
+  logic [23:0] line_address, write_address, sdram_address;
+  logic [OutBits-1:0] outstanding_q;
+  logic line_done;
+  logic sdram_valid, sdram_ready, sdram_write;
+  logic [31:0] sdram_data;
+
+  assign write_inside = 32'(write_line) < Lines;
+  assign write_address = 24'({write_line, HalfwordBits'({write_word, 1'b0})});
+  assign line_address = 24'({24'(line_req_addr[LineBits-1:0]) + (line_req_addr[LineBits] ? 24'(GlobalLines) : 24'd0),
+      HalfwordBits'(0)});
+  assign line_go = line_req_valid && outstanding_q != OutBits'(Outstanding) && !write_valid;
+  assign go_valid = (write_valid ? write_inside : line_go) && !rst;
+  assign write_taken = write_valid && (go_ready || !write_inside) && !rst;
+  assign line_req_ready = outstanding_q != OutBits'(Outstanding) && !write_valid && go_ready && !rst;
+
+  async_fifo #(
+      .Width(57),
+      .Depth(8)
+  ) requests (
+      .in_clk_i(clk_i),
+      .in_rst_i(rst),
+      .in_valid_i(go_valid),
+      .in_ready_o(go_ready),
+      .in_i({write_valid, write_valid ? write_address : line_address, write_data}),
+      .out_clk_i(clk_sdram_i),
+      .out_rst_i(rst_sdram),
+      .out_valid_o(sdram_valid),
+      .out_ready_i(sdram_ready),
+      .out_o({sdram_write, sdram_address, sdram_data})
+  );
+
+  // ---- the controller ----
+  logic half_valid, run;
+  logic [15:0] half;
+
+  sdram_controller #(
+      .ClockKHz(SdramKHz),
+      .LineHalfwords(LineHalfwords)
+  ) controller (
+      .clk_i(clk_sdram_i),
+      .rst_i(rst_sdram),
+      .ready_o(run),
+      .req_valid_i(sdram_valid),
+      .req_ready_o(sdram_ready),
+      .req_write_i(sdram_write),
+      .req_address_i(sdram_address),
+      .req_data_i(sdram_data),
+      .rsp_valid_o(half_valid),
+      .rsp_data_o(half),
+      .sdram_cke_o(sdram_cke_o),
+      .sdram_cs_no(sdram_cs_no),
+      .sdram_ras_no(sdram_ras_no),
+      .sdram_cas_no(sdram_cas_no),
+      .sdram_we_no(sdram_we_no),
+      .sdram_ba_o(sdram_ba_o),
+      .sdram_a_o(sdram_a_o),
+      .sdram_dqm_o(sdram_dqm_o),
+      .sdram_dq_i(sdram_dq_i),
+      .sdram_dq_o(sdram_dq_o),
+      .sdram_dq_oe_o(sdram_dq_oe_o)
+  );
+
+  logic [1:0] run_q;
+  always_ff @(posedge clk_i) run_q <= {run_q[0], run};
+  assign ready_o = run_q[1] && !rst;
+
+  // ---- back: four halfwords a word ----
+  logic [63:0] wide_q;
+  logic [1:0] half_q;
+  logic wide_valid_q;
+  always_ff @(posedge clk_sdram_i) begin
+    wide_valid_q <= half_valid && half_q == 2'd3;
+    if (half_valid) begin
+      wide_q <= {half, wide_q[63:16]};
+      half_q <= half_q + 1'b1;
+    end
+    if (rst_sdram) begin
+      wide_valid_q <= 1'b0;
+      half_q <= '0;
+    end
+  end
+
+  /* verilator lint_off UNUSEDSIGNAL */  // has room for all lines outstanding
+  logic back_ready, tags_ready;
+  /* verilator lint_on UNUSEDSIGNAL */
+  async_fifo #(
+      .Width(64),
+      .Depth(RspDepth)
+  ) responses (
+      .in_clk_i(clk_sdram_i),
+      .in_rst_i(rst_sdram),
+      .in_valid_i(wide_valid_q),
+      .in_ready_o(back_ready),
+      .in_i(wide_q),
+      .out_clk_i(clk_i),
+      .out_rst_i(rst),
+      .out_valid_o(line_rsp_valid),
+      .out_ready_i(1'b1),
+      .out_o(line_rsp_data)
+  );
+
+  logic [WideBits-1:0] wide_count_q;
+  logic tag_valid;
+  assign line_done = line_rsp_valid && wide_count_q == WideBits'(WideWords - 1);
+  fifo #(
+      .Width(MissBits),
+      .Depth(Outstanding)
+  ) tags (
+      .clk_i(clk_i),
+      .rst_i(rst),
+      .in_valid_i(line_req_valid && line_req_ready),
+      .in_ready_o(tags_ready),
+      .in_i(line_req_tag),
+      .out_valid_o(tag_valid),
+      .out_ready_i(line_done),
+      .out_o(line_rsp_tag)
+  );
+
+  always_ff @(posedge clk_i) begin
+    if (line_rsp_valid) wide_count_q <= line_done ? '0 : wide_count_q + 1'b1;
+    outstanding_q <= outstanding_q + OutBits'(line_req_valid && line_req_ready) - OutBits'(line_done);
+    if (rst) begin
+      wide_count_q <= '0;
+      outstanding_q <= '0;
+    end
+  end
+
+  // ---- counters ----
+  logic done_q, busy_q;
+  always_ff @(posedge clk_i) begin
+    done_q <= line_done;
+    busy_q <= outstanding_q != '0;
+    count_lines_o <= count_lines_o + 40'(done_q);
+    count_busy_o <= count_busy_o + 40'(busy_q);
+    if (rst) begin
+      done_q <= 1'b0;
+      busy_q <= 1'b0;
+      count_lines_o <= '0;
+      count_busy_o <= '0;
+    end
+  end
+
+`ifndef SYNTHESIS
+  always_ff @(posedge clk_i) if (!rst) assert (!line_rsp_valid || tag_valid);
+  always_ff @(posedge clk_sdram_i) if (!rst_sdram) assert (!wide_valid_q || back_ready);
+`endif
+endmodule

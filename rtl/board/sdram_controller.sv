@@ -1,0 +1,277 @@
+// SPDX-License-Identifier: Apache-2.0
+// Controller of a 256 Mbit SDR SDRAM, 4 banks x 8192 rows x 512 columns x 16 bits: reads whole lines of LineHalfwords, writes
+// words of 32 bits, initialises and refreshes. Everything is in the SDRAM's clock domain; ClockKHz is its frequency, from
+// which the cycles of the data sheet's times follow (those of the slowest grade that it is to serve, docs/photon_memory.md).
+//
+// An address counts halfwords: a line starts at a multiple of the power of two not under LineHalfwords; the two bits above
+// choose the bank, so that neighbouring lines lie in different banks. Rows stay open. While a line is read, the row of the
+// next one is opened, unless it is in the same bank; then lines follow one another without a gap.
+//
+// A line is read in bursts of 8, CAS latency 3; its halfwords come in order, one a cycle, ReadLatency cycles after their
+// READ was decided, and lines in the order of their requests. Throughput: LineHalfwords cycles a line; one whose bank is
+// busy with another row waits for PRECHARGE and ACTIVATE; a refresh takes about 12 cycles in 780 at 100 MHz.
+module sdram_controller #(
+    parameter int unsigned ClockKHz = 100000,
+    parameter int unsigned LineHalfwords = 64
+) (
+    input  logic        clk_i,
+    input  logic        rst_i,
+    output logic        ready_o,        // initialised
+    // requests
+    input  logic        req_valid_i,
+    output logic        req_ready_o,
+    input  logic        req_write_i,    // a word, else a line
+    input  logic [23:0] req_address_i,  // in halfwords, of a word even
+    input  logic [31:0] req_data_i,
+    // halfwords of lines, always taken
+    output logic        rsp_valid_o,
+    output logic [15:0] rsp_data_o,
+    // the chip; every output comes from a register
+    output logic        sdram_cke_o,
+    output logic        sdram_cs_no,
+    output logic        sdram_ras_no,
+    output logic        sdram_cas_no,
+    output logic        sdram_we_no,
+    output logic [ 1:0] sdram_ba_o,
+    output logic [12:0] sdram_a_o,
+    output logic [ 1:0] sdram_dqm_o,
+    input  logic [15:0] sdram_dq_i,
+    output logic [15:0] sdram_dq_o,
+    output logic        sdram_dq_oe_o
+);
+  // Cycles of a time in ns.
+  function automatic int unsigned cycles(input int unsigned ns);
+    cycles = (ns * ClockKHz + 999999) / 1000000;
+  endfunction
+
+  localparam int unsigned PowerUp = 200 * (ClockKHz / 1000) + 200;  // 200 us
+  localparam int unsigned RefreshEvery = 7800 * (ClockKHz / 1000) / 1000;
+  localparam int unsigned RowToColumn = cycles(21);
+  localparam int unsigned Precharge = cycles(21);
+  localparam int unsigned RowActive = cycles(42);
+  localparam int unsigned RowToRow = cycles(14);
+  localparam int unsigned WriteRecovery = cycles(14);
+  localparam int unsigned RefreshTime = cycles(66);
+  localparam int unsigned ModeTime = cycles(14) > 2 ? cycles(14) : 2;
+  localparam int unsigned InitRefreshes = 8;
+  localparam int unsigned CasLatency = 3;
+  localparam int unsigned ReadLatency = CasLatency + 2;  // command register, CAS latency, data register
+  localparam int unsigned Bursts = LineHalfwords / 8;
+  localparam int unsigned BurstBits = $clog2(Bursts + 1);
+  localparam int unsigned LineColumnBits = $clog2(LineHalfwords);
+  localparam int unsigned TimerBits = 4;
+  localparam int unsigned WaitBits = $clog2(PowerUp + 1);
+  localparam int unsigned RefreshBits = $clog2(RefreshEvery);
+  // Burst of 8, sequential, CAS latency 3, writes of single words.
+  localparam logic [12:0] Mode = 13'b0001000110011;
+
+  if (LineHalfwords % 8 != 0 || LineHalfwords > 512) begin : gen_bad_line
+    sdram_lines_must_be_whole_bursts_of_16_bytes_and_fit_in_a_row bad_line ();
+  end
+  if (RefreshTime > 15 || RowActive + 2 > 15) begin : gen_bad_clock
+    sdram_clock_is_too_fast_for_the_timers bad_clock ();
+  end
+
+  // {cs, ras, cas, we}, all active low
+  localparam logic [3:0] Nop = 4'b0111, Active = 4'b0011, Read = 4'b0101, Write = 4'b0100, PrechargeRow = 4'b0010,
+      AutoRefresh = 4'b0001, LoadMode = 4'b0000;
+
+  // ---- the request that is next: from its acceptance to its READ or second WRITE ----
+  logic next_valid_q, next_write_q, second_q;
+  logic [1:0] next_bank_q;
+  logic [8:0] next_column_q;
+  logic [12:0] next_row_q;
+  logic [31:0] next_data_q;
+  logic next_done;
+
+  assign req_ready_o = !next_valid_q && ready_o;
+  always_ff @(posedge clk_i) begin
+    if (req_ready_o) begin
+      next_write_q <= req_write_i;
+      next_bank_q <= 2'(req_address_i >> LineColumnBits);
+      next_column_q <= 9'((req_address_i >> (LineColumnBits + 2) << LineColumnBits) |
+          (req_address_i & 24'((1 << LineColumnBits) - 1)));
+      next_row_q <= req_address_i[23:11];
+      next_data_q <= req_data_i;
+      next_valid_q <= req_valid_i;
+    end else if (next_done) begin
+      next_valid_q <= 1'b0;
+    end
+    if (rst_i) next_valid_q <= 1'b0;
+  end
+
+  // ---- banks: open rows, and cycles until a column, a PRECHARGE, an ACTIVATE may follow ----
+  logic [3:0] open_q, may_column, may_precharge, may_activate;
+  logic [4*13-1:0] row_q;
+  logic [4*TimerBits-1:0] column_wait_q, precharge_wait_q, activate_wait_q;
+  logic [TimerBits-1:0] row_wait_q;  // until an ACTIVATE of any bank
+
+  for (genvar bank = 0; bank < 4; bank++) begin : gen_bank
+    assign may_column[bank] = column_wait_q[TimerBits*bank+:TimerBits] == '0;
+    assign may_precharge[bank] = precharge_wait_q[TimerBits*bank+:TimerBits] == '0;
+    assign may_activate[bank] = activate_wait_q[TimerBits*bank+:TimerBits] == '0;
+  end
+
+  // ---- the line being read ----
+  logic [BurstBits-1:0] bursts_q;  // to come after the running one
+  logic [2:0] gap_q;  // cycles until the next READ
+  logic [1:0] burst_bank_q;
+  logic [8:0] burst_column_q;
+  logic bursting;
+  assign bursting = bursts_q != '0 || gap_q != '0;
+  // A WRITE waits until the chip has let go of the data pins.
+  logic [ReadLatency:0] reading_q;
+  logic reading;
+
+  // ---- initialisation and refresh ----
+  logic run_q, waiting, refresh_due_q, mode_set_q, precharged_q;
+  logic [WaitBits-1:0] wait_q;
+  logic [RefreshBits-1:0] refresh_q;
+  logic [3:0] init_refreshes_q;
+  assign ready_o = run_q;
+  assign waiting = wait_q != '0;
+
+  // ---- one command a cycle ----
+  logic row_open, read_more, read_first, write_now, activate, precharge, precharge_all, refresh, load_mode;
+  assign row_open = open_q[next_bank_q] && row_q[13*next_bank_q+:13] == next_row_q;
+  assign read_more = bursts_q != '0 && gap_q == '0;
+  assign read_first = run_q && !bursting && next_valid_q && !next_write_q && row_open && may_column[next_bank_q] &&
+      !refresh_due_q;
+  assign write_now = run_q && !bursting && reading_q == '0 && next_valid_q && next_write_q && row_open &&
+      may_column[next_bank_q] && (!refresh_due_q || second_q);
+  assign activate = run_q && !read_more && next_valid_q && !open_q[next_bank_q] && may_activate[next_bank_q] &&
+      row_wait_q == '0 && !refresh_due_q;
+  assign precharge = run_q && !read_more && next_valid_q && open_q[next_bank_q] && !row_open &&
+      may_precharge[next_bank_q] && !(bursting && burst_bank_q == next_bank_q) && !refresh_due_q;
+  assign precharge_all = !waiting && !precharged_q && (run_q ? refresh_due_q && !bursting && !second_q && may_precharge == '1 : 1'b1);
+  assign refresh = !waiting && precharged_q && may_activate == '1 && (run_q ? refresh_due_q : init_refreshes_q != '0);
+  assign load_mode = !waiting && precharged_q && may_activate == '1 && !run_q && init_refreshes_q == '0 && !mode_set_q;
+  assign next_done = read_first || (write_now && second_q);
+  assign reading = read_first || read_more || gap_q != '0;
+
+  logic [3:0] command_q;
+  assign {sdram_cs_no, sdram_ras_no, sdram_cas_no, sdram_we_no} = command_q;
+
+  always_ff @(posedge clk_i) begin
+    command_q <= Nop;
+    sdram_ba_o <= read_more ? burst_bank_q : next_bank_q;
+    sdram_a_o <= '0;
+    sdram_dq_o <= second_q ? next_data_q[31:16] : next_data_q[15:0];
+    sdram_dq_oe_o <= write_now;
+    if (read_more) begin
+      command_q <= Read;
+      sdram_a_o <= {4'b0, burst_column_q};
+    end else if (read_first) begin
+      command_q <= Read;
+      sdram_a_o <= {4'b0, next_column_q};
+    end else if (write_now) begin
+      command_q <= Write;
+      sdram_a_o <= {4'b0, next_column_q[8:1], second_q};
+    end else if (activate) begin
+      command_q <= Active;
+      sdram_a_o <= next_row_q;
+    end else if (precharge) begin
+      command_q <= PrechargeRow;
+    end else if (precharge_all) begin
+      command_q <= PrechargeRow;
+      sdram_a_o[10] <= 1'b1;
+    end else if (refresh) begin
+      command_q <= AutoRefresh;
+    end else if (load_mode) begin
+      command_q <= LoadMode;
+      sdram_ba_o <= '0;
+      sdram_a_o <= Mode;
+    end
+    sdram_cke_o <= 1'b1;
+    sdram_dqm_o <= run_q ? 2'b00 : 2'b11;
+    if (rst_i) begin
+      command_q <= Nop;
+      sdram_dq_oe_o <= 1'b0;
+    end
+  end
+
+  always_ff @(posedge clk_i) begin
+    // bursts
+    gap_q <= read_first || read_more ? 3'd7 : gap_q == '0 ? '0 : gap_q - 1'b1;
+    if (read_first) begin
+      bursts_q <= BurstBits'(Bursts - 1);
+      burst_bank_q <= next_bank_q;
+      burst_column_q <= next_column_q + 9'd8;
+    end else if (read_more) begin
+      bursts_q <= bursts_q - 1'b1;
+      burst_column_q <= burst_column_q + 9'd8;
+    end
+    if (write_now) second_q <= !second_q;
+    reading_q <= {reading_q[ReadLatency-1:0], reading};
+
+    // banks
+    row_wait_q <= activate ? TimerBits'(RowToRow - 1) : row_wait_q == '0 ? '0 : row_wait_q - 1'b1;
+    for (int unsigned bank = 0; bank < 4; bank++) begin
+      if (column_wait_q[TimerBits*bank+:TimerBits] != '0)
+        column_wait_q[TimerBits*bank+:TimerBits] <= column_wait_q[TimerBits*bank+:TimerBits] - 1'b1;
+      if (precharge_wait_q[TimerBits*bank+:TimerBits] != '0)
+        precharge_wait_q[TimerBits*bank+:TimerBits] <= precharge_wait_q[TimerBits*bank+:TimerBits] - 1'b1;
+      if (activate_wait_q[TimerBits*bank+:TimerBits] != '0)
+        activate_wait_q[TimerBits*bank+:TimerBits] <= activate_wait_q[TimerBits*bank+:TimerBits] - 1'b1;
+      if (next_bank_q == 2'(bank)) begin
+        if (activate) begin
+          open_q[bank] <= 1'b1;
+          row_q[13*bank+:13] <= next_row_q;
+          column_wait_q[TimerBits*bank+:TimerBits] <= TimerBits'(RowToColumn - 1);
+          precharge_wait_q[TimerBits*bank+:TimerBits] <= TimerBits'(RowActive - 1);
+        end
+        if (precharge) begin
+          open_q[bank] <= 1'b0;
+          activate_wait_q[TimerBits*bank+:TimerBits] <= TimerBits'(Precharge - 1);
+        end
+        if (write_now && precharge_wait_q[TimerBits*bank+:TimerBits] < TimerBits'(WriteRecovery))
+          precharge_wait_q[TimerBits*bank+:TimerBits] <= TimerBits'(WriteRecovery);
+      end
+      if (precharge_all) begin
+        open_q[bank] <= 1'b0;
+        activate_wait_q[TimerBits*bank+:TimerBits] <= TimerBits'(Precharge - 1);
+      end
+      if (refresh) activate_wait_q[TimerBits*bank+:TimerBits] <= TimerBits'(RefreshTime - 1);
+      if (load_mode) activate_wait_q[TimerBits*bank+:TimerBits] <= TimerBits'(ModeTime - 1);
+    end
+
+    // initialisation and refresh
+    if (waiting) wait_q <= wait_q - 1'b1;
+    if (precharge_all) precharged_q <= 1'b1;
+    if (refresh && !run_q) init_refreshes_q <= init_refreshes_q - 1'b1;
+    if (load_mode) mode_set_q <= 1'b1;
+    if (!run_q && mode_set_q && may_activate == '1) begin
+      run_q <= 1'b1;
+      precharged_q <= 1'b0;
+    end
+    refresh_q <= !run_q || refresh_q == RefreshBits'(RefreshEvery - 1) ? '0 : refresh_q + 1'b1;
+    if (refresh_q == RefreshBits'(RefreshEvery - 1)) refresh_due_q <= 1'b1;
+    if (refresh && run_q) begin
+      refresh_due_q <= 1'b0;
+      precharged_q <= 1'b0;
+    end
+
+    if (rst_i) begin
+      gap_q <= '0;
+      bursts_q <= '0;
+      second_q <= 1'b0;
+      reading_q <= '0;
+      row_wait_q <= '0;
+      column_wait_q <= '0;
+      precharge_wait_q <= '0;
+      activate_wait_q <= '0;
+      open_q <= '0;
+      wait_q <= WaitBits'(PowerUp);
+      precharged_q <= 1'b0;
+      init_refreshes_q <= 4'(InitRefreshes);
+      mode_set_q <= 1'b0;
+      run_q <= 1'b0;
+      refresh_q <= '0;
+      refresh_due_q <= 1'b0;
+    end
+  end
+
+  // ---- data ----
+  always_ff @(posedge clk_i) rsp_data_o <= sdram_dq_i;
+  assign rsp_valid_o = reading_q[ReadLatency-1];
+endmodule
