@@ -2,7 +2,7 @@
 // Bin of a position: the top bits of the Hilbert index of its cell, or of a multiplicative hash of it. One a cycle, never
 // stalls; latency CellBits cycles (Hilbert) or 3 (hash). Mirrors reorder_bin of golden/unit/reorder_buffer.hpp.
 module reorder_key #(
-    parameter int unsigned Key = 1,  // 1 Hilbert, 2 hash
+    parameter int unsigned Key = photonloom_pkg::ReorderKey,  // 1 Hilbert, 2 hash
     parameter int unsigned PositionBits = 16,
     parameter int unsigned CellBits = 3,
     parameter int unsigned Bins = 512,

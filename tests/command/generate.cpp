@@ -140,6 +140,23 @@ TEST_CASE("only what the plan needs") {
   CHECK_THROWS_WITH(files(), ContainsSubstring("there is no hardware to generate"));
 }
 
+TEST_CASE("packages of every way to reorder lint") {
+  Plan plan = gatherer_plan();
+  plan.gather_rays = 4;
+  for (const ReorderKey key : {ReorderKey::kNone, ReorderKey::kHilbert, ReorderKey::kHash})
+    for (const ReorderDrain drain : {ReorderDrain::kSweep, ReorderDrain::kFullest}) {
+      const Scratch scratch;
+      plan.reorder_key = key;
+      plan.reorder_drain = drain;
+      INFO("key " << static_cast<int>(key) << ", drain " << static_cast<int>(drain));
+      for (const auto& [name, text] : generate_hardware({.plan = plan})) {
+        std::filesystem::create_directories((scratch.path / name).parent_path());
+        write_file(scratch / name, text);
+      }
+      check_tools(scratch.path.string(), "photonloom_chip");
+    }
+}
+
 TEST_CASE("packages of many plans lint") {
   for (uint64_t seed = 1; seed <= 3; ++seed) {
     const Scratch scratch;
