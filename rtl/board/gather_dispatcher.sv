@@ -48,7 +48,9 @@ module gather_dispatcher #(
   localparam int unsigned SourceBits = Gatherers > 1 ? $clog2(Gatherers) : 1;
   localparam int unsigned QueryBits = photonloom_pkg::GatherQueryPacketBits;
   localparam int unsigned OrderDepth = Pending > 2 ? 1 << $clog2(Pending) : 2;
-  localparam int unsigned HoldersOfPhotons = Gatherers * photonloom_pkg::Contexts;
+  // Photons of so many queries wait in a gatherer: of those that keep a context for them, and of those whose photons are in
+  // the FIFO of its photon port, 8 deep.
+  localparam int unsigned HoldersOfPhotons = Gatherers * (photonloom_pkg::Contexts + 8);
   localparam int unsigned PhotonDepth = HoldersOfPhotons > 2 ? 1 << $clog2(HoldersOfPhotons) : 2;
 
   // ---- deal ----
