@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Units as RTL behind golden/unit/backend.hpp, and what a run of them tells beyond packets.
+// Units as RTL, or what was made of it (RunOptions::kind), behind golden/unit/backend.hpp, and what
+// a run of them tells beyond packets.
 #pragma once
 #include <memory>
 #include <span>

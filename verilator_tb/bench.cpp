@@ -4,6 +4,7 @@
 #include <fmt/core.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <chrono>
 #include <exception>
 #include <optional>
@@ -33,7 +34,8 @@ constexpr Policy kPolicies[] = {
 };
 
 struct BenchCommand {
-  std::string plan, only_case, backend = "rtl";
+  std::string plan, backend = "rtl";
+  std::vector<std::string> only_cases;
   uint64_t seed = 1, packets = 1;
   int policy = -1;
   bool list = false;
@@ -182,7 +184,10 @@ template <class Bench>
 void run_cases(const std::string& program, const std::string& unit, const Bench& bench,
                const BenchPlan& plan, const BenchCommand& command, Totals& totals) {
   for (const auto& c : bench.cases) {
-    if (!command.only_case.empty() && c.name != command.only_case) continue;
+    if (!command.only_cases.empty() &&
+        std::find(command.only_cases.begin(), command.only_cases.end(), c.name) ==
+            command.only_cases.end())
+      continue;
     const int policies = command.own_policy ? 1 : static_cast<int>(std::size(kPolicies));
     for (int p = 0; p < policies; ++p) {
       if (command.policy >= 0 && !command.own_policy && p != command.policy) continue;
@@ -258,7 +263,9 @@ int run_bench(int argc, char** argv, const std::string& unit, const Bench& bench
   BenchCommand command;
   app.add_option("--plan", command.plan,
                  "A plan of --list, random:N, or random:N-M for a range. Default: all of --list.");
-  app.add_option("--case", command.only_case, "A case of --list. Default: all.");
+  app.add_option("--case", command.only_cases,
+                 "Cases of --list, with commas between. Default: all.")
+      ->delimiter(',');
   app.add_option("--backend", command.backend,
                  "What runs: rtl (default), netlist or cxxrtl (docs/netlist.md).")
       ->check(CLI::IsMember({"rtl", "netlist", "cxxrtl"}));

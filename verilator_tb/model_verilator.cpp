@@ -159,8 +159,8 @@ std::string build_runtime(const std::string& work, const std::vector<std::string
 
 std::string verilator_key() { return verilator().version + compiler().version + kCompile + kShim; }
 
-void verilate(const ModelInput& in, const std::vector<std::string>& files,
-              const std::string& flags) {
+void verilate(const ModelInput& in, const std::vector<std::string>& files, const std::string& flags,
+              int optimise) {
   std::string list;
   for (const std::string& file : files) list += " " + file;
   run_tool(fmt::format("cd {} && verilator --cc -O3 {} --prefix Vmodel --Mdir obj --top-module "
@@ -193,17 +193,18 @@ void verilate(const ModelInput& in, const std::vector<std::string>& files,
       fmt::format("{0} {1} -DVM_TRACE={2} -DVM_TRACE_FST={2} -I. -I{3} -I{4}", compiler().command,
                   kCompile, in.waveform ? 1 : 0, quoted(verilator().root + "/include"),
                   quoted(verilator().root + "/include/vltstd"));
-  run_tool(fmt::format("cd {0}/obj && ( {1} -O0 -c slow.cpp -o slow.o & s=$!; {1} -O2 -c fast.cpp "
-                       "-o fast.o && wait $s ) && {1} -shared -o ../model.so fast.o slow.o {2} "
-                       "-Wl,--exclude-libs,ALL -pthread {3}",
-                       quoted(in.dir), compile, quoted(runtime), in.waveform ? "-lz" : ""),
-           in.dir + "/compile.log", fmt::format("compiling the model of {}", in.unit));
+  run_tool(
+      fmt::format("cd {0}/obj && ( {1} -O0 -c slow.cpp -o slow.o & s=$!; {1} -O{4} -c fast.cpp "
+                  "-o fast.o && wait $s ) && {1} -shared -o ../model.so fast.o slow.o {2} "
+                  "-Wl,--exclude-libs,ALL -pthread {3}",
+                  quoted(in.dir), compile, quoted(runtime), in.waveform ? "-lz" : "", optimise),
+      in.dir + "/compile.log", fmt::format("compiling the model of {}", in.unit));
 }
 
 void build_verilator(const ModelInput& in) {
   std::string flags = "-Wall --assert --x-initial unique --x-assign unique";
   for (const std::string& p : in.parameters) flags += " " + quoted("-G" + p);
-  verilate(in, in.files, flags);
+  verilate(in, in.files, flags, 2);
 }
 
 }  // namespace photonloom::model_tools
