@@ -10,6 +10,7 @@
 
 #include "golden/numeric/output_file.hpp"
 #include "golden/numeric/random.hpp"
+#include "golden/plan/plan_file.hpp"
 #include "rtl/generate/package.hpp"
 #include "rtl/generate/sources.hpp"
 #include "verilator_tb/model_tools.hpp"
@@ -62,9 +63,12 @@ std::string build_model(const Plan& plan, const ModelSource& source) {
   in.yosys = source.yosys;
   in.netlist = source.netlist;
   const Builder& builder = kBuilders[static_cast<size_t>(source.kind)];
-  // A unit alone does not read PlanHash; without it plans that differ elsewhere share a model.
-  const std::string package = write_package(plan, 0);
   const std::vector<std::string> files = module_files(rtl, source.unit);
+  // A unit alone does not read PlanHash; without it plans that differ elsewhere share a model.
+  const bool reads_hash = std::any_of(files.begin(), files.end(), [&](const std::string& file) {
+    return read_file(rtl + "/" + file).find("photonloom_pkg::PlanHash") != std::string::npos;
+  });
+  const std::string package = write_package(plan, reads_hash ? plan_hash(plan) : 0);
   uint64_t key = text_hash(builder.key(in), 1);
   key = text_hash(package, key);
   for (const std::string& file : files) key = text_hash(read_file(rtl + "/" + file), key);

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "golden/packet/layout.hpp"
+#include "golden/packet/signature.hpp"
 #include "golden/packet/trace.hpp"
 #include "rtl/generate/package.hpp"
 #include "tests/catch.hpp"
@@ -154,4 +155,44 @@ TEST_CASE("the package is deterministic and follows the plan") {
   CHECK(text.find("localparam int unsigned K = 50;") != std::string::npos);
   CHECK(text.find("logic [47:0] position;") != std::string::npos);
   CHECK(upper_camel("reorder_cell_bits") == "ReorderCellBits");
+}
+
+TEST_CASE("signature: a shift register that every bit of every result enters, in order") {
+  Plan plan = small_plan();
+  const uint64_t seed = 3;
+  INFO("seed " << seed);
+  std::mt19937_64 random(seed);
+  for (int round = 0; round < 20; ++round) {
+    plan.reciprocal_bits = random() % 2 ? 18 : 0;
+    plan.k = 1 + static_cast<int>(random() % 60);
+    plan.channels = 1 + static_cast<int>(random() % 3);
+    const PacketLayout layout = PacketLayout::of<GatherResult>(plan);
+    std::vector<GatherResult> results;
+    for (int i = 0; i < 5; ++i) results.push_back(random_packet<GatherResult>(layout, random));
+
+    // The same on single flip-flops: state[i] is x^(63 - i), the feedback that of ECMA-182.
+    std::vector<bool> state(64, false);
+    const uint64_t ecma = 0x42F0E1EBA9EA3693;
+    for (const GatherResult& r : results) {
+      std::vector<uint32_t> words(layout.words());
+      layout.pack(&r, words.data());
+      for (int part = 0; 64 * part < layout.bits(); ++part) {
+        std::vector<bool> next(64, false);
+        for (int i = 0; i < 64; ++i) {
+          const int bit = 64 * part + i;
+          const bool in =
+              bit < layout.bits() && (words[static_cast<size_t>(bit / 32)] >> (bit % 32) & 1) != 0;
+          const bool feedback = state[0] && (ecma >> (63 - i) & 1) != 0;
+          next[static_cast<size_t>(i)] =
+              (i < 63 && state[static_cast<size_t>(i) + 1]) != (feedback != in);
+        }
+        state = next;
+      }
+    }
+    uint64_t expected = 0;
+    for (int i = 0; i < 64; ++i) expected |= uint64_t{state[static_cast<size_t>(i)]} << i;
+    ResultSignature signature(plan);
+    for (const GatherResult& r : results) signature.add(r);
+    CHECK(signature.value() == expected);
+  }
 }

@@ -1,0 +1,789 @@
+// SPDX-License-Identifier: Apache-2.0
+// The board's side of docs/host-link.md, byte by byte on the UART's wires. Frames, CRC and stuffing
+// are written here once more from the page, apart from the host's library.
+#include <algorithm>
+#include <cstdlib>
+#include <map>
+#include <string>
+
+#include "golden/packet/layout.hpp"
+#include "golden/packet/signature.hpp"
+#include "golden/plan/plan_file.hpp"
+#include "golden/unit/backend.hpp"
+#include "golden/unit/photon_gatherer_image.hpp"
+#include "tests/catch.hpp"
+#include "tests/photon_sets.hpp"
+#include "verilator_tb/board_model.hpp"
+#include "verilator_tb/stall.hpp"
+
+using namespace photonloom;
+
+namespace {
+
+using Bytes = std::vector<uint8_t>;
+using Words = std::vector<uint32_t>;
+
+constexpr uint8_t kRead = 1, kWrite = 2, kPush = 3, kPull = 4, kAnswer = 0x80;
+constexpr uint32_t kCfg = 1u << 28, kLines = 2u << 28, kQueries = 3u << 28;
+constexpr uint32_t kSession = 4, kFlags = 12, kControl = 16;
+
+void append(Bytes& to, uint32_t value) {
+  for (int i = 0; i < 4; ++i) to.push_back(static_cast<uint8_t>(value >> (8 * i)));
+}
+
+uint32_t number(const Bytes& from, size_t at) {
+  uint32_t value = 0;
+  for (size_t i = 0; i < 4; ++i) value |= static_cast<uint32_t>(from.at(at + i)) << (8 * i);
+  return value;
+}
+
+// The remainder of the message times x^32, bit by bit, by the polynomial of IEEE 802.3 as it is
+// written there: bits enter lowest first, the result is reflected.
+uint32_t crc32(const Bytes& bytes) {
+  uint32_t remainder = 0xffffffff;
+  for (const uint8_t byte : bytes)
+    for (int i = 0; i < 8; ++i) {
+      const bool carry = ((remainder >> 31) ^ (byte >> i & 1u)) != 0;
+      remainder = remainder << 1 ^ (carry ? 0x04C11DB7u : 0);
+    }
+  uint32_t crc = 0;
+  for (int i = 0; i < 32; ++i) crc |= (remainder >> i & 1u) << (31 - i);
+  return ~crc;
+}
+
+Bytes stuffed(const Bytes& content) {
+  Bytes wire{0xC0};
+  for (const uint8_t b : content) {
+    if (b == 0xC0 || b == 0xDB) wire.push_back(0xDB);
+    wire.push_back(b == 0xC0 ? 0xDC : b == 0xDB ? 0xDD : b);
+  }
+  wire.push_back(0xC0);
+  return wire;
+}
+
+Bytes frame(uint8_t id, uint8_t command, const Bytes& body) {
+  Bytes content{id, command};
+  content.insert(content.end(), body.begin(), body.end());
+  const uint32_t crc = crc32(content);
+  append(content, crc);
+  return stuffed(content);
+}
+
+struct Answer {
+  uint8_t id = 0, command = 0;
+  Bytes body;
+  bool bad() const { return id == 0 && command == 0xff && body.empty(); }
+  Words words(size_t from = 0) const {
+    Words list;
+    for (size_t at = 4 * from; at < body.size(); at += 4) list.push_back(number(body, at));
+    return list;
+  }
+};
+
+Plan small_plan() {
+  Plan plan;
+  plan.position_bits = 10;
+  plan.k = 6;
+  plan.bucket = 4;
+  plan.global = {.present = true, .photons = 300};
+  plan.caustic = {.present = true, .photons = 90};
+  plan.contexts = 3;
+  plan.lanes = 2;
+  plan.cache_bytes = 1024;
+  plan.reorder_packets = 16;
+  plan.reorder_bins = 64;
+  plan.reorder_cell_bits = 2;
+  plan.gatherers = 2;
+  plan.replay_queries = 64;
+  plan.width = plan.height = 64;
+  for (MapPlan* m : {&plan.global, &plan.caustic}) m->r2_max = plan.r2_limit() / 64;
+  return plan;
+}
+
+// A board and the other end of its cable.
+class Bench {
+ public:
+  explicit Bench(const Plan& plan = small_plan(), const BoardRun& run = {.work_dir = "cosim"})
+      : plan_(plan), board_(plan, run) {}
+
+  BoardModel& board() { return board_; }
+  const Plan& plan() const { return plan_; }
+
+  void send(const Bytes& wire) { board_.wire().send(wire); }
+  void run(uint64_t cycles) {
+    for (uint64_t i = 0; i < cycles; ++i) board_.cycle();
+    take();
+  }
+  // Until everything is sent and the board has been silent for a while.
+  std::vector<Answer> settle(uint64_t quiet = 8000) {
+    size_t seen = board_.wire().received().size();
+    for (uint64_t left = quiet; left > 0; --left) {
+      board_.cycle();
+      const size_t now = board_.wire().received().size();
+      if (board_.wire().sending() || now != seen) left = quiet;
+      seen = now;
+    }
+    take();
+    return std::exchange(answers_, {});
+  }
+  // The next answer.
+  Answer next(uint64_t patience = 200000) {
+    for (uint64_t i = 0; answers_.empty(); ++i) {
+      if (i == patience) throw std::runtime_error("the board does not answer");
+      board_.cycle();
+      if (!board_.wire().received().empty() && board_.wire().received().back() == 0xC0) take();
+    }
+    const Answer answer = answers_.front();
+    answers_.erase(answers_.begin());
+    return answer;
+  }
+  Answer ask(uint8_t command, const Bytes& body, uint64_t patience = 200000) {
+    const uint8_t id = ++id_;
+    send(frame(id, command, body));
+    const Answer answer = next(patience);
+    CHECK(answer.id == id);
+    CHECK(answer.command == (command | kAnswer));
+    return answer;
+  }
+  Words read(uint32_t address, uint8_t n) {
+    Bytes body;
+    append(body, address);
+    body.push_back(n);
+    return ask(kRead, body).words();
+  }
+  uint32_t reg(uint32_t address) { return read(address, 1).at(0); }
+  uint32_t write(uint32_t address, const Words& words, uint64_t patience = 200000) {
+    uint32_t status = 0;
+    for (size_t at = 0; at < words.size(); at += 64) {
+      Bytes body;
+      append(body, address + static_cast<uint32_t>(at));
+      for (size_t i = at; i < std::min(words.size(), at + 64); ++i) append(body, words[i]);
+      const Answer answer = ask(kWrite, body, patience);
+      REQUIRE(answer.body.size() == 4);
+      status |= number(answer.body, 0);
+    }
+    return status;
+  }
+  struct Pushed {
+    uint32_t next, room;
+  };
+  Pushed push(uint32_t position, const Words& words) {
+    Bytes body;
+    append(body, position);
+    for (const uint32_t w : words) append(body, w);
+    const Answer answer = ask(kPush, body);
+    REQUIRE(answer.body.size() == 8);
+    return {number(answer.body, 0), number(answer.body, 4)};
+  }
+  struct Pulled {
+    uint32_t position, end;
+    Words words;
+  };
+  Pulled pull(uint32_t position, uint8_t n, uint32_t keep) {
+    Bytes body;
+    append(body, position);
+    body.push_back(n);
+    append(body, keep);
+    const Answer answer = ask(kPull, body);
+    REQUIRE(answer.body.size() >= 8);
+    return {number(answer.body, 0), number(answer.body, 4), answer.words(2)};
+  }
+
+  // Loads maps; golden has them too.
+  void load(uint64_t seed) {
+    using namespace test;
+    global_ = build_photon_map(make_photons(plan_, PointSet::kSurfaces, plan_.global.photons, seed),
+                               plan_);
+    caustic_ = build_photon_map(
+        make_photons(plan_, PointSet::kClustered, plan_.caustic.photons, seed + 1), plan_);
+    const PhotonGathererImage image = photon_gatherer_image(plan_, global_, caustic_);
+    std::map<uint32_t, uint64_t> cfg;
+    for (const CfgWrite& w : image.cfg) cfg[w.address] = w.data;
+    for (auto at = cfg.begin(); at != cfg.end();) {
+      const uint32_t first = at->first;
+      Words words;
+      for (uint32_t a = first; at != cfg.end() && at->first == a; ++a, ++at) {
+        words.push_back(static_cast<uint32_t>(at->second));
+        words.push_back(static_cast<uint32_t>(at->second >> 32));
+      }
+      REQUIRE(write(kCfg + 2 * first, words) == 0);
+    }
+    Bytes bytes = image.lines[0];
+    bytes.resize(plan_.lines(plan_.global) * static_cast<size_t>(plan_.line_bytes()));
+    bytes.insert(bytes.end(), image.lines[1].begin(), image.lines[1].end());
+    bytes.resize((bytes.size() + 3) / 4 * 4);
+    Words words;
+    for (size_t i = 0; i < bytes.size(); i += 4) words.push_back(number(bytes, i));
+    REQUIRE(write(kLines, words) == 0);
+    golden_ = make_golden_photon_gatherer(plan_);
+    golden_->load(global_, caustic_);
+  }
+  PhotonGatherer& golden() { return *golden_; }
+
+ private:
+  // Frames among the bytes that came; one that is bad fails the test.
+  void take() {
+    std::deque<uint8_t>& in = board_.wire().received();
+    for (; !in.empty(); in.pop_front()) {
+      if (in.front() != 0xC0) {
+        raw_.push_back(in.front());
+        continue;
+      }
+      if (raw_.empty()) continue;
+      Bytes content;
+      for (size_t i = 0; i < raw_.size(); ++i) {
+        if (raw_[i] != 0xDB) {
+          content.push_back(raw_[i]);
+          continue;
+        }
+        REQUIRE(i + 1 < raw_.size());
+        REQUIRE((raw_[i + 1] == 0xDC || raw_[i + 1] == 0xDD));
+        content.push_back(raw_[++i] == 0xDC ? 0xC0 : 0xDB);
+      }
+      raw_.clear();
+      REQUIRE(content.size() >= 6);
+      REQUIRE(content.size() <= 272);
+      const uint32_t crc = number(content, content.size() - 4);
+      content.resize(content.size() - 4);
+      REQUIRE(crc == crc32(content));
+      answers_.push_back({content[0], content[1], Bytes(content.begin() + 2, content.end())});
+    }
+  }
+
+  Plan plan_;
+  BoardModel board_;
+  PhotonMap global_, caustic_;
+  std::unique_ptr<PhotonGatherer> golden_;
+  Bytes raw_;
+  std::vector<Answer> answers_;
+  uint8_t id_ = 0;
+};
+
+std::vector<GatherQuery> queries(const Plan& plan, size_t n, uint64_t seed, bool photons) {
+  std::vector<GatherQuery> list;
+  for (size_t i = 0; i < n; ++i) {
+    GatherQuery q = test::make_query(plan, test::PointSet::kSurfaces, seed, i);
+    q.map = i % 5 == 0;
+    q.flush = i % 13 == 7;
+    q.want_photons = photons && i % 2 == 0;
+    list.push_back(q);
+  }
+  return list;
+}
+
+template <class P>
+Words packed(const Plan& plan, const P& packet) {
+  const PacketLayout layout = PacketLayout::of<P>(plan);
+  Words words(layout.words());
+  layout.pack(&packet, words.data());
+  return words;
+}
+
+Words packed(const Plan& plan, const std::vector<GatherQuery>& list) {
+  Words words;
+  for (const GatherQuery& q : list)
+    for (const uint32_t w : packed(plan, q)) words.push_back(w);
+  return words;
+}
+
+// The two streams in the records; a record that is not whole fails.
+struct Streams {
+  std::vector<Words> results, photons;
+};
+Streams records(const Plan& plan, const Words& words) {
+  Streams s;
+  const size_t size[] = {PacketLayout::of<GatherResult>(plan).words(),
+                         PacketLayout::of<GatherPhoton>(plan).words()};
+  for (size_t at = 0; at < words.size();) {
+    const uint32_t kind = words[at++];
+    REQUIRE(kind <= 1);
+    REQUIRE(at + size[kind] <= words.size());
+    const auto from = words.begin() + static_cast<ptrdiff_t>(at);
+    (kind ? s.photons : s.results)
+        .push_back(Words(from, from + static_cast<ptrdiff_t>(size[kind])));
+    at += size[kind];
+  }
+  return s;
+}
+
+Streams golden_records(Bench& bench, const std::vector<GatherQuery>& list) {
+  std::vector<GatherResult> results;
+  std::vector<GatherPhoton> photons;
+  bench.golden().process(list, results, photons);
+  Streams s;
+  for (const GatherResult& r : results) s.results.push_back(packed(bench.plan(), r));
+  for (const GatherPhoton& p : photons) s.photons.push_back(packed(bench.plan(), p));
+  return s;
+}
+
+}  // namespace
+
+TEST_CASE("host link: registers and what no address holds") {
+  Bench bench;
+  CHECK((bench.board().leds() & 0x80) == 0);
+  const uint64_t hash = plan_hash(bench.plan());
+  const Words all = bench.read(0, 64);
+  REQUIRE(all.size() == 64);
+  CHECK(all[0] == 0x4D4C4850);
+  CHECK(all[1] == 1);
+  CHECK(all[2] == static_cast<uint32_t>(hash));
+  CHECK(all[3] == static_cast<uint32_t>(hash >> 32));
+  CHECK(all[4] == 0);
+  CHECK(all[5] == 2);
+  CHECK(all[6] >= 2 * 2 * 272);
+  CHECK(all[7] >= 64);
+  for (const size_t zero : {8, 9, 10, 11, 13, 14, 15, 16, 19, 20, 26, 31, 56, 63})
+    CHECK(all[zero] == 0);
+  CHECK(all[12] == 2);  // nothing inside, memory there
+  bench.run(4);
+  CHECK((bench.board().leds() & 0x80) != 0);
+  for (const uint32_t address : {64u, 0x0fffffffu, kCfg, kLines, kQueries, 0xffffffffu})
+    CHECK(bench.reg(address) == 0);
+
+  CHECK(bench.write(0, {1}) == 1);
+  CHECK(bench.write(5, {1}) == 1);
+  CHECK(bench.write(20, {1}) == 1);
+  CHECK(bench.write(64, {1}) == 1);
+  CHECK(bench.write(0x40000000, {1}) == 1);
+  CHECK(bench.write(kSession, {77}) == 0);
+  CHECK(bench.reg(kSession) == 77);
+  CHECK(bench.write(17, {0}) == 1);
+  CHECK(bench.write(17, {65}) == 1);
+  CHECK(bench.write(17, {64, 3, 2}) == 0);
+  CHECK(bench.read(16, 4) == Words{0, 64, 3, 2});
+  CHECK(bench.write(18, {0}) == 1);
+  CHECK(bench.reg(18) == 3);
+  const auto words_of_lines =
+      static_cast<uint32_t>((75 + 23) * static_cast<uint32_t>(bench.plan().line_bytes()) / 4);
+  CHECK(bench.write(kLines + words_of_lines - 1, {1}) == 0);
+  CHECK(bench.write(kLines + words_of_lines - 1, {1, 2}) == 1);
+  CHECK(bench.write(kCfg + 2 * (75 + 23), {1, 2}) == 1);
+  CHECK(bench.write(kCfg + 2 * 0x800000, {0, 0}) == 0);
+  CHECK(bench.write(kCfg + 2 * 0x800005, {0, 0}) == 1);
+  CHECK(bench.write(kCfg + 2 * 3 + 1, {1}) == 1);  // half a pair
+  CHECK(bench.write(kCfg + 2 * 3, {1, 2, 3}) == 1);
+  CHECK(bench.write(kQueries + 4 * 64, {1}) == 1);
+  CHECK(bench.reg(13) == 0);
+}
+
+TEST_CASE("host link: no damaged frame is obeyed, and the link goes on behind it") {
+  Bench bench;
+  Bytes body;
+  append(body, 1);
+  body.push_back(2);
+  const Bytes good = frame(9, kRead, body);
+  uint32_t bad = 0;
+  const auto probe = [&] {
+    CHECK(bench.read(1, 1) == Words{1});
+    CHECK(bench.reg(13) == bad);
+  };
+  const auto refused = [&](const Bytes& wire, const char* what) {
+    INFO(what);
+    bench.send(wire);
+    const std::vector<Answer> answers = bench.settle();
+    REQUIRE(answers.size() == 1);
+    CHECK(answers[0].bad());
+    ++bad;
+    probe();
+  };
+  const auto content = [](Bytes c) {  // with its CRC
+    append(c, crc32(c));
+    return stuffed(c);
+  };
+
+  // Every byte between the ENDs altered, left out and doubled.
+  const Answer right = [&] {
+    bench.send(good);
+    return bench.next();
+  }();
+  CHECK(right.words().size() == 2);
+  RoleRandom random(1, "damage");
+  for (size_t at = 1; at + 1 < good.size(); ++at) {
+    Bytes wire = good;
+    do wire[at] = static_cast<uint8_t>(good[at] ^ (1 + random.below(255)));
+    while (wire[at] == 0xC0 || wire[at] == 0xDB);
+    refused(wire, "altered");
+    wire = good;
+    wire.erase(wire.begin() + static_cast<ptrdiff_t>(at));
+    if (good[at] != good[at - 1] && good[at] != good[at + 1]) refused(wire, "left out");
+    wire = good;
+    wire.insert(wire.begin() + static_cast<ptrdiff_t>(at), good[at]);
+    refused(wire, "doubled");
+  }
+
+  refused(stuffed({}) == Bytes{0xC0, 0xC0} ? stuffed({1}) : Bytes{}, "one byte");
+  refused(stuffed({1, 1, 2, 3, 4}), "five bytes");
+  refused(content({}), "four bytes, a CRC of nothing");
+  refused(content({7}), "no command");
+  refused(content({7, kRead}), "no body");
+  refused(content({7, kRead, 0, 0, 0, 0, 0}), "n = 0");
+  refused(content({7, kRead, 0, 0, 0, 0, 65}), "n = 65");
+  refused(content({7, kRead, 0, 0, 0, 0, 1, 0}), "a byte more");
+  refused(content({7, kWrite, 4, 0, 0, 0}), "no word");
+  refused(content({7, kWrite, 4, 0, 0, 0, 1, 2, 3}), "three quarters of a word");
+  refused(content({7, kPull, 0, 0, 0, 0, 0, 0, 0, 0, 0}), "PULL, n = 0");
+  refused(content({7, kPull, 0, 0, 0, 0, 1}), "PULL without keep");
+  for (const int command : {0, 5, 0x7f, 0x81, 0xff})
+    refused(content({7, static_cast<uint8_t>(command), 0, 0, 0, 0, 1}), "unknown command");
+  for (const size_t words : {size_t{65}, size_t{66}, size_t{128}, size_t{400}}) {
+    Bytes big{7, kWrite, 4, 0, 0, 0};
+    for (size_t i = 0; i < words; ++i) append(big, static_cast<uint32_t>(i));
+    refused(content(big), "too long");
+  }
+  Bytes escape = good;
+  escape.insert(escape.begin() + 3, 0xDB);
+  refused(escape, "an escape before what needs none");
+  escape = good;
+  escape.insert(escape.end() - 1, 0xDB);
+  refused(escape, "an escape before END");
+  CHECK(bench.reg(kSession) == 0);
+
+  // Ends: more of them are nothing, a missing one costs the frames that it joins.
+  Bytes ends = good;
+  ends.insert(ends.begin(), 5, 0xC0);
+  ends.insert(ends.end(), 3, 0xC0);
+  bench.send(ends);
+  std::vector<Answer> answers = bench.settle();
+  REQUIRE(answers.size() == 1);
+  CHECK(answers[0].words() == right.words());
+  Bytes joined(good.begin(), good.end() - 1);
+  joined.insert(joined.end(), good.begin(), good.end());
+  bench.send(joined);  // one END between two frames
+  CHECK(bench.settle().size() == 2);
+  joined.assign(good.begin(), good.end() - 1);
+  joined.insert(joined.end(), good.begin() + 1, good.end());
+  bench.send(joined);  // none
+  answers = bench.settle();
+  REQUIRE(answers.size() == 1);
+  CHECK(answers[0].bad());
+  ++bad;
+  probe();
+
+  // Frames behind one another are answered in order; noise between them is one bad frame.
+  bench.send(frame(1, kRead, body));
+  bench.send({0x55, 0xAA, 0xDB, 0x00});
+  bench.send(frame(2, kRead, body));
+  bench.send(frame(3, kRead, body));
+  answers = bench.settle();
+  REQUIRE(answers.size() == 4);
+  CHECK(answers[0].id == 1);
+  CHECK(answers[1].bad());
+  CHECK(answers[2].id == 2);
+  CHECK(answers[3].id == 3);
+  ++bad;
+  probe();
+  CHECK((bench.board().leds() & 0x40) != 0);
+}
+
+TEST_CASE("host link: RxBytes wait, what comes beyond is lost and counted") {
+  Bench bench;
+  const uint32_t room = bench.reg(6);
+  // Requests are shorter than their answers, so they pile up.
+  Bytes body;
+  append(body, 0);
+  body.push_back(20);
+  Bytes window;
+  size_t frames = 0;
+  for (;; ++frames) {
+    const Bytes f = frame(static_cast<uint8_t>(frames + 1), kRead, body);
+    if (window.size() + f.size() > room) break;
+    window.insert(window.end(), f.begin(), f.end());
+  }
+  bench.send(window);
+  std::vector<Answer> answers = bench.settle();
+  REQUIRE(answers.size() == frames);
+  for (size_t i = 0; i < frames; ++i) CHECK(answers[i].id == i + 1);
+  CHECK(bench.reg(14) == 0);
+
+  Bytes twice = window;
+  for (int i = 0; i < 2; ++i) twice.insert(twice.end(), window.begin(), window.end());
+  bench.send(twice);
+  answers = bench.settle();
+  CHECK(answers.size() > frames);
+  CHECK(answers.size() < 3 * frames);
+  bench.send({0xC0});  // ends what the lost bytes left open
+  answers = bench.settle();
+  CHECK((answers.empty() || (answers.size() == 1 && answers[0].bad())));
+  CHECK(bench.reg(14) > 0);
+  CHECK(bench.reg(1) == 1);
+}
+
+TEST_CASE("host link: queries in any pieces, results in any windows") {
+  Bench bench;
+  const Plan& plan = bench.plan();
+  const uint64_t seed = 11;
+  INFO("seed " << seed);
+  RoleRandom random(seed, "windows");
+  bench.load(seed);
+  REQUIRE(bench.write(kSession, {5}) == 0);
+  const std::vector<GatherQuery> list = queries(plan, 400, seed, true);
+  const Words in = packed(plan, list);
+  const Streams golden = golden_records(bench, list);
+  size_t whole = golden.results.size() * (1 + golden.results[0].size());
+  whole += golden.photons.size() * (1 + golden.photons[0].size());
+
+  Words out;
+  uint32_t next = 0, kept = 0;
+  bool gap = false, again = false, full = false, late = false, early = false;
+  for (int rounds = 0; out.size() < whole; ++rounds) {
+    REQUIRE(rounds < 20000);
+    if (next < in.size()) {
+      // From before, at or after the next word.
+      const auto back = static_cast<uint32_t>(random.below(4) == 0 ? random.below(70) : 0);
+      const auto ahead = static_cast<uint32_t>(random.below(8) == 0 ? 1 + random.below(3) : 0);
+      const uint32_t from = next - std::min(back, next) + ahead;
+      const size_t n =
+          std::min<size_t>(1 + random.below(64), in.size() - std::min<size_t>(from, in.size() - 1));
+      if (from >= in.size()) continue;
+      const auto begin = in.begin() + from;
+      const Bench::Pushed answer =
+          bench.push(from, Words(begin, begin + static_cast<ptrdiff_t>(n)));
+      if (from > next) {
+        CHECK(answer.next == next);
+        gap = true;
+      } else if (from + n <= next) {
+        CHECK(answer.next == next);
+        again = true;
+      } else {
+        CHECK(answer.next >= next);
+        CHECK(answer.next <= from + n);
+        if (answer.next < from + n) full = true;
+      }
+      next = answer.next;
+      // Nothing is taken out for a while, so that both streams fill.
+      if (next > 60 && next < in.size() && !full) continue;
+    }
+    const auto position = static_cast<uint32_t>(out.size());
+    const auto n = static_cast<uint8_t>(1 + random.below(64));
+    const uint64_t kind = random.below(10);
+    if (kind == 0) {  // after the end
+      const Bench::Pulled got = bench.pull(position + 100000, n, kept);
+      CHECK(got.words.empty());
+      CHECK(got.position == got.end);
+      late = true;
+    } else if (kind == 1 && kept > 0) {  // forgotten
+      const Bench::Pulled got = bench.pull(kept - 1, n, 0);
+      CHECK(got.words.empty());
+      CHECK(got.position == kept);
+      early = true;
+    } else {
+      // `keep` anywhere among what is here: the words from there on can be asked for again.
+      const uint32_t keep =
+          position - std::min(position - kept, static_cast<uint32_t>(random.below(30)));
+      const Bench::Pulled got = bench.pull(position, n, keep);
+      kept = keep;
+      REQUIRE(got.position == position);
+      CHECK(got.words.size() == std::min<size_t>(n, got.end - position));
+      out.insert(out.end(), got.words.begin(), got.words.end());
+      if (keep < out.size()) {
+        const Bench::Pulled same = bench.pull(keep, 1, keep);
+        REQUIRE(same.words.size() == 1);
+        CHECK(same.words[0] == out[keep]);
+      }
+    }
+  }
+  CHECK(gap);
+  CHECK(again);
+  CHECK(full);
+  CHECK(late);
+  CHECK(early);
+  CHECK(bench.reg(8) == in.size());
+  CHECK(bench.reg(10) == out.size());
+  const Streams got = records(plan, out);
+  CHECK(got.results == golden.results);
+  CHECK(got.photons == golden.photons);
+  CHECK(bench.reg(kFlags) == 2);
+  CHECK(bench.read(32, 24)[2] ==
+        static_cast<uint32_t>(std::count_if(list.begin(), list.end(),
+                                            [](const GatherQuery& q) { return !q.flush; })));
+}
+
+TEST_CASE(
+    "host link: a full output stalls the gatherers, not the link; a new session empties both") {
+  Bench bench;
+  const Plan& plan = bench.plan();
+  bench.load(21);
+  const std::vector<GatherQuery> list = queries(plan, 400, 21, true);
+  const Words in = packed(plan, list);
+  for (const uint32_t session : {3u, 4u}) {
+    REQUIRE(bench.write(kSession, {session}) == 0);
+    CHECK(bench.read(8, 3) == Words{0, 0, 0});
+    uint32_t next = 0, room = 1;
+    for (int i = 0; room > 0; ++i) {
+      REQUIRE(i < 200);
+      const auto begin = in.begin() + next;
+      const size_t n = std::min<size_t>(64, in.size() - next);
+      const Bench::Pushed answer =
+          bench.push(next, Words(begin, begin + static_cast<ptrdiff_t>(n)));
+      next = answer.next;
+      room = answer.room;
+    }
+    CHECK(bench.reg(kFlags) == 3);
+    CHECK((bench.board().leds() & 0x08) != 0);
+    const uint32_t end = bench.reg(10);
+    CHECK(end > 900);
+    bench.run(20000);
+    CHECK(bench.reg(10) == end);
+    // What may not be written while queries are inside.
+    CHECK(bench.write(kCfg, {0, 0}) == 2);
+    CHECK(bench.write(kLines, {0}) == 2);
+    CHECK(bench.write(kQueries, {0}) == 2);
+    CHECK(bench.write(17, {1}) == 2);
+    CHECK(bench.write(kControl, {9}) == 1 + 1);
+    CHECK(bench.write(kControl, {0}) == 0);
+    CHECK(bench.write(kSession, {session}) == 0);  // the same: nothing happens
+    CHECK(bench.read(8, 3) == Words{next, 0, end});
+  }
+  // Half a query of the old session is not part of the first of the new one.
+  REQUIRE(bench.write(kSession, {6}) == 0);
+  bench.push(0, {in[0]});
+  CHECK(bench.reg(kFlags) == 3);
+  REQUIRE(bench.write(kSession, {7}) == 0);
+  CHECK(bench.reg(kFlags) == 2);
+  const std::vector<GatherQuery> few(list.begin(), list.begin() + 20);
+  bench.push(0, packed(plan, few));
+  bench.settle();
+  const Streams golden = golden_records(bench, few);
+  Words out;
+  for (uint32_t end = 1; out.size() < end;) {
+    const Bench::Pulled got =
+        bench.pull(static_cast<uint32_t>(out.size()), 64, static_cast<uint32_t>(out.size()));
+    end = got.end;
+    out.insert(out.end(), got.words.begin(), got.words.end());
+  }
+  const Streams got = records(plan, out);
+  CHECK(got.results == golden.results);
+  CHECK(got.photons == golden.photons);
+}
+
+TEST_CASE("host link: the replayer's results are golden's, straight and reordered") {
+  Bench bench;
+  const Plan& plan = bench.plan();
+  bench.load(31);
+  std::vector<GatherQuery> list = queries(plan, 64, 31, true);  // want_photons is taken as 0
+  for (GatherQuery& q : list) q.flush = false;
+  list.back().flush = true;
+  std::vector<GatherQuery> plain = list;
+  for (GatherQuery& q : plain) q.want_photons = false;
+  const size_t words = PacketLayout::of<GatherQuery>(plan).words();
+  size_t stride = 1;
+  while (stride < words) stride *= 2;
+  Words memory;
+  for (const GatherQuery& q : list) {
+    Words one = packed(plan, q);
+    one.resize(stride, 0xffffffff);
+    memory.insert(memory.end(), one.begin(), one.end());
+  }
+  REQUIRE(bench.write(kQueries, memory) == 0);
+  CHECK(bench.write(kControl, {1}) == 1);  // not without queries and passes
+
+  const auto signature = [&](const std::vector<GatherQuery>& order, uint32_t passes) {
+    ResultSignature s(plan);
+    std::vector<GatherResult> results;
+    std::vector<GatherPhoton> photons;
+    for (uint32_t i = 0; i < passes; ++i) bench.golden().process(order, results, photons);
+    for (const GatherResult& r : results) s.add(r);
+    return s.value();
+  };
+  uint32_t control = 0;
+  const auto finish = [&] {
+    for (int i = 0; bench.reg(kFlags) != 2; ++i) REQUIRE(i < 2000);
+    const Words r = bench.read(20, 6);
+    return std::array<uint64_t, 3>{r[0] | uint64_t{r[1]} << 32, r[2] | uint64_t{r[3]} << 32,
+                                   r[4] | uint64_t{r[5]} << 32};
+  };
+  for (const uint32_t mode : {0u, 2u, 1u, 3u})
+    for (const uint32_t passes : {1u, 3u}) {
+      INFO("mode " << mode << ", passes " << passes);
+      REQUIRE(bench.write(17, {64, passes, mode}) == 0);
+      REQUIRE(bench.write(kControl, {++control}) == 0);
+      REQUIRE(bench.write(kControl, {control}) == 0);  // once more: nothing
+      const auto [cycles, sum, results] = finish();
+      std::vector<GatherQuery> order = plain;
+      if (mode & 1) {
+        order.clear();
+        make_golden_reorder_buffer(plan)->process(plain, order);
+        CHECK(order.size() == plain.size());
+      }
+      CHECK(results == 64 * passes);
+      CHECK(sum == signature(order, passes));
+      CHECK(cycles > results);
+    }
+
+  // One query again and again is soon in the caches, until they forget.
+  std::vector<uint32_t> lines;
+  for (const uint32_t mode : {0u, 0u, 2u}) {
+    const uint32_t before = bench.reg(42);
+    REQUIRE(bench.write(17, {1, 8, mode}) == 0);
+    REQUIRE(bench.write(kControl, {++control}) == 0);
+    CHECK(finish()[2] == 8);
+    lines.push_back(bench.reg(42) - before);
+  }
+  CHECK(lines[1] < lines[2]);
+
+  // One query alone; a replay that would take for ever is stopped, its buffer emptied.
+  REQUIRE(bench.write(17, {1, 1, 0}) == 0);
+  REQUIRE(bench.write(kControl, {++control}) == 0);
+  CHECK(finish()[1] == signature({plain[0]}, 1));
+  for (const uint32_t mode : {0u, 1u}) {
+    REQUIRE(bench.write(17, {20, 0xffffffff, mode}) == 0);
+    REQUIRE(bench.write(kControl, {++control}) == 0);
+    CHECK(bench.write(kControl, {control + 100}) == 2);
+    CHECK(bench.write(kCfg, {0, 0}) == 2);
+    CHECK((bench.reg(kFlags) & 4) != 0);
+    CHECK((bench.board().leds() & 0x10) != 0);
+    if (mode == 0)
+      REQUIRE(bench.write(kControl, {0}) == 0);
+    else
+      REQUIRE(bench.write(kSession, {control}) == 0);
+    CHECK(finish()[2] > 20);
+    CHECK(bench.reg(kControl) == 0);
+  }
+  REQUIRE(bench.write(17, {64, 1, 1}) == 0);
+  REQUIRE(bench.write(kControl, {++control}) == 0);
+  std::vector<GatherQuery> order;
+  make_golden_reorder_buffer(plan)->process(plain, order);
+  CHECK(finish()[1] == signature(order, 1));
+
+  // Queries pushed meanwhile wait, and come out as ever.
+  REQUIRE(bench.write(kSession, {99}) == 0);
+  const std::vector<GatherQuery> few(list.begin(), list.begin() + 10);
+  REQUIRE(bench.write(17, {64, 20, 1}) == 0);
+  REQUIRE(bench.write(kControl, {++control}) == 0);
+  bench.push(0, packed(plan, few));
+  CHECK((bench.reg(kFlags) & 4) != 0);
+  finish();
+  bench.settle();
+  const Streams golden = golden_records(bench, few);
+  Words out;
+  for (uint32_t end = 1; out.size() < end;) {
+    const Bench::Pulled got =
+        bench.pull(static_cast<uint32_t>(out.size()), 64, static_cast<uint32_t>(out.size()));
+    end = got.end;
+    out.insert(out.end(), got.words.begin(), got.words.end());
+  }
+  CHECK(records(plan, out).results == golden.results);
+  CHECK(records(plan, out).photons == golden.photons);
+}
+
+TEST_CASE("host link: other divisors, and a far end whose clock is 2 % off") {
+  // Of the link alone, whose model is small; every address reads as what the test puts there.
+  for (const int divisor : {4, 5, 17, 217})
+    for (const double off : {0.98, 1.0, 1.02}) {
+      INFO("divisor " << divisor << ", far end's bit " << off);
+      BoardRun run;
+      run.work_dir = "cosim";
+      run.module = "host_link";
+      run.clocks_per_bit = divisor;
+      run.wire_clocks = off * divisor;
+      Bench bench(small_plan(), run);
+      RoleRandom random(static_cast<uint64_t>(divisor), "words");
+      for (int round = 0; round < 3; ++round) {
+        const auto word = static_cast<uint32_t>(random.bits());
+        bench.board().set("read_word_i", word);
+        const auto n = static_cast<uint8_t>(divisor > 100 ? 2 : 40);
+        CHECK(bench.read(0, n) == Words(n, word));
+      }
+      CHECK(bench.board().wire().framing_errors() == 0);
+    }
+}
