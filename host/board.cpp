@@ -30,7 +30,16 @@ std::span<const char* const> link_counter_names() { return kCounterNames; }
 
 Board::Board(std::unique_ptr<ByteLink> link, double patience)
     : connection_(std::move(link), patience), patience_(patience) {
-  const std::vector<uint32_t> r = connection_.read(kRegMagic, 2);
+  std::vector<uint32_t> r;
+  try {
+    r = connection_.read(kRegMagic, 2);
+  } catch (const LinkLost& lost) {
+    const uint64_t bytes = connection_.counts().bytes_received;
+    throw LinkLost(
+        fmt::format("{}; {}", lost.what(),
+                    bytes ? fmt::format("{} bytes came, but no frame: is the rate right?", bytes)
+                          : "nothing came at all: is there a Photonloom board at its other end?"));
+  }
   if (r[0] != kLinkMagic)
     throw WrongBoard(
         fmt::format("{}: register 0 holds 0x{:08x}, expected 0x{:08x}: this is no Photonloom board",

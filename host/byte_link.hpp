@@ -33,7 +33,8 @@ struct DeviceName {
   std::string path;
   uint32_t baud = 0;  // as given, or kDefaultBaud
 };
-constexpr uint32_t kDefaultBaud = 1'000'000;  // of the boards that `generate --board` knows
+constexpr uint32_t kDefaultBaud =
+    2'000'000;  // of the boards that `generate --board` knows, at their default clock
 
 // Throws std::runtime_error saying what was expected.
 DeviceName parse_device(const std::string& text);

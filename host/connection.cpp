@@ -15,7 +15,7 @@ constexpr uint8_t kAnswer = 0x80, kBad = 0xFF;
 // So few that an id is free again long before it is needed, and no late answer is taken for a
 // newer frame's.
 constexpr size_t kMaxFrames = 64;
-constexpr double kShortest = 0.02, kLongest = 2;  // of a time-out, seconds
+constexpr double kShortest = 0.05, kLongest = 2;  // of a time-out, seconds
 
 }  // namespace
 

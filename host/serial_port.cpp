@@ -3,6 +3,7 @@
 #include <asm/termbits.h>
 #include <fcntl.h>
 #include <fmt/core.h>
+#include <linux/serial.h>
 #include <poll.h>
 #include <sys/file.h>
 #include <sys/ioctl.h>
@@ -94,6 +95,13 @@ class SerialPort final : public ByteLink {
         (is.c_ospeed > baud + baud / 50 || is.c_ospeed < baud - baud / 50))
       throw LinkLost(fmt::format("{}: makes {} baud where {} was asked", name_, is.c_ospeed, baud));
     ioctl(descriptor_, TCFLSH, TCIOFLUSH);  // what an earlier program left
+    // USB adapters hold short answers back for 16 ms unless told otherwise; where the driver cannot
+    // be told, answers only come later.
+    serial_struct serial{};
+    if (ioctl(descriptor_, TIOCGSERIAL, &serial) == 0) {
+      serial.flags |= ASYNC_LOW_LATENCY;
+      ioctl(descriptor_, TIOCSSERIAL, &serial);
+    }
   }
 
   bool wait(short events, int milliseconds) const {

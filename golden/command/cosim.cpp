@@ -11,11 +11,11 @@
 #include <optional>
 #include <set>
 
+#include "golden/command/board_option.hpp"
 #include "golden/command/console.hpp"
 #include "golden/command/frame_options.hpp"
 #include "golden/image/sheet.hpp"
 #include "golden/numeric/output_file.hpp"
-#include "host/photon_gatherer.hpp"
 #include "verilator_tb/backends.hpp"
 #include "verilator_tb/compare.hpp"
 #include "verilator_tb/rig_options.hpp"
@@ -34,8 +34,8 @@ struct CosimOptions {
   RigFlags rig;
   std::string backends = "photon_gatherer=rtl,reorder_buffer=rtl,cdf_sampler=rtl", output;
   uint64_t timeline = 5000;
-  bool keep_going = false, json = false, no_resume = false;
-  double board_wait = 10;
+  bool keep_going = false, json = false;
+  BoardFlags board;
 };
 
 constexpr const char* kBoard = "board";
@@ -56,8 +56,7 @@ Hardware hardware_units(const std::string& text) {
     const size_t equals = item.find('=');
     const std::string unit = item.substr(0, equals);
     std::string backend = equals == std::string::npos ? "" : item.substr(equals + 1);
-    const size_t colon = backend.find(':');
-    const bool board = backend.substr(0, colon) == kBoard && colon != std::string::npos;
+    const std::optional<std::string> board = board_device(backend);
     if (std::find(std::begin(kUnits), std::end(kUnits), unit) == std::end(kUnits) ||
         (backend != "golden" && !board && !model_kind(backend)))
       throw UsageError(fmt::format(
@@ -70,12 +69,7 @@ Hardware hardware_units(const std::string& text) {
       if (unit != "photon_gatherer")
         throw UsageError(
             fmt::format("--backend: '{}', a board has photon_gatherer only behind its link", item));
-      hardware.device = backend.substr(colon + 1);
-      try {
-        parse_device(hardware.device);
-      } catch (const std::runtime_error& error) {
-        throw UsageError(fmt::format("--backend: {}", error.what()));
-      }
+      hardware.device = *board;
       backend = kBoard;
     }
     if (backend != "golden") hardware.units[unit] = backend;
@@ -129,18 +123,6 @@ struct Side {
     return comparing;
   }
 };
-
-std::unique_ptr<BoardPhotonGatherer> on_board(const Plan& plan, const std::string& device,
-                                              const CosimOptions& o) {
-  BoardOptions options;
-  options.open = [name = parse_device(device)] { return open_serial(name); };
-  options.device = parse_device(device).path;
-  options.wait = o.board_wait;
-  options.work_dir = o.rig.options("photon_gatherer").work_dir;
-  options.resume = !o.no_resume;
-  options.tell = [](const std::string& text) { fmt::print(stderr, "photonloom: {}\n", text); };
-  return std::make_unique<BoardPhotonGatherer>(plan, std::move(options));
-}
 
 // What a unit did, for the table and the summary.
 struct UnitReport {
@@ -235,7 +217,7 @@ void cosim(const CosimOptions& o) {
   PreparedFrame frame = prepare_frame(request, Arithmetic::kGolden, &progress);
   print_warnings(frame.warnings);
   if (!chosen.device.empty())  // a wrong board is refused before long work
-    Board(open_serial(parse_device(chosen.device)), o.board_wait).check_plan(frame.plan);
+    o.board.check(frame.plan, chosen.device);
   FrameUnits golden_units = make_golden_units(frame.plan);
   FrameCounts golden_counts, counts;
   Image golden_image =
@@ -276,7 +258,7 @@ void cosim(const CosimOptions& o) {
                 ? gatherer.start(frame.plan, context, std::move(units.photon_gatherer),
                                  make_rtl_photon_gatherer(frame.plan, run))
                 : gatherer.start(frame.plan, context, std::move(units.photon_gatherer),
-                                 on_board(frame.plan, chosen.device, o));
+                                 o.board.photon_gatherer(frame.plan, chosen.device, run.work_dir));
         phase.advance(1);
       }
       if (hardware.count("reorder_buffer")) {
@@ -389,7 +371,7 @@ void add_cosim(CLI::App& app) {
       "  photonloom cosim scenes/cornell.xml --size 32x32 --backend reorder_buffer=rtl \\\n"
       "      --stall adversary --rig-seed 7\n"
       "  photonloom cosim scenes/cornell.xml --plan plan.toml \\\n"
-      "      --backend photon_gatherer=board:/dev/ttyUSB0@1000000");
+      "      --backend photon_gatherer=board:/dev/ttyUSB0");
   o->frame.add_to(*c);
   c->add_option("--backend", o->backends,
                 "Units and what stands for them: UNIT=rtl, =netlist, =cxxrtl or =golden, with "
@@ -398,12 +380,7 @@ void add_cosim(CLI::App& app) {
       ->type_name("UNIT=B,...");
   c->add_flag("--keep-going", o->keep_going,
               "Render to the end with the hardware's packets although they differ");
-  c->add_option("--board-wait", o->board_wait,
-                "Seconds for a board that went away to come back (default 10)")
-      ->check(CLI::Range(0.1, 86400.0))
-      ->type_name("S");
-  c->add_flag("--no-resume", o->no_resume,
-              "Ask a board everything, also what an interrupted run has answers to");
+  o->board.add_to(*c);
   c->add_option("-o,--output", o->output,
                 "Folder for images, timeline and summary (default: WORK/SCENE)")
       ->type_name("DIR");

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <memory>
 
+#include "golden/command/board_option.hpp"
 #include "golden/command/command.hpp"
 #include "golden/packet/map_photon.hpp"
 #include "golden/packet/trace.hpp"
@@ -19,6 +20,7 @@ namespace {
 struct ReplayOptions {
   std::string unit, plan, packets, photons, caustics, backend = "rtl", output;
   RigFlags rig;
+  BoardFlags board;
 };
 
 // out.jsonl, "photons" -> out.photons.jsonl
@@ -98,6 +100,8 @@ void replay_photon_gatherer(const ReplayOptions& o, const Plan& plan) {
     auto rtl = make_rtl_photon_gatherer(plan, run_options(o));
     clocked = rtl.get();
     unit = std::move(rtl);
+  } else if (const auto device = board_device(o.backend)) {
+    unit = o.board.photon_gatherer(plan, *device, o.rig.options(o.unit).work_dir);
   } else {
     unit = o.backend == "golden" ? make_golden_photon_gatherer(plan)
                                  : make_brute_photon_gatherer(plan);
@@ -167,8 +171,14 @@ void replay_cdf_sampler(const ReplayOptions& o, const Plan& plan) {
 
 void replay(const ReplayOptions& o) {
   const bool gatherer = o.unit == "photon_gatherer";
-  if (o.backend == "brute" && !gatherer)
-    throw UsageError("--backend brute answers gathers only, not packets of " + o.unit);
+  if ((o.backend == "brute" || board_device(o.backend)) && !gatherer)
+    throw UsageError(
+        fmt::format("--backend {} answers gathers only, not packets of {}", o.backend, o.unit));
+  if (!board_device(o.backend) && !model_kind(o.backend) && o.backend != "golden" &&
+      o.backend != "brute")
+    throw UsageError(
+        fmt::format("--backend: '{}', expected rtl, netlist, cxxrtl, board:DEVICE, golden or brute",
+                    o.backend));
   if (!gatherer && !(o.photons.empty() && o.caustics.empty()))
     throw UsageError(fmt::format("{} has no meaning for {}",
                                  o.photons.empty() ? "--caustics" : "--photons", o.unit));
@@ -209,13 +219,14 @@ void add_replay(CLI::App& app) {
   c->add_option("--caustics", o->caustics, "The caustic map's photons (photon_gatherer)")
       ->type_name("FILE.jsonl");
   c->add_option("--backend", o->backend,
-                "rtl (default), netlist, cxxrtl, golden, or brute: gathers by trying every photon")
-      ->check(CLI::IsMember({"rtl", "netlist", "cxxrtl", "golden", "brute"}))
+                "rtl (default), netlist, cxxrtl, board:DEVICE[@BAUD], golden, or brute: gathers by "
+                "trying every photon")
       ->type_name("NAME");
   c->add_option("-o,--output", o->output, "Packets that came out")
       ->required()
       ->type_name("FILE.jsonl");
   o->rig.add_to(*c, "--seed");
+  o->board.add_to(*c);
   c->callback([o] { replay(*o); });
 }
 

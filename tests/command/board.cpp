@@ -1,0 +1,216 @@
+// SPDX-License-Identifier: Apache-2.0
+// The host program against a simulated board over a pseudo-terminal, as over a serial port.
+#include <fcntl.h>
+#include <fmt/core.h>
+#include <signal.h>
+#include <stdlib.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "tests/catch.hpp"
+#include "tests/command/run.hpp"
+
+using namespace photonloom;
+using namespace photonloom::test;
+
+namespace {
+
+constexpr const char* kFrame =
+    "--size 6x6 --spp 1 --gather-rays 4 --k 4 --photons 300 --caustic-photons 100 "
+    "--set gatherer.contexts=2 --set gatherer.lanes=2 --set gatherer.cache_bytes=1024 "
+    "--set board.replay_queries=64";
+
+std::string scene() { return source("scenes/cornell_balls.xml"); }
+
+// board_sim of a plan, at tty of the scratch folder until it is ended.
+class SimulatedBoard {
+ public:
+  SimulatedBoard(const Scratch& scratch, std::vector<std::string> options = {})
+      : tty(scratch / "tty") {
+    std::vector<std::string> words{
+        environment("BOARD_SIM"), scratch / "plan.toml", "--link", tty, "--work", "cosim"};
+    words.insert(words.end(), options.begin(), options.end());
+    std::vector<char*> argv;
+    for (std::string& word : words) argv.push_back(word.data());
+    argv.push_back(nullptr);
+    pid_ = fork();
+    if (pid_ == 0) {
+      execv(argv[0], argv.data());
+      _exit(127);
+    }
+    while (!std::filesystem::exists(tty)) {
+      if (waitpid(pid_, nullptr, WNOHANG) != 0) {
+        pid_ = -1;
+        FAIL("board_sim did not start");
+      }
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    }
+  }
+  ~SimulatedBoard() { end(SIGTERM); }
+  SimulatedBoard(const SimulatedBoard&) = delete;
+  SimulatedBoard& operator=(const SimulatedBoard&) = delete;
+
+  void end(int signal) {
+    if (pid_ < 0) return;
+    kill(pid_, signal);
+    waitpid(pid_, nullptr, 0);
+    pid_ = -1;
+    std::filesystem::remove(tty);
+  }
+
+  const std::string tty;
+
+ private:
+  pid_t pid_ = -1;
+};
+
+std::string cosim(const Scratch& scratch, const std::string& more) {
+  return fmt::format("cosim {} --plan {} --backend photon_gatherer=board:{} --work {} -o {} {}",
+                     scene(), scratch / "plan.toml", scratch / "tty", scratch / "work",
+                     scratch / "out", more);
+}
+
+void make_plan(const Scratch& scratch) {
+  const Outcome o = run(fmt::format("plan {} {} -o {}", scene(), kFrame, scratch / "plan.toml"));
+  INFO(o.err);
+  REQUIRE(o.status == 0);
+}
+
+}  // namespace
+
+TEST_CASE("a frame through the board has golden's packets and bytes") {
+  const Scratch scratch;
+  make_plan(scratch);
+  const auto render = run(fmt::format("render {} --plan {} -o {}", scene(), scratch / "plan.toml",
+                                      scratch / "render.exr"));
+  REQUIRE(render.status == 0);
+  {
+    const SimulatedBoard board(scratch);
+    const Outcome o = run(cosim(scratch, ""));
+    INFO(o.out << o.err);
+    REQUIRE(o.status == 0);
+    CHECK_THAT(o.out, ContainsSubstring("golden == board: ") &&
+                          ContainsSubstring("image bytes of golden and board are identical") &&
+                          ContainsSubstring(" 0 frames sent again, lost 0 times"));
+    const auto summary = nlohmann::json::parse(read_file(scratch / "out/summary.json"));
+    CHECK(summary["units"]["photon_gatherer"]["backend"] == "board");
+    CHECK(summary["units"]["photon_gatherer"]["packets"] > 200);
+    CHECK(read_file(scratch / "out/board.exr") == read_file(scratch / "render.exr"));
+    CHECK(std::filesystem::is_empty(scratch / "work"));
+
+    const Outcome info = run("board info --json " + board.tty);
+    REQUIRE(info.status == 0);
+    const auto state = nlohmann::json::parse(info.out);
+    CHECK(state["plan_hash"] == summary["plan_hash"]);
+    CHECK(state["queries_inside"] == false);
+    CHECK(state["frames_bad"] == 0);
+    // The flush at the end of the frame is no query.
+    const auto& counters = summary["units"]["photon_gatherer"]["counters"];
+    CHECK(state["counters"]["queries"] == counters["packets in"].get<int>() - 1);
+
+    for (const char* mode : {"--passes 3", "--passes 2 --reorder --cold --queries 20 --skip 5"}) {
+      const Outcome replay = run(fmt::format("board replay {} {} --plan {} --json {}", board.tty,
+                                             scene(), scratch / "plan.toml", mode));
+      INFO(replay.out << replay.err);
+      CHECK(replay.status == 0);
+      const auto report = nlohmann::json::parse(replay.out);
+      CHECK(report["signature"] == report["golden_signature"]);
+      CHECK(report["cycles_per_gather"] > 1);
+    }
+  }
+  {
+    const SimulatedBoard board(scratch, {"--corrupt", "1/2000", "--drop", "1/2000", "--duplicate",
+                                         "1/2000", "--seed", "7"});
+    const Outcome o = run(cosim(scratch, ""));
+    INFO(o.out << o.err);
+    REQUIRE(o.status == 0);
+    CHECK_THAT(o.out, !ContainsSubstring(" 0 frames sent again"));
+    CHECK(read_file(scratch / "out/board.exr") == read_file(scratch / "render.exr"));
+  }
+}
+
+TEST_CASE("another plan's bitstream, and a board that goes away") {
+  const Scratch scratch;
+  make_plan(scratch);
+  SimulatedBoard board(scratch);
+  const Outcome wrong =
+      run(fmt::format("cosim {} {} --set gather.k=5 --backend photon_gatherer=board:{} -o {}",
+                      scene(), kFrame, board.tty, scratch / "out"));
+  CHECK(wrong.status == 1);
+  CHECK(wrong.one_error_line());
+  CHECK_THAT(wrong.err, ContainsSubstring(": holds the bitstream of plan ") &&
+                            ContainsSubstring(", but this is plan ") &&
+                            ContainsSubstring("make fpga"));
+
+  std::thread unplug([&] {
+    for (;;) {
+      uintmax_t kept = 0;
+      std::error_code error;
+      for (const auto& file : std::filesystem::directory_iterator(scratch / "work", error))
+        kept += file.file_size(error);
+      if (kept > 2000) break;
+      std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    }
+    board.end(SIGKILL);
+  });
+  const Outcome cut = run(cosim(scratch, "--board-wait 0.5"));
+  unplug.join();
+  INFO(cut.err);
+  CHECK(cut.status == 1);
+  CHECK_THAT(cut.err, ContainsSubstring("; waiting 0.5 seconds for it to come back\n") &&
+                          ContainsSubstring(": did not come back within 0.5 seconds; ") &&
+                          ContainsSubstring(", the same command goes on after them\n"));
+
+  const SimulatedBoard again(scratch);
+  const Outcome rest = run(cosim(scratch, "--json"));
+  INFO(rest.err);
+  CHECK(rest.status == 0);
+  CHECK_THAT(rest.err, ContainsSubstring(" answers are there already, going on after them\n"));
+  const auto summary = nlohmann::json::parse(rest.out);
+  const auto& counters = summary["units"]["photon_gatherer"]["counters"];
+  CHECK(counters["packets resumed"] > 5);
+  CHECK(counters["queries"] ==
+        counters["packets in"].get<int>() - counters["packets resumed"].get<int>() - 1);
+  CHECK(summary["images_identical"] == true);
+}
+
+TEST_CASE("what is no board") {
+  const Scratch scratch;
+  make_plan(scratch);
+  const auto error = [&](const std::string& arguments, int status) {
+    INFO(arguments);
+    const Outcome o = run(arguments);
+    CHECK(o.status == status);
+    CHECK(o.one_error_line());
+    return o.err;
+  };
+  const auto with = [&](const std::string& backend) {
+    return fmt::format("cosim {} --plan {} --backend {} --board-wait 0.2 -o {}", scene(),
+                       scratch / "plan.toml", backend, scratch / "out");
+  };
+  CHECK_THAT(error(with("photon_gatherer=board:/nonexistent"), 1),
+             ContainsSubstring("/nonexistent: cannot be opened: No such file"));
+  CHECK_THAT(error(with("photon_gatherer=board:/dev/null"), 1),
+             ContainsSubstring("/dev/null: is no serial port or pseudo-terminal"));
+  CHECK_THAT(error(with("photon_gatherer=board:/dev/ttyS0@fast"), 2),
+             ContainsSubstring("after @ expected a rate in baud"));
+  CHECK_THAT(error(with("photon_gatherer=board"), 2), ContainsSubstring("board:DEVICE"));
+  CHECK_THAT(error(with("reorder_buffer=board:/dev/ttyS0"), 2),
+             ContainsSubstring("a board has photon_gatherer only"));
+  CHECK_THAT(error("board info /nonexistent", 1), ContainsSubstring("cannot be opened"));
+  CHECK(run("board").status == 2);
+  CHECK(run("board info").status == 2);
+
+  // A terminal at whose other end nobody is.
+  const int device = posix_openpt(O_RDWR | O_NOCTTY);
+  REQUIRE(device >= 0);
+  REQUIRE(grantpt(device) == 0);
+  REQUIRE(unlockpt(device) == 0);
+  CHECK_THAT(error(fmt::format("board info {} --board-wait 0.2", ptsname(device)), 1),
+             ContainsSubstring("no answer for 0.2 seconds; nothing came at all"));
+  close(device);
+  CHECK(!std::filesystem::exists(scratch / "out"));
+}
