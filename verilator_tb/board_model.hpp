@@ -16,9 +16,9 @@ struct BoardRun {
   double wire_clocks = 0;     // a bit of the cable's far end, in clocks; 0: as the board's
   uint64_t initial_seed = 1;  // of the registers' initial values
   std::string module = "board_core";
-  std::string rtl_dir;                   // empty: default_rtl_dir()
+  std::string rtl_dir = {};              // empty: default_rtl_dir()
   std::string work_dir = "build/cosim";  // where models are kept
-  std::string waveform;                  // FST file; empty: none
+  std::string waveform = {};             // FST file; empty: none
 };
 
 class BoardModel {
