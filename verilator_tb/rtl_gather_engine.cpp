@@ -1,18 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cstring>
+#include <optional>
 
 #include "golden/unit/photon_gatherer_image.hpp"
 #include "verilator_tb/backends.hpp"
 #include "verilator_tb/clocked_unit.hpp"
-#include "verilator_tb/sdram_chip.hpp"
+#include "verilator_tb/sdram_wires.hpp"
 
 namespace photonloom {
 
 namespace {
-
-// The SDRAM at 100 MHz on its board. Its clock is the controller's, inverted; pins come out of the
-// FPGA 3.5 ns after their edge, the clock too, and go in 1 ns before theirs.
-constexpr int64_t kSdramPeriod = 10'000, kPinOut = 3'500, kPinIn = 1'000;
 
 class RtlGatherEngine final : public ClockedPhotonGatherer {
  public:
@@ -25,8 +22,11 @@ class RtlGatherEngine final : public ClockedPhotonGatherer {
     if (reordered) order_ = make_golden_reorder_buffer(plan);
     rig_.set("reorder_i", reordered);
     if (plan.photon_memory == PhotonMemory::kSdram) {
-      chip_ = std::make_unique<SdramChip>();
-      connect_sdram(options.sdram_period);
+      sdram_.emplace(
+          [this](const std::string& name) -> const ModelPort& { return rig_.port(name); });
+      rig_.add_clock(
+          "clk_sdram_i", options.sdram_period, [this](uint64_t edge) { sdram_->before(edge); },
+          [this](uint64_t edge) { sdram_->after(edge); });
     }
     rig_.reset();
   }
@@ -114,41 +114,10 @@ class RtlGatherEngine final : public ClockedPhotonGatherer {
   }
 
  private:
-  void connect_sdram(double period) {
-    const auto pin = [this](const char* name) { return rig_.port(name).data; };
-    uint8_t* const data_in = pin("sdram_dq_i");
-    const uint8_t* const data_out = pin("sdram_dq_o");
-    const uint8_t* const address = pin("sdram_a_o");
-    const auto before = [this, data_in](uint64_t edge) {
-      const uint16_t data = chip_->data(static_cast<int64_t>(edge) * kSdramPeriod - kPinIn);
-      std::memcpy(data_in, &data, 2);
-    };
-    const auto after = [this, data_out, address, cke = pin("sdram_cke_o"), cs = pin("sdram_cs_no"),
-                        ras = pin("sdram_ras_no"), cas = pin("sdram_cas_no"),
-                        we = pin("sdram_we_no"), bank = pin("sdram_ba_o"), dqm = pin("sdram_dqm_o"),
-                        driven = pin("sdram_dq_oe_o")](uint64_t edge) {
-      SdramPins pins;
-      pins.cke = *cke != 0;
-      pins.cs_n = *cs != 0;
-      pins.ras_n = *ras != 0;
-      pins.cas_n = *cas != 0;
-      pins.we_n = *we != 0;
-      pins.bank = *bank;
-      uint16_t word = 0;
-      std::memcpy(&word, address, 2);
-      pins.address = word;
-      pins.dqm = *dqm;
-      pins.driven = *driven != 0;
-      std::memcpy(&pins.data, data_out, 2);
-      chip_->edge(static_cast<int64_t>(edge) * kSdramPeriod + kSdramPeriod / 2 + kPinOut, pins);
-    };
-    rig_.add_clock("clk_sdram_i", period, before, after);
-  }
-
   Plan plan_;
   uint64_t load_cycles_ = 0;
-  std::unique_ptr<SdramChip> chip_;
   Rig rig_;
+  std::optional<SdramWires> sdram_;
   PacketSource<GatherQuery> in_;
   PacketTaker<GatherResult> results_;
   PacketTaker<GatherPhoton> photons_;
