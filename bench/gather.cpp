@@ -139,6 +139,101 @@ double median(std::vector<double> x) {
   return x[x.size() / 2];
 }
 
+// Times of one cell, seconds a query of each repetition, and each library's best configuration.
+struct Cell {
+  std::map<std::string, std::vector<double>> times;
+  std::map<std::string, std::pair<double, const Contender*>> best;
+  std::vector<double> ratios;  // best library / golden, a repetition each
+};
+
+Cell time_cell(const Contenders& all, const std::vector<UVec3>& points,
+               const std::vector<UVec3>& queries, uint32_t k, int64_t r2_max, size_t trial) {
+  Cell cell;
+  const Contender& golden = *all[0];
+  Found found = make_found(k, queries.size()), other = make_found(k, queries.size());
+  // Each library's best configuration, on the first queries, second of two runs.
+  for (size_t i = 1; i < all.size(); ++i) {
+    double seconds = 0;
+    for (int run = 0; run < 2; ++run) seconds = time_search(*all[i], queries, trial, r2_max, other);
+    auto& entry = cell.best[all[i]->library()];
+    if (!entry.second || seconds < entry.first) entry = {seconds, all[i].get()};
+  }
+  // Interleaved repetitions; the first, which also warms up and is checked, does not count.
+  for (int repetition = -1; repetition < kRepetitions; ++repetition) {
+    const double own = time_search(golden, queries, queries.size(), r2_max, found);
+    double least = INFINITY;
+    for (const auto& [library, entry] : cell.best) {
+      const double seconds = time_search(*entry.second, queries, queries.size(), r2_max, other);
+      if (repetition < 0) check_same(golden, *entry.second, points, queries, r2_max, found, other);
+      if (repetition >= 0) cell.times[library].push_back(seconds);
+      least = std::min(least, seconds);
+    }
+    if (repetition < 0) continue;
+    cell.times["photonloom"].push_back(own);
+    cell.ratios.push_back(least / own);
+  }
+  return cell;
+}
+
+void add_rates(const Cell& cell, nlohmann::ordered_json& to) {
+  for (const auto& [library, seconds] : cell.times) {
+    to["queries_per_second"][library] = 1 / median(seconds);
+    const auto best = cell.best.find(library);
+    if (best != cell.best.end())
+      to["configuration"][library] = best->second.second->configuration();
+  }
+}
+
+// Positions from a file: three little-endian words of 32 bits each.
+std::vector<UVec3> read_positions(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::vector<UVec3> positions;
+  unsigned char bytes[12];
+  while (file.read(reinterpret_cast<char*>(bytes), sizeof bytes)) {
+    UVec3 p{};
+    for (int axis = 0; axis < 3; ++axis)
+      for (int byte = 0; byte < 4; ++byte)
+        p[axis] |= static_cast<uint32_t>(bytes[4 * axis + byte]) << (8 * byte);
+    positions.push_back(p);
+  }
+  if (positions.empty() || file.gcount() != 0) {
+    fmt::print(stderr, "bench: {}: expected positions of 12 bytes each\n", path);
+    std::exit(1);
+  }
+  return positions;
+}
+
+// One cloud of photons and its queries from files, without a radius and with those given.
+int run_cloud(const std::string& json, const std::string& photons, const std::string& queries_file,
+              uint32_t k, const std::vector<int64_t>& radii) {
+  const std::vector<UVec3> points = read_positions(photons);
+  const std::vector<UVec3> queries = read_positions(queries_file);
+  Contenders all;
+  add_photonloom(points, all);
+  add_nanoflann(points, all);
+  add_flann(points, all);
+  add_cgal(points, all);
+  nlohmann::ordered_json report;
+  for (const int64_t r2_max : radii) {
+    const Cell cell =
+        time_cell(all, points, queries, k, r2_max, std::min<size_t>(2048, queries.size()));
+    nlohmann::ordered_json row = {
+        {"photons", points.size()},
+        {"queries", queries.size()},
+        {"k", k},
+        {"r2_max", r2_max < 0 ? nlohmann::ordered_json() : nlohmann::ordered_json(r2_max)}};
+    add_rates(cell, row);
+    report.push_back(row);
+  }
+  std::ofstream file(json);
+  file << report.dump(1) << '\n';
+  if (!file.flush()) {
+    fmt::print(stderr, "bench: cannot write {}\n", json);
+    return 1;
+  }
+  return 0;
+}
+
 int run(const Options& options) {
   nlohmann::ordered_json report;
   report["what"] = "k nearest photons, one thread; ratio = best library's time / golden's";
@@ -179,43 +274,16 @@ int run(const Options& options) {
             with_radius ? static_cast<int64_t>(k * surface_area() / (M_PI * static_cast<double>(n)))
                         : -1;
         for (const Order& order : orders) {
-          const Contender& golden = *all[0];
-          Found found = make_found(k, options.queries), other = make_found(k, options.queries);
-          // Each library's best configuration, on the first queries, second of
-          // two runs.
-          std::map<std::string, std::pair<double, const Contender*>> best;
-          for (size_t i = 1; i < all.size(); ++i) {
-            double seconds = 0;
-            for (int run = 0; run < 2; ++run)
-              seconds = time_search(*all[i], order.queries, options.trial, r2_max, other);
-            auto& entry = best[all[i]->library()];
-            if (!entry.second || seconds < entry.first) entry = {seconds, all[i].get()};
-          }
-          // Interleaved repetitions; the first, which also warms up and is
-          // checked, does not count.
-          std::map<std::string, std::vector<double>> times;
-          std::vector<double> ratios;
-          for (int repetition = -1; repetition < kRepetitions; ++repetition) {
-            const double own = time_search(golden, order.queries, options.queries, r2_max, found);
-            double least = INFINITY;
-            for (const auto& [library, entry] : best) {
-              const double seconds =
-                  time_search(*entry.second, order.queries, options.queries, r2_max, other);
-              if (repetition < 0)
-                check_same(golden, *entry.second, points, order.queries, r2_max, found, other);
-              if (repetition >= 0) times[library].push_back(seconds);
-              least = std::min(least, seconds);
-            }
-            if (repetition < 0) continue;
-            times["photonloom"].push_back(own);
-            ratios.push_back(least / own);
-          }
+          const Cell cell_times = time_cell(all, points, order.queries, k, r2_max, options.trial);
+          const std::vector<double>& ratios = cell_times.ratios;
           const double ratio = median(ratios);
           const double low = *std::min_element(ratios.begin(), ratios.end());
           const double high = *std::max_element(ratios.begin(), ratios.end());
           ++cells;
           won += ratio > 1;
-          const auto micro = [&](const char* library) { return 1e6 * median(times[library]); };
+          const auto micro = [&](const char* library) {
+            return 1e6 * median(cell_times.times.at(library));
+          };
           fmt::print(
               "{:>8} {:>4} {:<7} {:<13} {:>10.3f} {:>10.3f} {:>10.3f} "
               "{:>10.3f}  {:<22} {}\n",
@@ -229,11 +297,7 @@ int run(const Options& options) {
                                          {"order", order.name},   {"ratio", ratio},
                                          {"ratio_low", low},      {"ratio_high", high},
                                          {"won", ratio > 1}};
-          for (const auto& [library, seconds] : times) {
-            cell["queries_per_second"][library] = 1 / median(seconds);
-            if (best.count(library))
-              cell["configuration"][library] = best[library].second->configuration();
-          }
+          add_rates(cell_times, cell);
           report["cells"].push_back(cell);
         }
       }
@@ -254,8 +318,22 @@ int run(const Options& options) {
 
 // bench_gather FILE.json [queries [photons [k]]]: queries of a repetition; all
 // cells, or those of one size, one k.
+// bench_gather FILE.json --cloud PHOTONS QUERIES k [r2_max]: positions from files, without a radius
+// and within r2_max.
 int main(int argc, char** argv) {
   photonloom::bench::Options options;
+  if (argc > 2 && std::string(argv[2]) == "--cloud") {
+    const unsigned long k = argc > 5 ? std::strtoul(argv[5], nullptr, 10) : 0;
+    std::vector<int64_t> radii = {-1};
+    if (argc > 6) radii.push_back(std::strtoll(argv[6], nullptr, 10));
+    if (argc > 7 || k == 0 || k > photonloom::search::kMaxK || radii.back() == 0) {
+      fmt::print(stderr,
+                 "usage: bench_gather FILE.json --cloud PHOTONS QUERIES k [r2_max], k at most {}\n",
+                 photonloom::search::kMaxK);
+      return 2;
+    }
+    return photonloom::bench::run_cloud(argv[1], argv[3], argv[4], static_cast<uint32_t>(k), radii);
+  }
   if (argc > 1) options.json = argv[1];
   if (argc > 2) options.queries = std::strtoull(argv[2], nullptr, 10);
   if (argc > 3) options.sizes = {std::strtoull(argv[3], nullptr, 10)};

@@ -23,11 +23,6 @@ BoardModel::BoardModel(const Plan& plan, const BoardRun& run)
   rx_ = model_.port("uart_rx_i").data;
   tx_ = model_.port("uart_tx_o").data;
   if (model_.has_port("led_o")) leds_ = model_.port("led_o").data;
-  if (plan.photon_memory == PhotonMemory::kSdram && model_.has_port("clk_sdram_i")) {
-    clock_sdram_ = model_.port("clk_sdram_i").data;
-    sdram_.emplace(
-        [this](const std::string& name) -> const ModelPort& { return model_.port(name); });
-  }
   if (!run.waveform.empty()) {
     model_.open_waveform(run.waveform);
     tracing_ = true;
@@ -35,30 +30,22 @@ BoardModel::BoardModel(const Plan& plan, const BoardRun& run)
   *rx_ = 1;
   *reset_ = 1;
   for (int i = 0; i < 8; ++i) {
-    level(0);
-    level(1);
+    *clock_ = 0;
+    model_.eval();
+    *clock_ = 1;
+    model_.eval();
   }
   *reset_ = 0;
 }
 
-void BoardModel::level(uint8_t clock) {
-  *clock_ = clock;
-  model_.eval();
-  if (!sdram_) return;
-  sdram_->before(sdram_edges_);
-  *clock_sdram_ = 1;
-  model_.eval();
-  sdram_->after(sdram_edges_++);
-  *clock_sdram_ = 0;
-  model_.eval();
-}
-
 void BoardModel::cycle() {
   *rx_ = wire_.drive() ? 1 : 0;
-  level(0);
+  *clock_ = 0;
+  model_.eval();
   wire_.sample((*tx_ & 1) != 0);
   if (tracing_) model_.dump(2 * cycles_);
-  level(1);
+  *clock_ = 1;
+  model_.eval();
   if (tracing_) model_.dump(2 * cycles_ + 1);
   ++cycles_;
 }

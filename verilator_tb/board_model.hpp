@@ -1,15 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// A Verilated board_core, seen from where a host's cable ends: two wires and eight LEDs; with the
-// SDRAM chip of a plan that has one, at twice the core's clock. Nothing here looks inside the
-// board.
+// A Verilated board_core, seen from where a host's cable ends: two wires and eight LEDs. Nothing
+// here looks inside the board.
 #pragma once
 #include <cstdint>
-#include <optional>
 #include <string>
 
 #include "golden/plan/plan.hpp"
 #include "verilator_tb/model.hpp"
-#include "verilator_tb/sdram_wires.hpp"
 #include "verilator_tb/uart_wire.hpp"
 
 namespace photonloom {
@@ -39,14 +36,12 @@ class BoardModel {
   uint64_t get(const std::string& port) const;
 
  private:
-  void level(uint8_t clock);  // of the core's clock; a whole cycle of the SDRAM's goes by
   Model model_;
   UartWire wire_;
-  std::optional<SdramWires> sdram_;
-  uint8_t *clock_, *reset_, *rx_, *clock_sdram_ = nullptr;
+  uint8_t *clock_, *reset_, *rx_;
   const uint8_t *tx_, *leds_ = nullptr;
   bool tracing_ = false;
-  uint64_t cycles_ = 0, sdram_edges_ = 0;
+  uint64_t cycles_ = 0;
 };
 
 }  // namespace photonloom

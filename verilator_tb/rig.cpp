@@ -279,12 +279,10 @@ LineMemory& Rig::add_memory(const Plan& plan) {
   return *memory_;
 }
 
-void Rig::add_clock(const std::string& name, double period, std::function<void(uint64_t)> before,
-                    std::function<void(uint64_t)> after) {
+void Rig::add_clock(const std::string& name, double period, std::function<void(uint64_t)> pins) {
   second_clock_ = model_.port(name).data;
   second_period_ = period;
-  before_second_ = std::move(before);
-  after_second_ = std::move(after);
+  second_pins_ = std::move(pins);
 }
 
 void Rig::set(const std::string& port, uint64_t value) { write_port(model_.port(port), value); }
@@ -331,10 +329,9 @@ void Rig::cycle() {
   for (; second_clock_ &&
          static_cast<double>(second_edges_) * second_period_ < static_cast<double>(cycle_ + 1);
        ++second_edges_) {
-    before_second_(second_edges_);
+    second_pins_(second_edges_);
     *second_clock_ = 1;
     model_.eval();
-    after_second_(second_edges_);
     *second_clock_ = 0;
     model_.eval();
   }

@@ -167,10 +167,9 @@ class Rig {
   std::vector<std::string> counter_ports() const;  // count_*_o
 
   // A second clock at port `name`, `period` of a cycle of clk_i, whose edges fall where they may.
-  // `before` and `after` are called around each of its rising edges with the edge's number, so that
-  // they drive and read the pins of its domain. One at most.
-  void add_clock(const std::string& name, double period, std::function<void(uint64_t)> before,
-                 std::function<void(uint64_t)> after);
+  // `pins` is called before each of its rising edges, with the edge's number: it reads what that
+  // domain drives and sets what it will see. One such clock at most.
+  void add_clock(const std::string& name, double period, std::function<void(uint64_t)> pins);
 
   void reset();
   void cycle();
@@ -190,7 +189,7 @@ class Rig {
   uint8_t* second_clock_ = nullptr;
   double second_period_ = 1;
   uint64_t second_edges_ = 0;
-  std::function<void(uint64_t)> before_second_, after_second_;
+  std::function<void(uint64_t)> second_pins_;
   uint64_t cycle_ = 0;
   uint64_t quiet_ = 0;
   bool waveform_open_ = false;

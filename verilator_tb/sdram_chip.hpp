@@ -16,16 +16,16 @@ namespace photonloom {
 
 // Picoseconds, but for `mode_clocks`.
 struct SdramTimes {
-  int64_t power_up = 200'000'000;  // clock and NOP before the first command
+  int64_t power_up = 100'000'000;  // clock and NOP before the first command
   int64_t clock_2 = 10'000;        // shortest clock with CAS latency 2
-  int64_t clock_3 = 7'000;         // and with 3
+  int64_t clock_3 = 7'500;         // and with 3
   int64_t row_to_column = 21'000;  // tRCD
   int64_t precharge = 21'000;      // tRP
-  int64_t row_active = 42'000;     // tRAS
+  int64_t row_active = 44'000;     // tRAS
   int64_t row_active_most = 120'000'000;
-  int64_t row_cycle = 63'000;         // tRC
-  int64_t row_to_row = 14'000;        // tRRD, different banks
-  int64_t write_recovery = 14'000;    // tWR
+  int64_t row_cycle = 66'000;         // tRC
+  int64_t row_to_row = 15'000;        // tRRD, different banks
+  int64_t write_recovery = 15'000;    // tWR
   int64_t refresh = 66'000;           // tRFC
   int64_t refresh_every = 7'812'500;  // tREFI on average, 64 ms for 8192 rows
   int mode_clocks = 2;                // tMRD
@@ -56,6 +56,10 @@ class SdramChip {
   // The data pins at a time not before the last edge: what the chip drives once it is stable, else
   // noise.
   uint16_t data(int64_t time);
+  // Puts a word into a cell, as if it had been written.
+  void poke(unsigned bank, unsigned row, unsigned column, uint16_t data) {
+    cell(bank, row, column) = data;
+  }
   bool initialised() const { return initialised_; }
   uint64_t refreshes() const { return refreshes_; }
   uint64_t reads() const { return reads_; }

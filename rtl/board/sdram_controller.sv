@@ -48,9 +48,9 @@ module sdram_controller #(
   localparam int unsigned RefreshEvery = 7800 * (ClockKHz / 1000) / 1000;
   localparam int unsigned RowToColumn = cycles(21);
   localparam int unsigned Precharge = cycles(21);
-  localparam int unsigned RowActive = cycles(42);
-  localparam int unsigned RowToRow = cycles(14);
-  localparam int unsigned WriteRecovery = cycles(14);
+  localparam int unsigned RowActive = cycles(44);
+  localparam int unsigned RowToRow = cycles(15);
+  localparam int unsigned WriteRecovery = cycles(15);
   localparam int unsigned RefreshTime = cycles(66);
   localparam int unsigned ModeTime = cycles(14) > 2 ? cycles(14) : 2;
   localparam int unsigned InitRefreshes = 8;
@@ -151,6 +151,12 @@ module sdram_controller #(
 
   logic [3:0] command_q;
   assign {sdram_cs_no, sdram_ras_no, sdram_cas_no, sdram_we_no} = command_q;
+
+  // The chip may see no command before its pause is over, not even before the first edge of reset.
+  initial begin
+    command_q = Nop;
+    sdram_dq_oe_o = 1'b0;
+  end
 
   always_ff @(posedge clk_i) begin
     command_q <= Nop;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // One reset for two clock domains: rst_i, of any length, holds both outputs until each domain has seen at least one edge in
-// reset; the other domain leaves reset first, this one some cycles later. Works at any ratio of the clocks.
+// reset; the other domain leaves reset first, this one some cycles later. Works at any ratio of the clocks. Both are in
+// reset from the start, before any edge: with the command of sdram_controller these are the only registers whose initial value counts.
 module reset_bridge (
     input  logic clk_i,
     input  logic rst_i,
@@ -10,6 +11,11 @@ module reset_bridge (
 );
   logic hold_q;
   logic [1:0] other_q, seen_q;
+
+  initial begin
+    hold_q  = 1'b1;
+    other_q = '1;
+  end
 
   always_ff @(posedge clk_i) begin
     seen_q <= {seen_q[0], other_q[1]};

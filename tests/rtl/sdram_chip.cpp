@@ -44,7 +44,7 @@ class Driver {
   void precharge_all() { command(false, true, false, 0, 0x400); }
   void refresh() { command(false, false, true, 0, 0); }
   void mode(unsigned word = 0x233) { command(false, false, false, 0, word); }
-  void power_up() { idle(20'001); }
+  void power_up() { idle(10'001); }
   void initialise() {
     power_up();
     precharge_all();

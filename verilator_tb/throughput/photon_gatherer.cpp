@@ -9,16 +9,15 @@
 
 #include <CLI/CLI.hpp>
 #include <chrono>
-#include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <optional>
 
 #include "golden/numeric/output_file.hpp"
 #include "golden/plan/plan_file.hpp"
-#include "golden/plan/quantiser.hpp"
 #include "golden/unit/pack_photons.hpp"
 #include "verilator_tb/backends.hpp"
+#include "verilator_tb/throughput/final_gathers.hpp"
 
 namespace photonloom {
 namespace {
@@ -31,41 +30,6 @@ struct Options {
   int size = 48, rays = 16;
   int contexts = 16, lanes = 4, cache_bytes = 16384, ways = 2, misses = 8;
 };
-
-// Final-gather queries in pixel order: cosine-distributed rays from what the camera sees.
-std::vector<GatherQuery> make_queries(const World& world, const RayCaster& caster, const Plan& plan,
-                                      const Options& o) {
-  std::vector<GatherQuery> queries;
-  for (int py = 0; py < o.size; ++py)
-    for (int px = 0; px < o.size; ++px) {
-      const uint32_t pixel = static_cast<uint32_t>(py * o.size + px);
-      const CameraSample x = trace_camera(world, caster, px, py, 0, o.seed);
-      if (!x.diffuse) continue;
-      const Vec3 n = x.x.normal;
-      const Vec3 side = glm::normalize(std::fabs(n.x) < 0.5 ? glm::cross(n, Vec3(1, 0, 0))
-                                                            : glm::cross(n, Vec3(0, 1, 0)));
-      const Vec3 up = glm::cross(n, side);
-      for (int ray = 0; ray < o.rays; ++ray) {
-        // Stratified in both coordinates of the unit disk's polar map.
-        const int edge = static_cast<int>(std::sqrt(static_cast<double>(o.rays)));
-        const double u = (ray % edge + 0.5) / edge, v = (ray / edge % edge + 0.5) / edge;
-        const double r = std::sqrt(u), phi = 2 * 3.14159265358979323846 * v;
-        const Vec3 direction = glm::normalize(side * (r * std::cos(phi)) +
-                                              up * (r * std::sin(phi)) + n * std::sqrt(1 - u));
-        const GatherSample y = trace_gather(world, caster, x.x, direction, pixel, 0,
-                                            static_cast<uint64_t>(ray), o.seed);
-        if (!y.diffuse) continue;
-        GatherQuery q{};
-        q.pixel = pixel;
-        q.tag = static_cast<uint32_t>(ray);
-        q.position = quantise_position(plan, y.y.position);
-        const OctCode code = oct_encode(y.y.normal, plan.normal_bits);
-        q.normal = {code.u, code.v};
-        queries.push_back(q);
-      }
-    }
-  return queries;
-}
 
 // What cycles per gather may be over the bound, by memory and k, with the plan of the defaults
 // below: 4 lanes, 16 contexts, a 16 KB cache with 8 misses outstanding, 64k photons, 20,000 queries
@@ -164,19 +128,12 @@ int run(const Options& o) {
   }
   const PhotonMap map =
       build_photon_map(pack_photons(pass.photons, plan, plan.global, nullptr), plan);
-  std::vector<GatherQuery> queries = make_queries(world, *caster, plan, o);
+  std::vector<GatherQuery> queries =
+      final_gather_queries(world, *caster, plan, o.size, o.rays, o.seed);
   if (queries.size() < o.queries)
     throw std::runtime_error(fmt::format("{}: {} final-gather queries, fewer than {}", o.scene,
                                          queries.size(), o.queries));
-  {
-    GatherQuery flush{};
-    flush.flush = 1;
-    queries.push_back(flush);
-    std::vector<GatherQuery> ordered;
-    make_golden_reorder_buffer(plan)->process(queries, ordered);
-    ordered.pop_back();
-    queries = std::move(ordered);
-  }
+  queries = reordered(plan, queries);
 
   fmt::print(
       "photon_gatherer: {} photons, {} queries, {} contexts, {} lanes, cache {} bytes in {} ways, "

@@ -1,0 +1,346 @@
+// SPDX-License-Identifier: Apache-2.0
+// Cycles per gather of a board's whole gather engine: all gatherers of a plan at work on the one
+// photon memory, fill and drain included. Photons and final-gather queries of a scene; every result
+// is compared with golden. Plans are those of fpga/headline, or files that are named.
+//
+// From block RAM the queries come in pixel order and pass the engine's reorder buffer. From SDRAM
+// the same, and once more as they come, without it. The roofline of the SDRAM is what its data pins
+// allow: lines that it had to read per query * cycles of a line's halfwords, and the share of
+// refreshes; rows are opened and closed beside the data of other banks.
+#include <fmt/core.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "golden/numeric/output_file.hpp"
+#include "golden/plan/plan_file.hpp"
+#include "golden/unit/pack_photons.hpp"
+#include "verilator_tb/backends.hpp"
+#include "verilator_tb/throughput/final_gathers.hpp"
+
+namespace photonloom {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kSdramMHz = 100;
+// Share of the SDRAM's cycles that refreshes leave: one in 780 cycles, each 12 from the end of a
+// line to the next ACTIVATE (3 PRECHARGE, 7 AUTO REFRESH, a cycle each to decide).
+constexpr double kRefreshLeaves = 1 - 12.0 / 780;
+// Goals, docs/gather_cluster.md.
+constexpr double kRooflineGoal = 0.85, kReorderGoal = 4;
+
+struct Options {
+  std::vector<std::string> plans;
+  std::string scene = PHOTONLOOM_SOURCE_DIR "/scenes/cornell.xml", json, dump, write_plans,
+              work = "build/cosim";
+  uint64_t queries = 0, seed = 1;
+  int size = 48, rays = 16;
+  double core_mhz = 60;
+  bool radius = false;
+};
+
+// What the command line's plans are: a memory and a k each, with as many gatherers as fit.
+struct PlanOfBoard {
+  const char* name;
+  PhotonMemory memory;
+  uint64_t photons;
+  int k, gatherers;
+};
+constexpr PlanOfBoard kPlans[] = {
+    {"block_ram_k8", PhotonMemory::kBlockRam, 16384, 8, 4},
+    {"block_ram_k16", PhotonMemory::kBlockRam, 16384, 16, 4},
+    {"block_ram_k50", PhotonMemory::kBlockRam, 16384, 50, 3},
+    {"sdram_k8", PhotonMemory::kSdram, 65536, 8, 2},
+    {"sdram_k16", PhotonMemory::kSdram, 65536, 16, 3},
+    {"sdram_k50", PhotonMemory::kSdram, 65536, 50, 3},
+};
+
+class Load {
+ public:
+  explicit Load(const Options& o)
+      : options_(o), world_(scene(o)), caster_(make_double_bvh(world_)) {}
+
+  // The photons of a plan; a path that would overfill the map is cut.
+  std::vector<Photon> photons(uint64_t count) const {
+    auto list = trace_global_photons(world_, *caster_, count, options_.seed).photons;
+    if (list.size() > count) list.resize(count);
+    return list;
+  }
+  const World& world() const { return world_; }
+  std::vector<GatherQuery> queries(const Plan& plan) const {
+    return final_gather_queries(world_, *caster_, plan, options_.size, options_.rays,
+                                options_.seed);
+  }
+
+ private:
+  static Scene scene(const Options& o) {
+    Scene scene = load_scene(o.scene);
+    scene.film.width = scene.film.height = o.size;
+    return scene;
+  }
+  Options options_;
+  World world_;
+  std::unique_ptr<RayCaster> caster_;
+};
+
+Plan make_plan(const PlanOfBoard& p, const Load& load, const Options& o) {
+  Plan plan;
+  plan.scene = "";
+  const World& world = load.world();
+  plan.origin = {world.cube_origin().x, world.cube_origin().y, world.cube_origin().z};
+  plan.extent = world.cube_extent();
+  plan.global = {.present = true, .photons = p.photons};
+  plan.global.power_exponent = choose_power_exponent(load.photons(p.photons), plan);
+  plan.width = plan.height = o.size;
+  plan.gather_rays = o.rays;
+  plan.k = p.k;
+  plan.reorder_packets = p.memory == PhotonMemory::kSdram ? 4096 : 512;
+  plan.photon_memory = p.memory;
+  plan.gatherers = p.gatherers;
+  plan.photon_bytes = p.memory == PhotonMemory::kSdram ? 12 : 16;
+  plan.beat_bits = 4 * plan.line_bytes();
+  plan.cache_bytes = p.memory == PhotonMemory::kSdram ? 24 * 512 : 16384;
+  plan.board_cache_bytes = 96 * 1024;
+  plan.replay_queries = 1024;
+  check_plan(plan);
+  return plan;
+}
+
+struct Measured {
+  double nodes = 0, leaves = 0, insertions = 0, bound = 0, cycles = 0, kcycles_per_second = 0;
+  double lines = 0, memory_lines = 0, memory_busy = 0;
+  size_t queries = 0;
+  Counters counters;
+};
+
+Measured measure(const Plan& plan, const PhotonMap& map, const std::vector<GatherQuery>& queries,
+                 bool through_buffer, const Options& o) {
+  PhotonMap none;
+  none.bucket = plan.bucket;
+  std::vector<GatherQuery> in = queries;
+  std::vector<GatherQuery> order = queries;
+  if (through_buffer) {
+    in.push_back({});
+    in.back().flush = 1;
+    order = reordered(plan, queries);
+    order.push_back(in.back());
+  }
+  std::vector<GatherResult> expected, results;
+  std::vector<GatherPhoton> expected_photons, photons;
+  const auto golden = make_golden_photon_gatherer(plan);
+  golden->load(map, none);
+  golden->process(order, expected, expected_photons);
+
+  RunOptions options;
+  options.seed = o.seed;
+  options.work_dir = o.work;
+  options.sdram_period = o.core_mhz / kSdramMHz;
+  const auto rtl = make_rtl_gather_engine(plan, options, through_buffer, true);
+  rtl->load(map, none);
+  const Counters before = rtl->counters();
+  const uint64_t first = rtl->cycles();
+  const auto start = std::chrono::steady_clock::now();
+  rtl->process(in, results, photons);
+  const double seconds =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  if (results != expected) throw std::runtime_error("RTL and golden differ");
+
+  Measured m;
+  m.queries = queries.size();
+  const double n = static_cast<double>(queries.size());
+  for (const GatherResult& r : expected) {
+    m.nodes += r.nodes / n;
+    m.leaves += r.leaves / n;
+    m.insertions += r.insertions / n;
+  }
+  m.bound = std::max({m.nodes, m.leaves * plan.bucket / plan.lanes, m.insertions});
+  const uint64_t cycles = rtl->cycles() - first;
+  m.cycles = static_cast<double>(cycles) / n;
+  m.kcycles_per_second = static_cast<double>(cycles) / seconds / 1000;
+  m.counters = rtl->counters();
+  const auto counted = [&](const char* name) {
+    return static_cast<double>(m.counters.at(name) - before.at(name));
+  };
+  m.lines = counted("lines") / n;
+  m.memory_lines = counted("memory lines") / n;
+  m.memory_busy = counted("memory busy") / static_cast<double>(cycles);
+  return m;
+}
+
+void dump(const std::string& path, const std::vector<UVec3>& points) {
+  std::string bytes(points.size() * 12, '\0');
+  for (size_t i = 0; i < points.size(); ++i)
+    for (size_t axis = 0; axis < 3; ++axis)
+      for (size_t byte = 0; byte < 4; ++byte)
+        bytes[12 * i + 4 * axis + byte] =
+            static_cast<char>(points[i][static_cast<int>(axis)] >> (8 * byte) & 255);
+  write_file(path, bytes);
+}
+
+int run(Options o) {
+  const Load load(o);
+  if (!o.write_plans.empty()) {
+    for (const PlanOfBoard& p : kPlans)
+      write_file(fmt::format("{}/{}.toml", o.write_plans, p.name),
+                 plan_text(make_plan(p, load, o)));
+    return 0;
+  }
+  if (o.plans.empty())
+    for (const PlanOfBoard& p : kPlans)
+      o.plans.push_back(fmt::format(PHOTONLOOM_SOURCE_DIR "/fpga/headline/{}.toml", p.name));
+
+  fmt::print("gather engine: cycles of a core of {:g} MHz, SDRAM of {:g} MHz\n", o.core_mhz,
+             kSdramMHz);
+  fmt::print(
+      "{:<16} {:>3} {:>2} {:>6} {:<9} {:>6} {:>6} {:>13} {:>9} {:>6} {:>9} {:>12} {:>8} {:>9}\n",
+      "plan", "k", "N", "radius", "order", "bound", "leaves", "cycles/gather", "x N/bound", "lines",
+      "mem lines", "roofline", "of it", "kcycles/s");
+  nlohmann::json rows = nlohmann::json::array();
+  std::vector<std::string> missed;
+  for (const std::string& file : o.plans) {
+    Plan plan = read_plan(file);
+    const std::string name = fs::path(file).stem().string();
+    const std::vector<Photon> photons = load.photons(plan.global.photons);
+    const std::vector<PackedPhoton> packed = pack_photons(photons, plan, plan.global, nullptr);
+    const PhotonMap map = build_photon_map(packed, plan);
+    std::vector<GatherQuery> queries = load.queries(plan);
+    if (queries.empty()) throw std::runtime_error(o.scene + ": no final-gather query");
+    if (o.queries && queries.size() > o.queries) queries.resize(o.queries);
+
+    // Without a radius, then within the mean r^2 of the queries.
+    std::vector<uint64_t> radii = {plan.r2_limit()};
+    if (o.radius) {
+      Plan open = plan;
+      open.global.r2_max = open.caustic.r2_max = plan.r2_limit();
+      std::vector<GatherResult> results;
+      std::vector<GatherPhoton> none_wanted;
+      PhotonMap none;
+      none.bucket = plan.bucket;
+      const auto golden = make_golden_photon_gatherer(open);
+      golden->load(map, none);
+      golden->process(queries, results, none_wanted);
+      double sum = 0;
+      for (const GatherResult& r : results) sum += static_cast<double>(r.r2);
+      radii.push_back(static_cast<uint64_t>(sum / static_cast<double>(results.size())));
+    }
+    if (!o.dump.empty()) {
+      std::vector<UVec3> points, places;
+      for (const PackedPhoton& p : packed) points.push_back(p.position);
+      for (const GatherQuery& q : reordered(plan, queries)) places.push_back(q.position);
+      dump(fmt::format("{}/{}.photons", o.dump, name), points);
+      dump(fmt::format("{}/{}.queries", o.dump, name), places);
+    }
+
+    const bool sdram = plan.photon_memory == PhotonMemory::kSdram;
+    for (const uint64_t r2_max : radii) {
+      plan.global.r2_max = plan.caustic.r2_max = r2_max;
+      double with_order = 0;
+      for (const bool through_buffer : {true, false}) {
+        if (!through_buffer && !sdram) continue;
+        // Without order a query takes many lines: fewer of them tell as much.
+        std::vector<GatherQuery> some = queries;
+        if (!through_buffer && some.size() > 4000) some.resize(4000);
+        const Measured m = measure(plan, map, some, through_buffer, o);
+        const double per_bound = m.cycles * plan.gatherers / m.bound;
+        std::optional<double> roofline, of_it, gain;
+        if (sdram) {
+          // In cycles of the core.
+          roofline =
+              m.memory_lines * plan.line_bytes() / 2 / kRefreshLeaves * o.core_mhz / kSdramMHz;
+          of_it = *roofline / m.cycles;
+        }
+        if (through_buffer)
+          with_order = m.cycles;
+        else
+          gain = m.cycles / with_order;
+        fmt::print(
+            "{:<16} {:>3} {:>2} {:>6} {:<9} {:>6.1f} {:>6.1f} {:>13.2f} {:>9.2f} {:>6.2f} {:>9.3f} "
+            "{:>12} {:>8} {:>9.0f}{}\n",
+            name, plan.k, plan.gatherers, r2_max == plan.r2_limit() ? "none" : "mean",
+            through_buffer ? "reordered" : "pixels", m.bound, m.leaves, m.cycles, per_bound,
+            m.lines, m.memory_lines, roofline ? fmt::format("{:.2f}", *roofline) : "",
+            of_it ? fmt::format("{:.0f} %", 100 * *of_it) : "", m.kcycles_per_second,
+            gain ? fmt::format("  reordering gains {:.1f}", *gain) : "");
+        std::fflush(stdout);
+        if (sdram && through_buffer && *of_it < kRooflineGoal)
+          missed.push_back(fmt::format("{}: {:.0f} % of the SDRAM's roofline, goal {:.0f} %", name,
+                                       100 * *of_it, 100 * kRooflineGoal));
+        if (gain && *gain < kReorderGoal)
+          missed.push_back(
+              fmt::format("{}: reordering gains {:.2f}, goal {:.1f}", name, *gain, kReorderGoal));
+        const auto number = [](const std::optional<double>& x) {
+          return x ? nlohmann::json(*x) : nlohmann::json();
+        };
+        rows.push_back(
+            {{"plan", name},
+             {"plan_hash", plan_hash_text(plan)},
+             {"memory", sdram ? "sdram" : "block_ram"},
+             {"photons", map.count},
+             {"k", plan.k},
+             {"gatherers", plan.gatherers},
+             {"r2_max", r2_max == plan.r2_limit() ? nlohmann::json() : nlohmann::json(r2_max)},
+             {"order", through_buffer ? "reordered" : "pixels"},
+             {"core_mhz", o.core_mhz},
+             {"sdram_mhz", kSdramMHz},
+             {"queries", m.queries},
+             {"bound", m.bound},
+             {"nodes", m.nodes},
+             {"leaves", m.leaves},
+             {"insertions", m.insertions},
+             {"cycles_per_gather", m.cycles},
+             {"lines_per_gather", m.lines},
+             {"memory_lines_per_gather", m.memory_lines},
+             {"memory_busy", m.memory_busy},
+             {"roofline_cycles", number(roofline)},
+             {"of_roofline", number(of_it)},
+             {"reorder_gain", number(gain)},
+             {"line_bytes", plan.line_bytes()}});
+      }
+    }
+  }
+  if (!o.json.empty()) write_file(o.json, nlohmann::json{{"gather_cluster", rows}}.dump(2) + "\n");
+  for (const std::string& miss : missed)
+    fmt::print(stderr, "gather_cluster: goal missed: {}\n", miss);
+  return missed.empty() ? 0 : 1;
+}
+
+}  // namespace
+}  // namespace photonloom
+
+int main(int argc, char** argv) {
+  photonloom::Options o;
+  CLI::App app{
+      "Cycles per gather of all gatherers of a plan on their photon memory, with photons and "
+      "final-gather queries of a scene; exit status 1 where a goal is missed."};
+  app.add_option("plans", o.plans, "Plan files. Default: those of fpga/headline.");
+  app.add_option("--scene", o.scene, "Scene file.");
+  app.add_option("--queries", o.queries, "Queries at most; 0: all of the pixels.");
+  app.add_option("--size", o.size, "Pixels along each edge.");
+  app.add_option("--gather-rays", o.rays, "Final gather rays a pixel.");
+  app.add_option("--seed", o.seed, "Seed.");
+  app.add_option("--core-mhz", o.core_mhz,
+                 "Frequency of the core: what a cycle is beside the SDRAM's clock.");
+  app.add_flag("--radius", o.radius, "Once more within the mean r^2 of the queries.");
+  app.add_option("--dump", o.dump,
+                 "Folder for positions of photons and queries, PLAN.photons, ...");
+  app.add_option("--write-plans", o.write_plans,
+                 "Write the plans to this folder, do nothing else.");
+  app.add_option("--json", o.json, "Write the table here too.");
+  app.add_option("--work", o.work, "Folder of Verilated models.");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 2;
+  }
+  try {
+    return photonloom::run(o);
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "{}\n", error.what());
+    return 1;
+  }
+}
