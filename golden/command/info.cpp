@@ -6,6 +6,7 @@
 
 #include "golden/command/command.hpp"
 #include "golden/command/scene_option.hpp"
+#include "golden/planner/planner.hpp"
 #include "golden/transport/world.hpp"
 
 namespace photonloom {
@@ -44,16 +45,21 @@ const char* name(ShapeKind kind) {
 
 Json triple(const Vec3& v) { return {v.x, v.y, v.z}; }
 
-// Emission of everything in one colour keeps photons in one colour only where every surface is
-// grey.
+// Whether no photon can have another colour than the others: emission of everything in one colour
+// keeps photons in it where every surface is grey. The planner, which has the photons, may find one
+// colour in other scenes too.
 bool one_color(const World& world) {
   const auto parallel = [](const Rgb& a, const Rgb& b) { return glm::cross(a, b) == Rgb(0); };
   const Scene& s = world.scene();
   for (const Emitter& e : world.emitters())
     if (!parallel(e.power, world.emitters()[0].power)) return false;
-  for (const Bsdf& b : s.bsdfs)
-    for (const Rgb& c : {b.diffuse, b.specular, b.transmission, b.eta, b.k})
-      if (!parallel(c, Rgb(1))) return false;
+  for (const Shape& shape : s.shapes)
+    for (const int side : {shape.bsdf, shape.back_bsdf}) {
+      if (side < 0) continue;
+      const Bsdf& b = s.bsdfs[static_cast<size_t>(side)];
+      for (const Rgb& c : {b.diffuse, b.specular, b.transmission, b.eta, b.k})
+        if (!parallel(c, Rgb(1))) return false;
+    }
   return true;
 }
 
@@ -102,15 +108,16 @@ Json describe(const World& world) {
   j["emitters"] = emitters;
   j["power"] = triple(world.emitted_power());
   // What asks a photon map needs the units that answer; a scene of mirrors and lamps needs none.
+  const MapsNeeded maps = maps_needed(world, 1);
   Json units = Json::array();
-  if (world.diffuse_area() > 0)
+  if (maps.global)
     for (const char* unit : {"cdf_sampler", "reorder_buffer", "photon_gatherer", "shader"})
       units.push_back(unit);
   j["needs"] = {{"units", units},
-                {"global_map", world.diffuse_area() > 0},
-                {"caustic_map", world.has_delta() && world.diffuse_area() > 0},
+                {"global_map", maps.global},
+                {"caustic_map", maps.caustic},
                 {"glossy_lobes", world.has_glossy()},
-                {"channels", one_color(world) ? 1 : 3}};
+                {"channels_at_most", one_color(world) ? 1 : 3}};
   j["warnings"] = s.warnings;
   return j;
 }
@@ -149,7 +156,7 @@ void print(const Json& j) {
   fmt::print("units      {}\n", units.empty() ? "none" : units);
   fmt::print("needs      global map {}, caustic map {}, glossy lobes {}, {} of power\n",
              yes(needs["global_map"]), yes(needs["caustic_map"]), yes(needs["glossy_lobes"]),
-             needs["channels"].get<int>() == 1 ? "1 channel" : "3 channels");
+             needs["channels_at_most"].get<int>() == 1 ? "1 channel" : "at most 3 channels");
   for (const Json& w : j["warnings"]) fmt::print("warning    {}\n", w.get<std::string>());
 }
 
@@ -160,6 +167,12 @@ void add_info(CLI::App& app) {
   };
   auto o = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("info", "What is in a scene, and what hardware it needs");
+  command->footer(
+      "What it needs is told from the file alone, for a frame with final gather rays; `photonloom\n"
+      "plan`, which traces the photons, finds 1 channel of power also where the file allows 3 and "
+      "all\n"
+      "photons have one colour.\n\n"
+      "Example: photonloom info scenes/cornell.xml --json");
   o->scene.add_to(*command);
   command->add_flag("--json", o->json, "One JSON object instead of text");
   command->callback([o] {

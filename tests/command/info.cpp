@@ -3,6 +3,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "golden/plan/plan_file.hpp"
 #include "tests/catch.hpp"
 #include "tests/command/run.hpp"
 
@@ -24,6 +25,34 @@ TEST_CASE("info: counts, bounds, powers, needs") {
   // A lamp of 0.6 x 0.6 radiates pi L A.
   CHECK(j["power"][0].get<double>() == Approx(3.14159265358979 * 14 * 0.36));
   CHECK(j["hash"].get<std::string>().size() == 16);
+}
+
+TEST_CASE("info and plan agree on maps and channels") {
+  const Scratch scratch;
+  // Grey walls, one lamp; a red BSDF that nothing uses.
+  const std::string body =
+      "<bsdf type=\"diffuse\" id=\"red\"><rgb name=\"reflectance\" value=\"0.7,0.1,0.1\"/></bsdf>"
+      "<shape type=\"sphere\"><boolean name=\"flipNormals\" value=\"true\"/></shape>"
+      "<shape type=\"sphere\"><float name=\"radius\" value=\"0.1\"/><emitter type=\"area\">"
+      "<rgb name=\"radiance\" value=\"1,2,3\"/></emitter></shape>";
+  for (const std::string depth : {"-1", "2"}) {
+    std::ofstream(scratch / "s.xml")
+        << "<scene version=\"0.6.0\"><integrator type=\"path\"><integer name=\"maxDepth\" value=\""
+        << depth << "\"/></integrator><sensor type=\"perspective\"/>" << body << "</scene>";
+    const Outcome info = run("info --json '" + scratch / "s.xml" + "'");
+    INFO(info.err);
+    REQUIRE(info.status == 0);
+    const auto needs = nlohmann::json::parse(info.out)["needs"];
+    const Outcome plan = run("plan --photons 500 '" + scratch / "s.xml" + "' -o -");
+    INFO(plan.err);
+    REQUIRE(plan.status == 0);
+    const photonloom::Plan planned = photonloom::parse_plan(plan.out, "plan");
+    CHECK(needs["global_map"] == planned.global.present);
+    CHECK(needs["caustic_map"] == planned.caustic.present);
+    CHECK(needs["units"].empty() == !planned.global.present);
+    CHECK(needs["channels_at_most"] == 1);
+    CHECK(planned.channels == 1);
+  }
 }
 
 TEST_CASE("info: parameters and bad input") {
