@@ -77,6 +77,22 @@ Vec3 sample_glossy(const Surface& s, const Vec2& u) {
   return Frame(reflect(s.in, s.shading_normal)).to_world(Vec3(cos_sin_turns(u.y) * r, z));
 }
 
+bool leave_with_power(const Surface& s, double choice, const Vec2& u, Vec3& out, Rgb& power) {
+  const double p = s.diffuse_probability();
+  if (choice < p) {
+    // Around the geometric normal, so that the adjoint's |out.ng| cancels.
+    out = Frame(s.normal).to_world(sample_cosine(u));
+    power *= s.diffuse() * (s.shading_ratio(s.in) / p);
+  } else {
+    out = sample_glossy(s, u);
+    const double pdf = glossy_pdf(s, out);
+    if (!(pdf > 0) || !s.above(out)) return false;
+    power *= glossy_times_cosine(s, out) *
+             (s.shading_ratio(s.in) / s.shading_ratio(out) / ((1 - p) * pdf));
+  }
+  return s.above(out) && !is_black(power);
+}
+
 double fresnel_dielectric(double cos_in, double ior) {
   const double cos2 = 1 - (1 - cos_in * cos_in) / (ior * ior);
   if (cos2 <= 0) return 1;

@@ -59,4 +59,8 @@ Rgb fresnel_conductor(double cos_in, const Rgb& eta, const Rgb& k);
 bool sample_delta(const Surface& s, double u, Carried carried, Vec3& out, Rgb& weight,
                   double& ior2);
 
+// A photon that leaves a surface which is not delta: chooses a lobe by `choice` and a direction by
+// u; false: absorbed. Multiplies the power by what the lobe sends over the density of its choice.
+bool leave_with_power(const Surface& s, double choice, const Vec2& u, Vec3& out, Rgb& power);
+
 }  // namespace photonloom

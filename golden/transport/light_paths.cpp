@@ -10,7 +10,7 @@
 namespace photonloom {
 namespace {
 
-enum Dimension : uint64_t { kLobe, kRoulette };
+enum Dimension : uint64_t { kLobe, kRoulette, kDirectionU, kDirectionV };
 constexpr uint64_t kChoice = 1 << 20;  // a dimension of bounce 0 that emission does not use
 
 // Power per solid angle that the vertex sends into a direction, over its power; by lobe.
@@ -30,39 +30,42 @@ LightPaths::LightPaths(const World& world) : world_(world), boxes_(world) {
   }
 }
 
-LightVertex LightPaths::trace(const RayCaster& caster, const Random& random) const {
+void LightPaths::trace(const RayCaster& caster, const Random& random,
+                       std::vector<LightVertex>& out) const {
+  out.clear();
   const double u = random.unit(0, kChoice) * cdf_.back();
   const size_t chosen = std::min<size_t>(
       static_cast<size_t>(std::upper_bound(cdf_.begin(), cdf_.end(), u) - cdf_.begin()),
       cdf_.size() - 1);
   const Emission e = emit_photon_from(world_, emitters_[chosen], random);
-  LightVertex v;
   Ray ray = e.ray;
-  if (!boxes_.met_by(ray)) return v;
+  if (!boxes_.met_by(ray)) return;
   Rgb throughput(cdf_.back() / world_.emitters()[emitters_[chosen]].pmf);
   Hit hit = caster.closest(ray, nullptr);
+  bool through_delta = false;  // since the light or the last vertex
   for (uint64_t segment = 1; hit.valid() && depth_left(segment); ++segment) {
     const Surface s = make_surface(world_, hit, ray.direction);
-    if (!s.is_delta()) {
-      if (s.black() || segment == 1) return v;
-      v.exists = true;
-      v.hit = hit;
-      v.surface = s;
-      v.power = e.power * throughput * s.shading_ratio(s.in);
-      v.segments = segment;
-      return v;
+    if (s.is_delta()) {
+      Rgb weight;
+      double ior2;
+      if (!sample_delta(s, random.unit(segment, kLobe), Carried::kPower, ray.direction, weight,
+                        ior2))
+        return;
+      throughput *= weight;
+      through_delta = true;
+    } else {
+      if (s.black() || !through_delta) return;
+      out.push_back({hit, s, e.power * throughput * s.shading_ratio(s.in), segment, out.empty()});
+      through_delta = false;
+      const Vec2 u(random.unit(segment, kDirectionU), random.unit(segment, kDirectionV));
+      if (!leave_with_power(s, random.unit(segment, kLobe), u, ray.direction, throughput)) return;
+      if (!boxes_.met_by(Ray{hit.position, ray.direction})) return;
     }
-    Rgb weight;
-    double ior2;
-    if (!sample_delta(s, random.unit(segment, kLobe), Carried::kPower, ray.direction, weight, ior2))
-      return v;
-    throughput *= weight;
     if (!survives(throughput, segment, world_.scene().rr_depth, random.unit(segment, kRoulette)))
-      return v;
+      return;
     ray.origin = hit.position;
     hit = caster.closest(ray, &hit);
   }
-  return v;
 }
 
 Rgb LightPaths::connect(const RayCaster& caster, const LightVertex& vertex, const Hit& hit,
@@ -92,9 +95,13 @@ bool LightPaths::splat(const RayCaster& caster, const Lens& lens, const LightVer
   const Vec3 to_camera = d / distance;
   const Surface& v = vertex.surface;
   const Rgb scale = vertex.power * (density / distance2);
-  out.diffuse = sent(diffuse_times_cosine(v, to_camera), v, to_camera) * scale;
-  out.glossy = sent(glossy_times_cosine(v, to_camera), v, to_camera) * scale;
-  if (is_black(out.diffuse) && is_black(out.glossy)) return false;
+  out.caustic = sent(diffuse_times_cosine(v, to_camera), v, to_camera) * scale;
+  out.indirect = sent(glossy_times_cosine(v, to_camera), v, to_camera) * scale;
+  if (!vertex.first) {
+    out.indirect += out.caustic;
+    out.caustic = Rgb(0);
+  }
+  if (is_black(out.caustic) && is_black(out.indirect)) return false;
   if (caster.occluded(Ray{vertex.hit.position, to_camera}, distance - camera.near, &vertex.hit,
                       nullptr))
     return false;

@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Light of point, spot and directional emitters that comes by way of mirrors and glass: a path from
 // the camera never finds it, so the path tracer follows it from the light to the first surface that
-// is not delta (a light vertex), and connects that vertex to the camera and to camera paths.
+// is not delta (a light vertex), and connects that vertex to the camera and to camera paths. From
+// there the light path goes on as long as it meets mirrors or glass again before the next surface
+// that is not delta, which is a further light vertex. Each path of light has one place at which it
+// is connected: the first of its segments between two surfaces that are not delta (or such a
+// surface and the camera).
 #pragma once
 #include <cstdint>
 #include <vector>
@@ -13,17 +17,17 @@
 namespace photonloom {
 
 struct LightVertex {
-  bool exists = false;
   Hit hit;
   Surface surface;
   Rgb power{0};           // W, of the shaded surface (see bsdf.hpp)
   uint64_t segments = 0;  // from the light to here
+  bool first = true;      // delta surfaces only between the light and here
 };
 
-// What a light vertex adds to one pixel.
+// What a light vertex adds to one pixel, by layer.
 struct Splat {
   uint32_t pixel = 0;
-  Rgb diffuse{0}, glossy{0};
+  Rgb caustic{0}, indirect{0};
 };
 
 class LightPaths {
@@ -33,7 +37,8 @@ class LightPaths {
   // Whether the scene has such light: an emitter without a surface, and a delta surface.
   bool needed() const { return !emitters_.empty(); }
 
-  LightVertex trace(const RayCaster& caster, const Random& random) const;
+  // The light vertices of one path, in its order.
+  void trace(const RayCaster& caster, const Random& random, std::vector<LightVertex>& out) const;
 
   // Radiance that a surface sends back along its ray for the light of the vertex.
   Rgb connect(const RayCaster& caster, const LightVertex& vertex, const Hit& hit,

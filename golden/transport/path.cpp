@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cmath>
+#include <span>
 #include <vector>
 
 #include "golden/transport/camera.hpp"
@@ -70,8 +71,8 @@ bool has_depth(const Scene& scene, uint64_t segments) {
 }
 
 PathSample trace_sample(const World& world, const RayCaster& caster, const Lens& lens,
-                        const LightPaths& light_paths, const LightVertex& light_vertex, int px,
-                        int py, const PixelNumbers& numbers) {
+                        const LightPaths& light_paths, std::span<const LightVertex> light_vertices,
+                        int px, int py, const PixelNumbers& numbers) {
   const Scene& scene = world.scene();
   const Vec2 jitter = numbers.pair(0, 0);
   const CameraRay camera = lens.through(px + jitter.x, py + jitter.y);
@@ -110,8 +111,9 @@ PathSample trace_sample(const World& world, const RayCaster& caster, const Lens&
       const DirectLight light = direct_light(world, caster, hit, s, numbers.unit(segment, kChoice),
                                              numbers.pair(segment, kPoint), {p, 1 - p});
       (lobe.exists ? out.indirect : out.direct) += throughput * (light.diffuse + light.glossy);
-      if (light_vertex.exists && has_depth(scene, segment + light_vertex.segments))
-        out.indirect += throughput * light_paths.connect(caster, light_vertex, hit, s);
+      for (const LightVertex& v : light_vertices)
+        if (has_depth(scene, segment + v.segments))
+          out.indirect += throughput * light_paths.connect(caster, v, hit, s);
       const bool first = !lobe.exists;
       if (!leave_by_lobe(hit, s, numbers.unit(segment, kLobe), numbers.pair(segment, kDirection),
                          ray.direction, throughput, lobe))
@@ -149,7 +151,7 @@ struct PixelSum {
 
 // Sums of the splats of one pixel.
 struct SplatSum {
-  Rgb diffuse{0}, glossy{0}, square{0};
+  Rgb caustic{0}, indirect{0}, square{0};
 };
 
 // Light paths in blocks, added up in the order of their numbers.
@@ -163,19 +165,22 @@ std::vector<SplatSum> splat_light_paths(const World& world, const RayCaster& cas
   for (uint64_t first = 0; first < paths; first += kBlock * kBlocks) {
     tbb::parallel_for(uint64_t{0}, kBlocks, [&](uint64_t b) {
       splats[b].clear();
+      std::vector<LightVertex> vertices;
       const uint64_t begin = first + b * kBlock, end = std::min(begin + kBlock, paths);
       for (uint64_t i = begin; i < end; ++i) {
-        const LightVertex v = light_paths.trace(caster, Random(seed, Phase::kCausticPhoton, i));
-        Splat splat;
-        if (v.exists && light_paths.splat(caster, lens, v, splat)) splats[b].push_back(splat);
+        light_paths.trace(caster, Random(seed, Phase::kCausticPhoton, i), vertices);
+        for (const LightVertex& v : vertices) {
+          Splat splat;
+          if (light_paths.splat(caster, lens, v, splat)) splats[b].push_back(splat);
+        }
       }
     });
     for (const auto& block : splats)
       for (const Splat& s : block) {
         SplatSum& sum = sums[s.pixel];
-        sum.diffuse += s.diffuse;
-        sum.glossy += s.glossy;
-        sum.square += (s.diffuse + s.glossy) * (s.diffuse + s.glossy);
+        sum.caustic += s.caustic;
+        sum.indirect += s.indirect;
+        sum.square += (s.caustic + s.indirect) * (s.caustic + s.indirect);
       }
   }
   return sums;
@@ -234,6 +239,7 @@ Image render_path(const World& world, const RayCaster& caster, const PathOptions
   const ProgressPhase phase(options.progress, "path tracing", samples, "samples");
   tbb::parallel_for(0, tiles_x * tiles_y, [&](int tile) {
     const int x0 = tile % tiles_x * kTile, y0 = tile / tiles_x * kTile;
+    std::vector<LightVertex> vertices;
     for (int y = y0; y < std::min(y0 + kTile, film.height); ++y)
       for (int x = x0; x < std::min(x0 + kTile, film.width); ++x) {
         const uint64_t pixel =
@@ -241,19 +247,19 @@ Image render_path(const World& world, const RayCaster& caster, const PathOptions
         PixelSum sum;
         for (int i = 0; i < options.spp; ++i) {
           const uint64_t sample = static_cast<uint64_t>(i);
-          LightVertex vertex;
           if (light_paths.needed())
-            vertex = light_paths.trace(
-                caster, Random(options.seed, Phase::kDirect, hash_bits(pixel, sample, 0, 0)));
-          sum.add(trace_sample(world, caster, lens, light_paths, vertex, x, y,
+            light_paths.trace(caster,
+                              Random(options.seed, Phase::kDirect, hash_bits(pixel, sample, 0, 0)),
+                              vertices);
+          sum.add(trace_sample(world, caster, lens, light_paths, vertices, x, y,
                                PixelNumbers(options.seed, Phase::kPath, pixel, sample)));
         }
         if (!splats.empty()) {
           // Sums over all paths to the pixel's mean, times spp as the samples' sums are.
           const SplatSum& s = splats[pixel];
           const double scale = options.spp / static_cast<double>(samples);
-          sum.sum.caustic += s.diffuse * scale;
-          sum.sum.indirect += s.glossy * scale;
+          sum.sum.caustic += s.caustic * scale;
+          sum.sum.indirect += s.indirect * scale;
           sum.splat_variance =
               s.square / (static_cast<double>(samples) * static_cast<double>(samples));
         }

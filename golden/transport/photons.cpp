@@ -9,7 +9,6 @@
 #include "golden/transport/emitters.hpp"
 #include "golden/transport/intersect.hpp"
 #include "golden/transport/roulette.hpp"
-#include "golden/transport/sampling.hpp"
 
 namespace photonloom {
 namespace {
@@ -35,20 +34,9 @@ bool scatter(const Walk& walk, const Surface& s, uint64_t bounce, Vec3& out, Rgb
     power *= weight;
     return true;
   }
-  const Vec2 u(r.unit(bounce, kDirectionU), r.unit(bounce, kDirectionV));
-  const double p = s.diffuse_probability();
-  if (r.unit(bounce, kLobe) < p) {
-    // Around the geometric normal, so that the adjoint's |out.ng| cancels.
-    out = Frame(s.normal).to_world(sample_cosine(u));
-    power *= s.diffuse() * (s.shading_ratio(s.in) / p);
-  } else {
-    out = sample_glossy(s, u);
-    const double pdf = glossy_pdf(s, out);
-    if (!(pdf > 0) || !s.above(out)) return false;
-    power *= glossy_times_cosine(s, out) *
-             (s.shading_ratio(s.in) / s.shading_ratio(out) / ((1 - p) * pdf));
-  }
-  return s.above(out) && !is_black(power);
+  return leave_with_power(s, r.unit(bounce, kLobe),
+                          Vec2(r.unit(bounce, kDirectionU), r.unit(bounce, kDirectionV)), out,
+                          power);
 }
 
 void trace_path(const Walk& walk, uint64_t path, int rr_depth, const DeltaBoxes* boxes,

@@ -182,6 +182,22 @@ TEST_CASE("layers agree: glossy surfaces, seen in glass") {
   check_layers("glossy", s, 512, 2);
 }
 
+TEST_CASE("layers agree: a point light whose light meets a mirror more than once") {
+  Scene s;
+  const int white = add_diffuse(s, Rgb(0.7));
+  const Vec3 x(1, 0, 0), y(0, 1, 0), z(0, 0, 1);
+  add_quad(s, white, Vec3(0), z, x);
+  add_quad(s, white, x, z, y);
+  add_quad(s, add_mirror(s, Rgb(0.95)), Vec3(0), y, z);
+  Light light;
+  light.position = Vec3(0.5, 0.6, 0.5);
+  light.intensity = Rgb(1);
+  s.lights.push_back(light);
+  // With the back to the mirror: what is seen in it of its own caustic no camera path can find.
+  set_camera(s, Vec3(0.1, 0.5, 0.5), Vec3(1, 0.4, 0.5), y, 70, kSize, kSize);
+  check_layers("mirror twice", s, 128, 5);
+}
+
 TEST_CASE("layers agree: coarse balls with smooth normals") {
   Scene s = room(true);
   add_smooth_ball(s, add_diffuse(s, Rgb(0.8)), Vec3(0.3, 0.25, 0.65), 0.2, 6);
