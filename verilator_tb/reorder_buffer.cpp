@@ -21,7 +21,7 @@ Plan plan_of(const char* name, ReorderKey key, ReorderDrain drain, int packets, 
 }
 
 std::vector<BenchPlan> plans() {
-  Plan wide = plan_of("", ReorderKey::kHilbert, ReorderDrain::kSweep, 600, 512, 3);
+  Plan wide = plan_of("", ReorderKey::kHilbert, ReorderDrain::kSweep, 512, 512, 3);
   Plan fullest = plan_of("", ReorderKey::kHash, ReorderDrain::kFullest, 257, 128, 4);
   fullest.position_bits = 12;
   fullest.normal_bits = 6;

@@ -5,7 +5,7 @@
 //
 // Two tables alternate: while one is sampled, a sample a cycle, the next one's photons add up and its prefix sums are
 // made. A table takes max(photons, T) + 4^CellBits + 11 cycles from its header, T = ceil((2^(CellBits-1) + 1) / 2); a sample
-// takes 4 * CellBits + 5 cycles from its waiting request, and comes in order. Requests wait in a FIFO of RequestDepth
+// takes 4 * CellBits + 6 cycles from its waiting request, and comes in order. Requests wait in a FIFO of RequestDepth
 // while their table is built; where a table has more of them, the next one begins when they have found place. No packet
 // is processed for 4^CellBits cycles after reset.
 module cdf_sampler #(
@@ -200,10 +200,8 @@ module cdf_sampler #(
     ) cosine_sum (
         .clk_i(clk_i),
         .rst_i(rst_i),
-        .start_i(begin_q),
-        .x_i(normal_q[0+:AxisBits]),
-        .y_i(normal_q[AxisBits+:AxisBits]),
-        .z_i(normal_q[2*AxisBits+:AxisBits]),
+        .start_i(begin_table),
+        .normal_i(packet.normal),
         .last_o(cosine_last),
         .total_o(cosine_total)
     );
@@ -281,7 +279,7 @@ module cdf_sampler #(
   assign head_table = head_side[SideBits-1];
 
   // A request goes on its way when there will be room for its sample.
-  localparam int unsigned SearchLatency = 2 * IndexBits;
+  localparam int unsigned SearchLatency = 2 * IndexBits + 1;
   localparam int unsigned Latency = 1 + 3 + SearchLatency;  // from issue to the search's result
   localparam int unsigned OutDepth = 1 << $clog2(Latency + 4);
   localparam int unsigned CreditBits = $clog2(OutDepth + 1);

@@ -2,20 +2,19 @@
 // TB, the sum of B(c) = max(0, o(c) . o(n)) J(c) over all cells, in ceil((2^(CellBits-1) + 1) / 2) steps instead of
 // 4^CellBits: the cells whose centres differ in signs only share J, and with a, b, c = |x nx|, |y ny|, |z nz| the eight of
 // them add up to max(2 (a + b + c), 4 max(a, b, c)); the four of a centre on the octahedron's equator to half of that.
-// last_o comes with the last step, the total 5 cycles after it; start_i begins anew at any time.
+// Step 0 comes 2 cycles after start_i, last_o with the last step, the total 5 cycles after it; start_i begins anew at any
+// time.
 module cdf_sampler_cosine_total #(
     parameter int unsigned CellBits = 4,
     parameter int unsigned NormalBits = 8,
     parameter int unsigned TotalBits = 28
 ) (
-    input  logic                 clk_i,
-    input  logic                 rst_i,
-    input  logic                 start_i,
-    input  logic [NormalBits+1:0] x_i,     // the decoded normal, signed, from start_i to last_o
-    input  logic [NormalBits+1:0] y_i,
-    input  logic [NormalBits+1:0] z_i,
-    output logic                 last_o,   // and after it, until start_i
-    output logic [TotalBits-1:0] total_o
+    input  logic                    clk_i,
+    input  logic                    rst_i,
+    input  logic                    start_i,
+    input  logic [2*NormalBits-1:0] normal_i,  // octahedral code, v high, u low
+    output logic                    last_o,    // and after it, until the cycle after start_i
+    output logic [   TotalBits-1:0] total_o
 );
   localparam int unsigned Half = 1 << (CellBits - 1);
   // Rows j and Half - 1 - j of the first quadrant's triangle have Half + 1 cells together: a track. Two lanes share it.
@@ -30,29 +29,42 @@ module cdf_sampler_cosine_total #(
   localparam int unsigned IndexBits = CellBits > 1 ? CellBits - 1 : 1;
 
   logic [StepBits-1:0] step_q;
-  logic running_q;
+  logic start_q, running_q;
   logic [3:0] valid_q;
-  assign last_o = !start_i && (!running_q || step_q == StepBits'(Steps - 1));
+  assign last_o = !start_q && (!running_q || step_q == StepBits'(Steps - 1));
 
-  // |value| * factor by additions, the factors being small constants; the magnitude's own carry is one more term.
-  function automatic [TermBits-1:0] times(input [NormalBits+1:0] value, input integer factor);
-    integer i;
-    reg [NormalBits+1:0] inverted;
+  // value * factor by additions and subtractions, the factors being small constants: 15 is 16 - 1.
+  function automatic [TermBits-1:0] times(input [NormalBits:0] value, input integer factor);
+    integer i, rest;
     begin
-      inverted = value ^ {(NormalBits + 2) {value[NormalBits+1]}};
-      times = value[NormalBits+1] ? factor[TermBits-1:0] : '0;
-      for (i = 0; i < CellBits + 1; i = i + 1) begin
-        if (factor[i]) times = times + (TermBits'(inverted) << i);
+      times = '0;
+      rest  = factor;
+      for (i = 0; i < CellBits + 2; i = i + 1) begin
+        if (rest % 4 == 3) begin
+          times = times - (TermBits'(value) << i);
+          rest  = rest + 1;
+        end else if (rest % 2 == 1) begin
+          times = times + (TermBits'(value) << i);
+        end
+        rest = rest / 2;
       end
     end
   endfunction
 
-  // The magnitudes, a cycle after start_i.
-  logic [NormalBits+1:0] x_q, y_q, z_q;
+  // Magnitudes of the decoded normal. Those of a code's coordinates are its bits below the sign; below the equator the
+  // octahedron folds x and y over.
+  localparam logic [NormalBits:0] One = (NormalBits + 1)'(1) << NormalBits;
+  logic [NormalBits:0] flat_x, flat_y, x_q, y_q, z_q;
+  logic [NormalBits+1:0] height;
+  assign flat_x = {1'b0, normal_i[0+:NormalBits-1] ^ {(NormalBits - 1) {!normal_i[NormalBits-1]}}, 1'b1};
+  assign flat_y = {1'b0, normal_i[NormalBits+:NormalBits-1] ^ {(NormalBits - 1) {!normal_i[2*NormalBits-1]}}, 1'b1};
+  assign height = {1'b0, One} - {1'b0, flat_x} - {1'b0, flat_y};
   always_ff @(posedge clk_i) begin
-    x_q <= x_i[NormalBits+1] ? -x_i : x_i;
-    y_q <= y_i[NormalBits+1] ? -y_i : y_i;
-    z_q <= z_i[NormalBits+1] ? -z_i : z_i;
+    if (start_i) begin
+      x_q <= height[NormalBits+1] ? One - flat_y : flat_x;
+      y_q <= height[NormalBits+1] ? One - flat_x : flat_y;
+      z_q <= (NormalBits + 1)'(height[NormalBits+1] ? -height : height);
+    end
   end
 
   logic [Lanes*TotalBits-1:0] products;
@@ -89,10 +101,10 @@ module cdf_sampler_cosine_total #(
     );
 
     always_ff @(posedge clk_i) begin
-      if (start_i) begin
-        a_q <= times(x_i, 2 * FirstColumn + 1);
-        b_q <= times(y_i, 2 * FirstRow + 1);
-        c_q <= times(z_i, 2 * Half - 2 - 2 * FirstRow - 2 * FirstColumn);
+      if (start_q) begin
+        a_q <= times(x_q, 2 * FirstColumn + 1);
+        b_q <= times(y_q, 2 * FirstRow + 1);
+        c_q <= times(z_q, 2 * Half - 2 - 2 * FirstRow - 2 * FirstColumn);
       end else if (turning) begin
         a_q <= TermBits'(x_q);
         b_q <= times(y_q, 2 * Other + 1);
@@ -124,16 +136,18 @@ module cdf_sampler_cosine_total #(
   end
 
   always_ff @(posedge clk_i) begin
-    step_q <= start_i ? '0 : step_q + 1'b1;
-    running_q <= start_i || (running_q && step_q != StepBits'(Steps - 1));
+    start_q <= start_i;
+    step_q <= start_q ? '0 : step_q + 1'b1;
+    running_q <= start_q || (running_q && step_q != StepBits'(Steps - 1));
     valid_q <= {valid_q[2:0], running_q};
     lanes_q <= sum;
     if (valid_q[3]) total_o <= total_o + lanes_q;
-    if (start_i) begin
+    if (start_q) begin
       valid_q <= '0;
       total_o <= '0;
     end
     if (rst_i) begin
+      start_q   <= 1'b0;
       running_q <= 1'b0;
       valid_q   <= '0;
     end

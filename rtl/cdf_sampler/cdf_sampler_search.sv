@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Inverts the prefix sums of two tables: the cell with F(c) <= t < F(c + 1), and its weight. A binary search with one
-// memory a level, a level every two cycles: one search a cycle, latency 2 * IndexBits, never stalls. F is written in
+// memory a level, a level every two cycles: one search a cycle, latency 2 * IndexBits + 1, never stalls. F is written in
 // order of cells; F(0) = 0 and F(cells) = W need no memory, and the bounds that are left at the end give the weight.
 module cdf_sampler_search #(
     parameter int unsigned IndexBits = 8,  // of a cell
@@ -86,6 +86,11 @@ module cdf_sampler_search #(
   logic unused;
   assign unused = &{1'b0, ts[IndexBits*TotalBits+:TotalBits], tables[IndexBits]};
 
-  assign cell_o = found[IndexBits*IndexBits+:IndexBits];
-  assign weight_o = highs[IndexBits*TotalBits+:TotalBits] - lows[IndexBits*TotalBits+:TotalBits];
+  logic [TotalBits-1:0] low_q, high_q;
+  always_ff @(posedge clk_i) begin
+    cell_o <= found[IndexBits*IndexBits+:IndexBits];
+    low_q  <= lows[IndexBits*TotalBits+:TotalBits];
+    high_q <= highs[IndexBits*TotalBits+:TotalBits];
+  end
+  assign weight_o = high_q - low_q;
 endmodule

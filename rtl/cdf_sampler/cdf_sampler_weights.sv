@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Weights of the cells, one a cycle in the order of their numbers: exact sum P TB + B max(TP, 1), or product P' B,
 // narrowed once by a shift, at least 1 where the cell touches the open upper hemisphere, else 0. Latency 10 from walk_i
-// to weight_valid_o. The totals must be there 4 cycles after the first walk_i (TP: 5, for the shift) and stay until the
-// last weight. Mirrors build_sample_table of golden/unit/cdf_sampler.cpp.
+// to weight_valid_o. TB must be there 4 cycles after the first walk_i, TP 3 cycles, and both stay until the last weight. Mirrors build_sample_table of golden/unit/cdf_sampler.cpp.
 //
 //   cycle 0  number -> centre                          4-6  products, limb by limb
 //         1  centre x normal                           7    sum
@@ -145,9 +144,18 @@ module cdf_sampler_weights #(
 
   // 4 to 8: the exact weight.
   localparam int unsigned ExactBits = Combine == 0 ? PowerBits + CosineBits + 1 : PowerBits + BBits;
-  logic [PowerBits-1:0] power_weight;
+  logic [PowerBits-1:0] power_weight;  // max(TP, 1)
   logic [ExactBits-1:0] exact8_q;
-  assign power_weight = power_total_i == '0 ? PowerBits'(1) : power_total_i;
+  logic no_power_q, power_low_q;
+  always_ff @(posedge clk_i) begin
+    no_power_q  <= power_total_i == '0;
+    power_low_q <= power_total_i[0] || power_total_i == '0;
+  end
+  if (PowerBits > 1) begin : gen_power_weight
+    assign power_weight = {power_total_i[PowerBits-1:1], power_low_q};
+  end else begin : gen_power_bit
+    assign power_weight = power_low_q;
+  end
 
   if (Combine == 0) begin : gen_sum
     logic [PowerBits+CosineBits-1:0] power_product;
@@ -171,6 +179,8 @@ module cdf_sampler_weights #(
         .product_o(cosine_product)
     );
     always_ff @(posedge clk_i) exact8_q <= ExactBits'(power_product) + ExactBits'(cosine_product);
+    logic unused_power;
+    assign unused_power = &{1'b0, no_power_q};
   end else begin : gen_product
     logic [ExactBits-1:0] product;
     multiplier #(
@@ -178,7 +188,7 @@ module cdf_sampler_weights #(
         .BBits(BBits)
     ) power_times_cosine (
         .clk_i(clk_i),
-        .a_i(power_total_i == '0 ? PowerBits'(1) : power_i),
+        .a_i(no_power_q ? PowerBits'(1) : power_i),
         .b_i(b4_q),
         .product_o(product)
     );

@@ -3,9 +3,9 @@
 // by a sweep or fullest bin first; or a plain register (Key 0). Nothing leaves until Packets are held or a flush has come;
 // then one leaves for each that comes. Golden: golden/unit/reorder_buffer.cpp; definition: docs/reorder_buffer.md.
 //
-// Throughput, once full: sweep one packet a cycle but for 5 cycles once a pass through the bins; fullest n packets in
-// n + 2 cycles, n the length of the bin, and no choice sooner than Levels + 2 cycles after the last; pass-through one
-// packet a cycle. Latency from the packet that lets it go to out_valid_o: key (CellBits or 3) + 13 cycles. After reset
+// Throughput, once full: sweep one packet a cycle but for 6 cycles once a pass through the bins; fullest n packets in
+// n + 3 cycles, n the length of the bin, and no choice sooner than 2 * Levels + 1 cycles after the last; pass-through one
+// packet a cycle. Latency from the packet that lets it go to out_valid_o: key (CellBits or 3) + 14 cycles. After reset
 // no packet is processed for 4 * Bins cycles.
 module reorder_buffer #(
     parameter int unsigned Key = photonloom_pkg::ReorderKey,  // 0 pass-through, 1 Hilbert, 2 hash
@@ -150,21 +150,23 @@ module reorder_buffer #(
         .out_o({bin, packet_flush, packet})
     );
 
-    // One operation a cycle: an insertion, a removal, or both.
-    logic [CountBits-1:0] held_q;
-    logic [$clog2(OutDepth+1)-1:0] credit_q;  // places in the output FIFO that no removal has claimed
-    logic pending_q;  // a packet came in, the one it lets go has not left yet
-    logic flushing_q;  // a flush is on its way out
-    logic insert, take_wanted, take_ready, take, flush, operate, lists_ready, choice_ready;
+    // One operation a cycle: a removal, an insertion, or both, the removal first. With Packets held a packet leaves and
+    // only then may another one enter, so each choice is made among the same packets as in golden.
+    localparam int unsigned CreditBits = $clog2(OutDepth + 1);
+    logic [CountBits-1:0] held_q, held;
+    logic none_held_q, full_q;  // held_q is 0; is Packets
+    logic [CreditBits-1:0] credit_q, credit;  // places in the output FIFO that no removal has claimed
+    logic credit_any_q;
+    logic insert, take_wanted, take_ready, take_alone, take, flush, lists_ready, choice_ready;
     logic [BinBits-1:0] take_bin;
 
-    assign operate = lists_ready && choice_ready && credit_q != '0 && !flushing_q;
-    assign insert = operate && packet_valid && !packet_flush && !pending_q;
-    assign take_wanted = operate && (pending_q || (packet_valid &&
-        (packet_flush ? held_q != '0 : held_q == CountBits'(Packets - 1))));
+    assign take_wanted = credit_any_q && (full_q || (packet_valid && packet_flush && !none_held_q));
     assign take = take_wanted && take_ready;
-    assign flush = operate && packet_valid && packet_flush && held_q == '0 && !pending_q;
+    assign insert = lists_ready && choice_ready && packet_valid && !packet_flush && (!full_q || (take && !take_alone));
+    assign flush = lists_ready && choice_ready && credit_any_q && packet_valid && packet_flush && none_held_q;
     assign packet_ready = insert || flush;
+    assign held = insert ? held_q + 1'b1 : held_q - 1'b1;
+    assign credit = out_taken ? credit_q + 1'b1 : credit_q - 1'b1;
 
     if (Drain == 0) begin : gen_sweep
       reorder_sweep #(
@@ -179,6 +181,7 @@ module reorder_buffer #(
           .insert_bin_i(bin),
           .take_i(take_wanted),
           .take_ready_o(take_ready),
+          .take_alone_o(take_alone),
           .bin_o(take_bin)
       );
     end else begin : gen_fullest
@@ -194,6 +197,7 @@ module reorder_buffer #(
           .insert_bin_i(bin),
           .take_i(take_wanted),
           .take_ready_o(take_ready),
+          .take_alone_o(take_alone),
           .bin_o(take_bin)
       );
     end
@@ -205,35 +209,37 @@ module reorder_buffer #(
         .count_o(count_choice_waits_o)
     );
 
+    // A flush finds all bins empty: it enters one and leaves it again at once.
     logic insert_q, take_q, flush_q;
     logic [BinBits-1:0] insert_bin_q, take_bin_q;
-    logic [Width-1:0] insert_packet_q, flush_packet_q, leaving;
-    logic leaving_valid, leaving_flush, out_ready;
+    logic [Width-1:0] insert_packet_q, leaving;
+    logic leaving_valid, out_ready;
 
     always_ff @(posedge clk_i) begin
-      insert_q <= insert;
+      insert_q <= packet_ready;
       insert_bin_q <= bin;
       insert_packet_q <= packet;
-      take_q <= take;
+      take_q <= take || flush;
       take_bin_q <= take_bin;
       flush_q <= flush;
-      if (flush) flush_packet_q <= packet;
 
-      held_q <= held_q + CountBits'(insert) - CountBits'(take);
-      if (take) pending_q <= 1'b0;
-      else if (insert && take_wanted) pending_q <= 1'b1;
-      if (flush) flushing_q <= 1'b1;
-      else if (leaving_valid && leaving_flush) flushing_q <= 1'b0;
-      if ((take || flush) && !out_taken) credit_q <= credit_q - 1'b1;
-      else if (!(take || flush) && out_taken) credit_q <= credit_q + 1'b1;
+      if (insert != take) begin
+        held_q <= held;
+        none_held_q <= held == '0;
+        full_q <= held == CountBits'(Packets);
+      end
+      if ((take || flush) != out_taken) begin
+        credit_q <= credit;
+        credit_any_q <= credit != '0;
+      end
       if (rst_i) begin
         insert_q <= 1'b0;
         take_q <= 1'b0;
-        flush_q <= 1'b0;
         held_q <= '0;
-        pending_q <= 1'b0;
-        flushing_q <= 1'b0;
-        credit_q <= ($clog2(OutDepth + 1))'(OutDepth);
+        none_held_q <= 1'b1;
+        full_q <= 1'b0;
+        credit_q <= CreditBits'(OutDepth);
+        credit_any_q <= 1'b1;
       end
     end
 
@@ -250,11 +256,8 @@ module reorder_buffer #(
         .insert_bin_i(insert_bin_q),
         .insert_packet_i(insert_packet_q),
         .remove_i(take_q),
-        .remove_bin_i(take_bin_q),
-        .other_valid_i(flush_q),
-        .other_i(flush_packet_q),
+        .remove_bin_i(flush_q ? insert_bin_q : take_bin_q),
         .out_valid_o(leaving_valid),
-        .out_other_o(leaving_flush),
         .out_o(leaving)
     );
 

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Which bin the next packet leaves: fullest. Takes the fullest bin (the lowest number on a tie), fixes its length, stays
-// for exactly that many packets, chooses again. One insertion and one take a cycle; a choice needs 2 cycles without an
-// insertion, and at least Levels + 2 cycles from one choice to the next. Mirrors kFullest of
+// for exactly that many packets, chooses again. One insertion and one take a cycle; a choice needs 3 cycles without an
+// insertion, and at least 2 * Levels + 1 cycles from one choice to the next. Mirrors kFullest of
 // golden/unit/reorder_buffer.cpp.
 //
-// The lengths are the leaves of a tournament of four players a match, a level a cycle. A choice takes the better of the
+// The lengths are the leaves of a tournament of four players a match, two cycles a level: the player's new entry is put
+// among the four, then the best of them found. A choice takes the better of the
 // winner at the root, which knows everything up to the last choice, and of the best of the updated that grew since: a bin
 // that grows twice beats its own older entry.
 module reorder_fullest #(
@@ -15,10 +16,11 @@ module reorder_fullest #(
     input  logic               rst_i,
     input  logic               clear_i,       // the order starts afresh; nothing is held
     output logic               ready_o,       // 0 for 2^(BinBits-2) cycles or twice as many after reset
-    input  logic               insert_i,      // not while a take waits
+    input  logic               insert_i,      // with a take only where that is taken, and not with one that is alone
     input  logic [BinBits-1:0] insert_bin_i,
     input  logic               take_i,        // held until taken; something is held
-    output logic               take_ready_o,
+    output logic               take_ready_o,  // from registers alone
+    output logic               take_alone_o,  // a take of this cycle admits no insertion
     output logic [BinBits-1:0] bin_o
 );
   localparam int unsigned Levels = (BinBits + 1) / 2;
@@ -29,11 +31,11 @@ module reorder_fullest #(
   assign walking = !walk_q[PathBits-2];
   assign ready_o = !walking;
 
-  // An update: the bin that got a packet, or the one that was chosen and now counts nothing.
-  logic update_q, update_chosen_q;
-  logic [PathBits-1:0] update_bin_q;
-
-  logic [CountBits-1:0] new_count;
+  // An update: the bin that got a packet, or the one that was chosen and now counts nothing. A cycle later it has its new
+  // count.
+  logic update_q, update_chosen_q, counted_q, counted_chosen_q;
+  logic [PathBits-1:0] update_bin_q, counted_bin_q;
+  logic [CountBits-1:0] new_count, counted_count_q;
 
   // The wires between levels: the updated bin, and the best of the matches below with its count.
   localparam int unsigned EntryBits = PathBits + CountBits;
@@ -51,12 +53,12 @@ module reorder_fullest #(
     localparam int unsigned Depth = 1 << (PathBits - Below - 2);
     localparam int unsigned AddressBits = Depth > 1 ? $clog2(Depth) : 1;
 
-    logic [PathBits-1:0] bin, bin_q;
+    logic [PathBits-1:0] bin, bin1_q, bin2_q;
     logic [EntryBits-1:0] entry, entry_q;
     logic [1:0] player, winner;
     logic [AddressBits-1:0] address;
-    logic [4*PlayerBits-1:0] word, new_word;
-    logic valid_q;
+    logic [4*PlayerBits-1:0] word, new_word, match_q;
+    logic valid1_q, valid2_q;
 
     assign bin = updated[l*PathBits+:PathBits];
     assign entry = entries[l*EntryBits+:EntryBits];
@@ -98,10 +100,10 @@ module reorder_fullest #(
     // All pairs at once; the lower number wins a tie.
     logic [CountBits-1:0] c0, c1, c2, c3;
     logic beat01, beat02, beat03, beat12, beat13, beat23;
-    assign c0 = new_word[0+:CountBits];
-    assign c1 = new_word[PlayerBits+:CountBits];
-    assign c2 = new_word[2*PlayerBits+:CountBits];
-    assign c3 = new_word[3*PlayerBits+:CountBits];
+    assign c0 = match_q[0+:CountBits];
+    assign c1 = match_q[PlayerBits+:CountBits];
+    assign c2 = match_q[2*PlayerBits+:CountBits];
+    assign c3 = match_q[3*PlayerBits+:CountBits];
     assign beat01 = c0 >= c1;
     assign beat02 = c0 >= c2;
     assign beat03 = c0 >= c3;
@@ -119,19 +121,25 @@ module reorder_fullest #(
     always_comb begin
       best = '0;
       for (int unsigned p = 0; p < 4; p++) begin
-        if (winner == 2'(p)) best = best | new_word[PlayerBits*p+:PlayerBits];
+        if (winner == 2'(p)) best = best | match_q[PlayerBits*p+:PlayerBits];
       end
     end
 
     always_ff @(posedge clk_i) begin
-      valid_q <= valid[l];
-      bin_q   <= bin;
-      if (valid[l]) entry_q <= EntryBits'({winner, best});
+      valid1_q <= valid[l];
+      bin1_q   <= bin;
+      match_q  <= new_word;
+      valid2_q <= valid1_q;
+      bin2_q   <= bin1_q;
+      if (valid1_q) entry_q <= EntryBits'({winner, best});
       if (walking) entry_q <= '0;
-      if (rst_i) valid_q <= 1'b0;
+      if (rst_i) begin
+        valid1_q <= 1'b0;
+        valid2_q <= 1'b0;
+      end
     end
-    assign valid[l+1] = valid_q;
-    assign updated[(l+1)*PathBits+:PathBits] = bin_q;
+    assign valid[l+1] = valid2_q;
+    assign updated[(l+1)*PathBits+:PathBits] = bin2_q;
     assign entries[(l+1)*EntryBits+:EntryBits] = entry_q;
   end
 
@@ -139,7 +147,7 @@ module reorder_fullest #(
   assign unused = &{1'b0, valid[Levels], updated[Levels*PathBits+:PathBits]};
 
   // The choice.
-  localparam int unsigned SettleBits = $clog2(Levels + 1);
+  localparam int unsigned SettleBits = $clog2(2 * Levels + 1);
   logic [CountBits-1:0] root_count, best_count_q, chosen_count, left_q;
   logic [PathBits-1:0] root_bin, best_bin_q, chosen_bin;
   logic [BinBits-1:0] current_q;
@@ -147,9 +155,10 @@ module reorder_fullest #(
   logic root_wins, choose;
 
   assign {root_bin, root_count} = entries[Levels*EntryBits+:EntryBits];
-  assign root_wins = root_count > best_count_q || (root_count == best_count_q && root_bin < best_bin_q);
+  assign root_wins = {root_count, ~root_bin} > {best_count_q, ~best_bin_q};
   assign {chosen_bin, chosen_count} = root_wins ? {root_bin, root_count} : {best_bin_q, best_count_q};
-  assign take_ready_o = left_q != '0 || (!insert_i && !update_q && settle_q == '0 && !walking);
+  assign take_ready_o = left_q != '0 || (!update_q && !counted_q && settle_q == '0 && !walking);
+  assign take_alone_o = left_q == '0;
   assign choose = take_i && take_ready_o && left_q == '0;
   assign bin_o = left_q != '0 ? current_q : BinBits'(chosen_bin);
 
@@ -158,17 +167,20 @@ module reorder_fullest #(
     update_chosen_q <= choose;
     update_bin_q <= choose ? chosen_bin : PathBits'(insert_bin_i);
 
-    if (update_q && !update_chosen_q && (new_count > best_count_q ||
-        (new_count == best_count_q && update_bin_q < best_bin_q))) begin
-      best_count_q <= new_count;
-      best_bin_q   <= update_bin_q;
+    counted_q <= update_q;
+    counted_chosen_q <= update_chosen_q;
+    counted_bin_q <= update_bin_q;
+    counted_count_q <= new_count;
+    if (counted_q && !counted_chosen_q && {counted_count_q, ~counted_bin_q} > {best_count_q, ~best_bin_q}) begin
+      best_count_q <= counted_count_q;
+      best_bin_q   <= counted_bin_q;
     end
     if (settle_q != '0) settle_q <= settle_q - 1'b1;
     if (choose) begin
       current_q <= BinBits'(chosen_bin);
       left_q <= chosen_count - 1'b1;
       best_count_q <= '0;
-      settle_q <= SettleBits'(Levels);
+      settle_q <= SettleBits'(2 * Levels);
     end else if (take_i && take_ready_o) begin
       left_q <= left_q - 1'b1;
     end
@@ -178,9 +190,10 @@ module reorder_fullest #(
       best_count_q <= '0;
     end
     if (rst_i) begin
-      walk_q   <= '0;
-      update_q <= 1'b0;
-      settle_q <= '0;
+      walk_q    <= '0;
+      update_q  <= 1'b0;
+      counted_q <= 1'b0;
+      settle_q  <= '0;
     end
   end
 endmodule

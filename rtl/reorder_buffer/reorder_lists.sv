@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The pool: packets in block RAM, linked into one FIFO per bin. One insertion and one removal a cycle, of any bins, the
 // same included; nothing ever waits. A removal may be asked for in the cycle of the insertion of the very packet that it
-// takes. out_valid_o comes 8 cycles after remove_i; an `other` word put in with other_valid_i travels through the same
-// pipeline in a removal's place.
+// takes. out_valid_o comes 8 cycles after remove_i.
 //
 // A bin is four lists used in turn, so that a bin's list is touched again four operations later at the earliest and no
 // result has to be forwarded. A list always ends in an empty node that waits for its next packet: an insertion fills it
@@ -15,8 +14,8 @@
 //     2    -                            read head
 //     3    write link, packet, tail     -
 //     4                                 read link of head (the packet's own insertion wrote it in cycle 3)
-//     5                                 write head, give the node back
-//     6                                 read packet, give the slot back
+//     5                                 write head
+//     6                                 read packet, give node and slot back
 //     8                                 packet at out_o
 module reorder_lists #(
     parameter int unsigned Width = 64,
@@ -32,10 +31,7 @@ module reorder_lists #(
     input  logic [  Width-1:0] insert_packet_i,
     input  logic               remove_i,
     input  logic [BinBits-1:0] remove_bin_i,
-    input  logic               other_valid_i,
-    input  logic [  Width-1:0] other_i,        // held until it comes out
     output logic               out_valid_o,
-    output logic               out_other_o,    // out_o is the other word
     output logic [  Width-1:0] out_o
 );
   localparam int unsigned Lists = 4;
@@ -140,15 +136,14 @@ module reorder_lists #(
   );
 
   // Removal. Bit n of the shift registers is cycle n + 1.
-  logic [6:0] remove_q, other_q;
+  logic [6:0] remove_q;
   logic [ListBits-1:0] remove_list1_q, remove_list2_q, remove_list3_q, remove_list4_q, remove_list5_q;
-  logic [NodeBits-1:0] head_read, head4_q, head5_q, next_read;
+  logic [NodeBits-1:0] head_read, head4_q, head5_q, head6_q, next_read;
   logic [SlotBits-1:0] slot_read, slot6_q;
   logic [Width-1:0] packet_read;
 
   always_ff @(posedge clk_i) begin
     remove_q <= {remove_q[5:0], remove_i};
-    other_q <= {other_q[5:0], other_valid_i};
     remove_list1_q <= remove_list;
     remove_list2_q <= remove_list1_q;
     remove_list3_q <= remove_list2_q;
@@ -156,13 +151,12 @@ module reorder_lists #(
     remove_list5_q <= remove_list4_q;
     head4_q <= head_read;
     head5_q <= head4_q;
+    head6_q <= head5_q;
     slot6_q <= slot_read;
-    out_valid_o <= remove_q[6] || other_q[6];
-    out_other_o <= other_q[6];
-    out_o <= other_q[6] ? other_i : packet_read;
+    out_valid_o <= remove_q[6];
+    out_o <= packet_read;
     if (rst_i) begin
       remove_q <= '0;
-      other_q <= '0;
       out_valid_o <= 1'b0;
     end
   end
@@ -180,7 +174,7 @@ module reorder_lists #(
       .read_data_o(head_read)
   );
 
-  block_ram #(
+  pool_ram #(
       .Width(SlotBits + NodeBits),
       .Depth(Nodes)
   ) links (
@@ -188,12 +182,11 @@ module reorder_lists #(
       .write_i(insert3_q),
       .write_address_i(tail_q),
       .write_data_i({new_slot, new_node}),
-      .read_i(1'b1),
       .read_address_i(head4_q),
       .read_data_o({slot_read, next_read})
   );
 
-  block_ram #(
+  pool_ram #(
       .Width(Width),
       .Depth(Slots)
   ) pool (
@@ -201,30 +194,21 @@ module reorder_lists #(
       .write_i(insert3_q),
       .write_address_i(new_slot),
       .write_data_i(packet3_q),
-      .read_i(1'b1),
       .read_address_i(slot6_q),
       .read_data_o(packet_read)
   );
 
   free_list #(
-      .Count(Nodes - Lists * Bins),
+      .Count(Slots),
       .First(Lists * Bins)
-  ) free_nodes (
+  ) free_pairs (
       .clk_i(clk_i),
       .rst_i(rst_i),
       .take_i(insert1_q),
-      .number_o(new_node),
-      .give_i(remove_q[4]),
-      .number_i(head5_q)
-  );
-  free_list #(
-      .Count(Slots)
-  ) free_slots (
-      .clk_i(clk_i),
-      .rst_i(rst_i),
-      .take_i(insert1_q),
-      .number_o(new_slot),
+      .node_o(new_node),
+      .slot_o(new_slot),
       .give_i(remove_q[5]),
-      .number_i(slot6_q)
+      .node_i(head6_q),
+      .slot_i(slot6_q)
   );
 endmodule

@@ -1,14 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 // Which bin the next packet leaves: sweep. Stays on a bin until it is empty, packets that join meanwhile included, then
-// takes the next non-empty bin in cyclic order. One insertion and one choice a cycle, the choice sees the insertion of
-// its cycle; passing from the last bin to the first takes 5 cycles in which take_ready_o is 0. Mirrors the sweep of
+// takes the next non-empty bin in cyclic order. One insertion and one choice a cycle, the choice first: it does not see the
+// insertion of its cycle. Passing from the last bin to the first takes 6 cycles in which take_ready_o is 0; where bins of
+// one packet follow each other, each in another word of the bitmap, a choice takes 3. Mirrors the sweep of
 // golden/unit/reorder_buffer.cpp.
 //
 // A pass goes through the bins upwards. A packet whose bin lies ahead belongs to this pass, one whose bin lies behind to
 // the next. Each pass has its bitmap of non-empty bins, in words of which `this_q` and `later_q` say which are in use;
-// bits are never cleared, those at and below the current bin are masked and a word out of use counts as 0. What comes
-// next is fetched ahead into registers, and every insertion is put in its place there: the next bin, the rest of its
-// word, the next word in use with its bits, and the number of the word after that.
+// bits are never cleared, those at and below the current bin are masked and a word out of use counts as 0.
+//
+// The next few bins wait in a sorted row, where an insertion finds its place at once. Behind it a scan goes through the
+// bitmap: the word it is in, the next word, which is fetched meanwhile, and one bin on its way to the row. Bitmaps, counts
+// and scan learn of an insertion a cycle after the row. One that fills a bin beyond the row is put into the words the scan
+// holds; where that would be too late, or where the row overflows, the scan starts again after the row's last bin.
 module reorder_sweep #(
     parameter int unsigned BinBits = 9,    // at least 2
     parameter int unsigned CountBits = 12  // of the number of packets held
@@ -17,267 +21,336 @@ module reorder_sweep #(
     input  logic               rst_i,
     input  logic               clear_i,       // the order starts afresh; nothing is held
     output logic               ready_o,
-    input  logic               insert_i,      // not while a take waits
+    input  logic               insert_i,      // with a take only where that is taken
     input  logic [BinBits-1:0] insert_bin_i,
     input  logic               take_i,        // held until taken; something is held
-    output logic               take_ready_o,
+    output logic               take_ready_o,  // from registers alone
+    output logic               take_alone_o,  // a take of this cycle admits no insertion
     output logic [BinBits-1:0] bin_o
 );
   localparam int unsigned BitBits = (BinBits + 1) / 2;
   localparam int unsigned WordBits = BinBits - BitBits;
   localparam int unsigned WordWidth = 1 << BitBits;
   localparam int unsigned Words = 1 << WordBits;
+  localparam int unsigned Row = 4;
 
-  typedef enum logic [1:0] {
-    Run,
-    Wrap,
-    FindWord,
-    Fetch
-  } state_t;
-
-  state_t state_q;
   logic start_q;  // no bin yet in this pass: all bins lie ahead
   logic parity_q;  // which bitmap is this pass's
   logic [BinBits-1:0] current_q;
   logic [CountBits-1:0] left_q;  // packets of the current bin
-  logic next_valid_q, word_valid_q, third_valid_q;
-  logic [BinBits-1:0] next_q;
-  logic [WordWidth-1:0] rest_q, word_bits_q;  // bits above next_q in its word; bits of word_q
-  logic [WordBits-1:0] word_q, third_q;  // the next words in use after next_q's
   logic [Words-1:0] this_q, later_q;
+  // The row: place 0 is the next bin, with its number of packets less one. Places in use follow each other; place 0 may
+  // be empty for a cycle while place 1 moves up, so that the number has been read.
+  logic [Row-1:0] valid_q;
+  logic [Row*BinBits-1:0] row_q;
+  logic [CountBits-1:0] more_q;
+  // The scan.
+  logic load_q;  // starts again after the last bin of the row
+  logic last_valid_q;  // a bin has entered the row in this pass
+  logic [BinBits-1:0] last_q;  // the last bin that did
+  logic word_valid_q, next_valid_q, next_none_q, search_q, stale_q, candidate_any_q, found_valid_q;
+  logic [WordBits-1:0] word_q, next_q, candidate_q;
+  logic [WordWidth-1:0] bits_q, next_bits_q;  // what the scan has still to do in its word; all of the next word
+  logic [WordWidth-1:0] found_q;  // the bin on its way to the row, in word_q
 
   assign ready_o = 1'b1;
 
-  // Where the new packet's bin lies.
-  logic [WordBits-1:0] insert_word, next_word;
-  logic [BitBits-1:0] insert_bit, next_bit;
-  logic hit, ahead, becomes_next;
-
-  assign {insert_word, insert_bit} = insert_bin_i;
-  assign {next_word, next_bit} = next_q;
-  assign hit = insert_i && !start_q && insert_bin_i == current_q;
-  assign ahead = insert_i && (start_q || insert_bin_i > current_q);
-  assign becomes_next = ahead && (!next_valid_q || insert_bin_i < next_q);
-
   // The choice.
-  logic stay, take, move;
-  assign stay = left_q != '0 || hit;
-  assign take_ready_o = state_q == Run && (stay || next_valid_q || ahead);
-  assign take = take_i && take_ready_o;
-  assign move = take && !stay;
-  assign bin_o = stay ? current_q : becomes_next ? insert_bin_i : next_q;
+  logic left_any, pop, advance;
+  assign left_any = left_q != '0;
+  assign take_ready_o = left_any || valid_q[0];
+  assign take_alone_o = 1'b0;
+  assign bin_o = left_any ? current_q : row_q[0+:BinBits];
+  assign pop = take_i && !left_any && valid_q[0];
+  assign advance = pop || !valid_q[0];
+
+  // Where the new packet's bin lies once the choice is made.
+  logic [Row-1:0] below, same;
+  logic [Row:0] up;  // belongs at this place or before it
+  logic above_current, above_first, at_current, hit, ahead, in_row, beyond;
+  assign up[Row] = 1'b1;
+  for (genvar i = 0; i < Row; i++) begin : gen_compare
+    assign below[i] = valid_q[i] && insert_bin_i < row_q[BinBits*i+:BinBits];
+    assign same[i]  = valid_q[i] && insert_bin_i == row_q[BinBits*i+:BinBits];
+    assign up[i]    = !valid_q[i] || below[i];
+  end
+  assign above_current = start_q || insert_bin_i > current_q;
+  assign at_current = !start_q && insert_bin_i == current_q;
+  assign above_first = !below[0] && !same[0];
+  assign hit = insert_i && (pop ? same[0] : at_current);
+  assign ahead = insert_i && (pop ? above_first : above_current);
+  assign in_row = ahead && below != '0 && same == '0;
+  assign beyond = ahead && below == '0 && same == '0;
+
+  // The insertion a cycle later.
+  logic write_q, ahead_q, in_row_q, beyond_q;
+  logic [BinBits-1:0] bin_q;
+  logic [WordBits-1:0] word;
+  logic [BitBits-1:0] bit_number;
+  logic [WordWidth-1:0] set;
+  assign {word, bit_number} = bin_q;
+  assign set = WordWidth'(1) << bit_number;
 
   // The bitmaps: one write port, two readers.
-  logic [WordWidth-1:0] insert_bits, third_bits, insert_set;
-  logic insert_in_use, insert_known;
-  logic [WordBits:0] insert_address;
+  logic [WordWidth-1:0] stored_bits, new_bits, scan_bits, loaded, above_last;
+  logic in_use, known;
+  logic [WordBits:0] address;
+  logic [WordBits-1:0] load_word;
+  logic [BinBits-1:0] last;
 
-  assign insert_in_use = ahead ? this_q[insert_word] : later_q[insert_word];
-  assign insert_set = WordWidth'(1) << insert_bit;
-  assign insert_address = {parity_q ^ !ahead, insert_word};
-  assign insert_known = insert_in_use && |(insert_bits & insert_set);
+  assign in_use = ahead_q ? this_q[word] : later_q[word];
+  assign address = {parity_q ^ !ahead_q, word};
+  assign known = in_use && |(stored_bits & set);
+  assign new_bits = (in_use ? stored_bits : '0) | set;
 
   lut_ram #(
       .Width(WordWidth),
       .Depth(2 * Words)
   ) bitmap_insert (
       .clk_i(clk_i),
-      .write_i(insert_i && !hit),
-      .write_address_i(insert_address),
-      .write_data_i((insert_in_use ? insert_bits : '0) | insert_set),
-      .read_address_i(insert_address),
-      .read_data_o(insert_bits)
+      .write_i(write_q),
+      .write_address_i(address),
+      .write_data_i(new_bits),
+      .read_address_i(address),
+      .read_data_o(stored_bits)
   );
   lut_ram #(
       .Width(WordWidth),
       .Depth(2 * Words)
-  ) bitmap_third (
+  ) bitmap_scan (
       .clk_i(clk_i),
-      .write_i(insert_i && !hit),
-      .write_address_i(insert_address),
-      .write_data_i((insert_in_use ? insert_bits : '0) | insert_set),
-      .read_address_i({parity_q, third_q}),
-      .read_data_o(third_bits)
+      .write_i(write_q),
+      .write_address_i(address),
+      .write_data_i(new_bits),
+      .read_address_i({parity_q, load_word}),
+      .read_data_o(scan_bits)
   );
 
-  // Packets per bin; what stands there counts only while the bin's bit says so.
-  logic [CountBits-1:0] insert_count, next_count, new_count;
-  assign new_count = insert_known ? insert_count + 1'b1 : CountBits'(1);
+  // Packets per bin less one; what stands there counts only while the bin's bit says so.
+  logic [CountBits-1:0] stored_count, second_count, new_count, second_more;
+  logic joined_second;
+  assign new_count = known ? stored_count + 1'b1 : '0;
 
   lut_ram #(
       .Width(CountBits),
       .Depth(1 << BinBits)
   ) counts_insert (
       .clk_i(clk_i),
-      .write_i(insert_i && !hit),
-      .write_address_i(insert_bin_i),
+      .write_i(write_q),
+      .write_address_i(bin_q),
       .write_data_i(new_count),
-      .read_address_i(insert_bin_i),
-      .read_data_o(insert_count)
+      .read_address_i(bin_q),
+      .read_data_o(stored_count)
   );
   lut_ram #(
       .Width(CountBits),
       .Depth(1 << BinBits)
-  ) counts_next (
+  ) counts_second (
       .clk_i(clk_i),
-      .write_i(insert_i && !hit),
-      .write_address_i(insert_bin_i),
+      .write_i(write_q),
+      .write_address_i(bin_q),
       .write_data_i(new_count),
-      .read_address_i(next_q),
-      .read_data_o(next_count)
+      .read_address_i(row_q[BinBits+:BinBits]),
+      .read_data_o(second_count)
   );
+  // The insertion of a cycle ago may have filled the bin in place 1, or joined it.
+  assign joined_second = write_q && ahead_q && bin_q == row_q[BinBits+:BinBits];
+  assign second_more = (joined_second && in_row_q ? '0 : second_count + CountBits'(joined_second && !in_row_q)) +
+      CountBits'(insert_i && same[1]);
 
-  // Where a packet beyond the next bin falls.
-  logic later, in_rest, in_word, in_third, new_word, new_third;
-  assign later = ahead && next_valid_q && insert_bin_i > next_q;
-  assign in_rest = later && insert_word == next_word;
-  assign in_word = later && word_valid_q && insert_word == word_q;
-  assign in_third = later && third_valid_q && insert_word == third_q;
-  assign new_word = later && insert_word != next_word && (!word_valid_q || insert_word < word_q);
-  assign new_third = later && word_valid_q && insert_word > word_q && (!third_valid_q || insert_word < third_q);
+  // The scan: what it does to its words, and what an insertion beyond the row does to it.
+  logic fills, in_word, before_word, behind_word, overflow, restart;
+  logic append, emit, bits_any;
+  logic [WordWidth-1:0] bits, lowest;
+  logic [BitBits-1:0] found_bit;
+  logic [BinBits-1:0] found;
+  logic candidate_any;
+  logic [WordBits-1:0] candidate;
+  logic [Words-1:0] words_behind;
 
-  // The lowest bits of what is in the registers, and the word in use after the third.
-  logic [WordWidth-1:0] rest, word_bits, next_set;
-  logic rest_any, word_any, beyond_any, beyond_new, after_third_valid;
-  logic [BitBits-1:0] rest_bit, word_bit;
-  logic [Words-1:0] words_beyond;
-  logic [WordBits-1:0] beyond, after_third;
+  assign fills = beyond_q && !known;
+  assign in_word = word_valid_q && word == word_q;
+  assign before_word = word_valid_q && word < word_q;
+  assign behind_word = !in_word && !before_word;
+  assign overflow = in_row && !advance && valid_q[Row-1];
+  assign restart = overflow || (fills && before_word && !load_q);
 
-  assign rest = rest_q | (in_rest ? insert_set : '0);
-  assign word_bits = word_bits_q | (in_word ? insert_set : '0);
-  assign next_set = WordWidth'(1) << next_bit;
+  // The bin on its way waits where an insertion of this cycle or the last one may lie before it.
+  assign append = found_valid_q && !valid_q[Row-1] && !in_row && !(beyond && insert_bin_i[BitBits+:WordBits] <= word_q) &&
+      !(beyond_q && !behind_word);
+  assign bits_any = bits_q != '0;
+  assign bits = bits_any ? bits_q : next_bits_q;
+  assign lowest = bits & (~bits + 1'b1);
+  assign emit = !load_q && (!found_valid_q || append) && (bits_any || next_valid_q) &&
+      !(beyond_q && (in_word || !bits_any));
+
   always_comb begin
-    for (int unsigned i = 0; i < Words; i++) begin
-      words_beyond[i] = this_q[i] && (state_q == FindWord || WordBits'(i) > third_q);
+    found_bit = '0;
+    for (int unsigned i = 0; i < WordWidth; i++) begin
+      if (found_q[i]) found_bit = found_bit | BitBits'(i);
     end
   end
+  assign found = {word_q, found_bit};
 
-  lowest_bit #(
-      .Width(WordWidth)
-  ) of_rest (
-      .bits_i(rest),
-      .any_o(rest_any),
-      .index_o(rest_bit)
-  );
-  lowest_bit #(
-      .Width(WordWidth)
-  ) of_word (
-      .bits_i(word_bits),
-      .any_o(word_any),
-      .index_o(word_bit)
-  );
+  always_comb begin
+    for (int unsigned i = 0; i < Words; i++) begin
+      words_behind[i] = this_q[i] && (!word_valid_q || WordBits'(i) > word_q);
+    end
+  end
   lowest_bit #(
       .Width(Words)
   ) of_words (
-      .bits_i(words_beyond),
-      .any_o(beyond_any),
-      .index_o(beyond)
+      .bits_i(words_behind),
+      .any_o(candidate_any),
+      .index_o(candidate)
   );
-  assign beyond_new = later && insert_word > third_q && (!beyond_any || insert_word < beyond);
-  assign after_third_valid = third_valid_q && (beyond_any || beyond_new);
-  assign after_third = beyond_new ? insert_word : beyond;
 
-  // A step takes the next bin from the rest of its word or else from the next word.
-  logic step, to_word;
-  assign step = (move && !becomes_next) || state_q == Fetch;
-  assign to_word = step && !rest_any && !new_word;
+  assign last = valid_q[Row-1] ? row_q[BinBits*(Row-1)+:BinBits] : last_q;
+  assign load_word = load_q ? last[BitBits+:WordBits] : candidate_q;
+  always_comb begin
+    for (int unsigned i = 0; i < WordWidth; i++) above_last[i] = !load_q || BitBits'(i) > last[BitBits-1:0];
+  end
+  // The row's last bin may be the insertion of a cycle ago and the first of its word.
+  assign loaded = (this_q[load_word] ? scan_bits & above_last : '0) | (beyond_q && word == load_word ? set : '0);
 
-  logic unused;
-  assign unused = &{1'b0, word_any};
+  // Over when nothing is left to find in this pass.
+  logic exhausted, wrap;
+  assign exhausted = valid_q == '0 && !found_valid_q && !bits_any && next_none_q && !load_q;
+  assign wrap = take_i && !left_any && exhausted && !write_q;
 
   always_ff @(posedge clk_i) begin
     // The packets of the current bin.
-    if (move) left_q <= becomes_next ? '0 : next_count + CountBits'(insert_i && insert_bin_i == next_q) - 1'b1;
-    else left_q <= left_q + CountBits'(hit) - CountBits'(take);
-
-    if (insert_i && !hit) begin
-      if (ahead) this_q[insert_word] <= 1'b1;
-      else later_q[insert_word] <= 1'b1;
-    end
-
-    if (move) begin
-      current_q <= bin_o;
+    if (pop) begin
+      current_q <= row_q[0+:BinBits];
       start_q   <= 1'b0;
     end
+    left_q <= (pop ? more_q : left_q - CountBits'(take_i && left_any)) + CountBits'(hit);
 
-    // The next bin and the rest of its word.
-    if (step) begin
-      next_valid_q <= rest_any || new_word || word_valid_q;
-      next_q <= rest_any ? {next_word, rest_bit} : new_word ? insert_bin_i : {word_q, word_bit};
-      rest_q <= rest_any ? rest & (rest - 1'b1) : new_word || !word_valid_q ? '0 : word_bits & (word_bits - 1'b1);
-    end else if (!move && becomes_next) begin
-      next_valid_q <= 1'b1;
-      next_q <= insert_bin_i;
-      rest_q <= next_valid_q && insert_word == next_word ? rest_q | next_set : '0;
-    end else if (!move) begin
-      rest_q <= rest;
+    write_q  <= insert_i && !hit;
+    ahead_q  <= ahead;
+    in_row_q <= in_row;
+    beyond_q <= beyond;
+    bin_q    <= insert_bin_i;
+    if (write_q) begin
+      if (ahead_q) this_q[word] <= 1'b1;
+      else later_q[word] <= 1'b1;
     end
 
-    // The words after it.
-    if (to_word) begin
-      if (new_third) begin
-        word_valid_q <= 1'b1;
-        word_q <= insert_word;
-        word_bits_q <= insert_set;
-      end else begin
-        word_valid_q <= third_valid_q;
-        word_q <= third_q;
-        word_bits_q <= third_bits | (in_third ? insert_set : '0);
-        third_valid_q <= after_third_valid;
-        third_q <= after_third;
-      end
-    end else if (!move && becomes_next && next_valid_q && insert_word != next_word) begin
-      word_valid_q <= 1'b1;
-      word_q <= next_word;
-      word_bits_q <= rest_q | next_set;
-      third_valid_q <= word_valid_q;
-      third_q <= word_q;
-    end else if (new_word && !(step && !rest_any)) begin
-      word_valid_q <= 1'b1;
-      word_q <= insert_word;
-      word_bits_q <= insert_set;
-      third_valid_q <= word_valid_q;
-      third_q <= word_q;
+    // The row.
+    if (advance) begin
+      more_q <= in_row && up[1] ? '0 : second_more;
+    end else if (in_row && below[0]) begin
+      more_q <= '0;
     end else begin
-      word_bits_q <= word_bits;
-      if (new_third) begin
-        third_valid_q <= 1'b1;
-        third_q <= insert_word;
+      more_q <= more_q + CountBits'(insert_i && same[0]);
+    end
+    for (int unsigned i = 0; i < Row; i++) begin
+      if (advance) begin
+        if (append && i > 0 && (i + 1 == Row || !valid_q[(i+1)%Row]) && (i == 1 || valid_q[i])) begin
+          row_q[BinBits*i+:BinBits] <= found;
+          valid_q[i] <= 1'b1;
+        end else if (in_row && up[i+1]) begin
+          if (i == 0 || !up[i]) row_q[BinBits*i+:BinBits] <= insert_bin_i;
+          valid_q[i] <= i == 0 || !up[i] || valid_q[i];
+        end else begin
+          row_q[BinBits*i+:BinBits] <= row_q[BinBits*((i+1)%Row)+:BinBits];
+          valid_q[i] <= i + 1 < Row && valid_q[(i+1)%Row];
+        end
+      end else if (in_row) begin
+        if (up[i]) begin
+          row_q[BinBits*i+:BinBits] <= i == 0 || !up[(i+Row-1)%Row] ? insert_bin_i : row_q[BinBits*((i+Row-1)%Row)+:BinBits];
+          valid_q[i] <= i == 0 || valid_q[(i+Row-1)%Row];
+        end
+      end else if (append && i > 0 && !valid_q[i] && valid_q[(i+Row-1)%Row]) begin
+        row_q[BinBits*i+:BinBits] <= found;
+        valid_q[i] <= 1'b1;
+      end
+    end
+    last_q <= append ? found : last;
+    if (append) last_valid_q <= 1'b1;
+
+    // The word and the bin that was found in it.
+    if (append) found_valid_q <= 1'b0;
+    if (emit) begin
+      found_valid_q <= 1'b1;
+      found_q <= lowest;
+      bits_q <= bits & ~lowest;
+      if (!bits_any) begin
+        word_q <= next_q;
+        word_valid_q <= 1'b1;
+      end
+    end else if (fills && in_word) begin
+      bits_q <= bits_q | set | (found_valid_q ? found_q : '0);
+      found_valid_q <= 1'b0;
+    end
+    load_q <= 1'b0;
+    if (load_q) begin
+      bits_q <= loaded;
+      word_q <= load_word;
+      word_valid_q <= 1'b1;
+    end
+
+    // The next word.
+    search_q <= !load_q && !search_q && !next_valid_q && !next_none_q;
+    stale_q <= ahead_q && !in_use;
+    candidate_q <= candidate;
+    candidate_any_q <= candidate_any;
+    if (search_q && !stale_q && !(ahead_q && !in_use)) begin
+      next_valid_q <= candidate_any_q;
+      next_none_q <= !candidate_any_q;
+      next_q <= candidate_q;
+      next_bits_q <= loaded;
+    end
+    if (emit && !bits_any) begin
+      next_valid_q <= 1'b0;
+    end else if (fills && behind_word && (next_valid_q || next_none_q)) begin
+      next_valid_q <= 1'b1;
+      next_none_q  <= 1'b0;
+      if (next_none_q || word < next_q) begin
+        next_q <= word;
+        next_bits_q <= set;
+      end else if (word == next_q) begin
+        next_bits_q <= next_bits_q | set;
       end
     end
 
-    unique case (state_q)
-      Run: if (take_i && !take_ready_o) state_q <= Wrap;
-      Wrap: begin
-        state_q <= FindWord;
-        this_q <= later_q;
-        later_q <= '0;
-        parity_q <= !parity_q;
-        start_q <= 1'b1;
-        next_valid_q <= 1'b0;
-        rest_q <= '0;
-        word_valid_q <= 1'b0;
-        third_valid_q <= 1'b0;
-      end
-      FindWord: begin
-        state_q <= Fetch;
-        third_valid_q <= beyond_any;
-        third_q <= beyond;
-      end
-      default: if (word_valid_q) state_q <= Run;
-    endcase
-
-    if (rst_i || clear_i) begin
-      state_q <= Run;
-      start_q <= 1'b1;
-      left_q <= '0;
-      next_valid_q <= 1'b0;
-      rest_q <= '0;
+    if (restart) begin
+      load_q <= last_valid_q;
+      found_valid_q <= 1'b0;
+      bits_q <= '0;
       word_valid_q <= 1'b0;
-      third_valid_q <= 1'b0;
-      this_q <= '0;
+      search_q <= 1'b0;
+      next_valid_q <= 1'b0;
+      next_none_q <= 1'b0;
+    end
+    if (wrap) begin
+      this_q <= later_q;
+      later_q <= '0;
+      parity_q <= !parity_q;
+      start_q <= 1'b1;
+    end
+    if (wrap || rst_i || clear_i) begin
+      valid_q <= '0;
+      load_q <= 1'b0;
+      last_valid_q <= 1'b0;
+      found_valid_q <= 1'b0;
+      bits_q <= '0;
+      word_valid_q <= 1'b0;
+      search_q <= 1'b0;
+      next_valid_q <= 1'b0;
+      next_none_q <= 1'b0;
+    end
+    if (rst_i || clear_i) begin
+      start_q <= 1'b1;
+      left_q  <= '0;
+      this_q  <= '0;
       later_q <= '0;
     end
-    if (rst_i) parity_q <= 1'b0;
+    if (rst_i) begin
+      parity_q <= 1'b0;
+      write_q  <= 1'b0;
+      ahead_q  <= 1'b0;
+      beyond_q <= 1'b0;
+    end
   end
 endmodule
