@@ -36,7 +36,7 @@ void build_netlist(const ModelInput& in) {
   if (in.netlist.empty()) {
     write_file(in.dir + "/netlist.ys",
                yosys_read(in, "") + fmt::format("synth_ecp5 -abc9 -top {}\n"
-                                                "write_verilog -noattr netlist.v\n",
+                                                "splitnets\nwrite_verilog -noattr netlist.v\n",
                                                 in.unit));
     run_tool(fmt::format("cd {} && {} netlist.ys", quoted(in.dir), quoted(in.yosys)),
              in.dir + "/yosys.log", fmt::format("yosys on {} (build folder {})", in.unit, in.base));
