@@ -226,6 +226,8 @@ void run_cases(const std::string& program, const std::string& unit, const Bench&
         run_case(plan.plan, c, options, context, random, totals);
       } catch (const Divergence&) {
         throw;
+      } catch (const ModelBuildError&) {
+        throw;
       } catch (const std::exception& error) {
         throw std::runtime_error(fmt::format("{}\n  again, with a waveform:\n    {} --wave {}.{}",
                                              error.what(), context.rerun, unit, context.waveform));

@@ -52,7 +52,9 @@ std::string waveform_extension(ModelKind kind) {
   return kBuilders[static_cast<size_t>(kind)].waveform;
 }
 
-std::string build_model(const Plan& plan, const ModelSource& source) {
+namespace {
+
+std::string find_or_build(const Plan& plan, const ModelSource& source) {
   using namespace model_tools;
   ModelInput in;
   const std::string rtl = source.rtl_dir.empty() ? default_rtl_dir() : source.rtl_dir;
@@ -98,6 +100,16 @@ std::string build_model(const Plan& plan, const ModelSource& source) {
   builder.build(in);
   folder.commit();
   return library;
+}
+
+}  // namespace
+
+std::string build_model(const Plan& plan, const ModelSource& source) {
+  try {
+    return find_or_build(plan, source);
+  } catch (const std::exception& error) {
+    throw ModelBuildError(error.what());
+  }
 }
 
 struct Model::Abi {

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -37,9 +38,15 @@ struct ModelSource {
   std::string netlist = {};
 };
 
+// A library cannot be made: what() says what is missing or what the tool said.
+struct ModelBuildError : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
 // Path of the library, built if it is not there (tens of seconds, a netlist minutes; needs a C++
 // compiler, $CXX or c++, Verilator for all but CXXRTL, Yosys for all but the RTL). Several
-// processes may ask for the same one. A failure is an error with the end of the tool's output.
+// processes may ask for the same one. A failure is a ModelBuildError with the end of the tool's
+// output.
 std::string build_model(const Plan& plan, const ModelSource& source);
 
 // A port's storage in the model: 1, 2, 4 or 8 bytes, or words of 32 bits least significant first.

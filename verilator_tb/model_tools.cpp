@@ -30,7 +30,7 @@ std::string quoted(const std::string& text) { return "'" + replace_all(text, "'"
 // Output of a shell command; empty where it fails.
 std::string output_of(const std::string& command) {
   std::string text;
-  FILE* pipe = popen((command + " 2>/dev/null").c_str(), "r");
+  FILE* pipe = popen(("( " + command + " ) 2>/dev/null").c_str(), "r");
   if (!pipe) return text;
   std::array<char, 4096> buffer;
   for (size_t n; (n = fread(buffer.data(), 1, buffer.size(), pipe)) > 0;)
