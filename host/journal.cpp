@@ -126,6 +126,7 @@ void Journal::add(const GatherQuery& query, const GatherResult& result,
   append(bytes, result_, &result);
   for (const GatherPhoton& p : photons) append(bytes, photon_, &p);
   put_u32(bytes, link_crc(bytes));
+  ++added_;
   buffer_.append(reinterpret_cast<const char*>(bytes.data()), bytes.size());
 }
 

@@ -33,6 +33,7 @@ class Journal {
   void add(const GatherQuery& query, const GatherResult& result,
            std::span<const GatherPhoton> photons);
   void flush();
+  uint64_t size() const { return records_.size() + added_; }  // answers in it
   // The run is over: the file goes.
   void remove();
 
@@ -50,7 +51,7 @@ class Journal {
   PacketLayout query_, result_, photon_;
   std::string path_, buffer_;
   int descriptor_ = -1;
-  uint64_t kept_ = 0, taken_ = 0;
+  uint64_t kept_ = 0, taken_ = 0, added_ = 0;
   uint64_t end_ = 0;  // of what stands and is good
   std::vector<Record> records_;
 };

@@ -80,7 +80,7 @@ BoardPhotonGatherer::BoardPhotonGatherer(const Plan& plan, BoardOptions options)
 }
 
 BoardPhotonGatherer::~BoardPhotonGatherer() {
-  if (journal_ && !unfinished_) journal_->remove();
+  if (journal_ && (!unfinished_ || journal_->size() == 0)) journal_->remove();
 }
 
 void BoardPhotonGatherer::connect(double patience) {
@@ -142,11 +142,12 @@ void BoardPhotonGatherer::reconnect(const LinkLost& lost) {
       std::this_thread::sleep_for(std::chrono::milliseconds(100));
     }
   }
-  throw LinkLost(fmt::format(
-      "{}: did not come back within {:.3g} seconds{}", options_.device, options_.wait,
-      journal_ ? fmt::format("; {} answers are kept in {}, the same command goes on after them",
-                             answers_ + resumed_, journal_->path())
-               : ""));
+  std::string kept;
+  if (journal_ && journal_->size())
+    kept = fmt::format("; {} answers are kept in {}, the same command goes on after them",
+                       journal_->size(), journal_->path());
+  throw LinkLost(fmt::format("{}: did not come back within {:.3g} seconds{}", options_.device,
+                             options_.wait, kept));
 }
 
 void BoardPhotonGatherer::load(const PhotonMap& global, const PhotonMap& caustic) {
@@ -174,10 +175,12 @@ void BoardPhotonGatherer::process(std::span<const GatherQuery> in,
        ++job.done, ++resumed_)
     results.push_back(r);
   packets_in_ += in.size();
+  const double began = seconds_now();
   keep_trying([&] {
     ask(job);
     expect_silence(job);
   });
+  seconds_ += seconds_now() - began;
   unfinished_ = false;
 }
 
@@ -368,6 +371,7 @@ Counters BoardPhotonGatherer::counters() const {
   c["packets in"] = packets_in_;
   c["packets resumed"] = resumed_;
   c["link lost"] = lost_;
+  c["link milliseconds"] = static_cast<uint64_t>(1000 * seconds_);
   c["link bytes out"] = sum(&LinkCounts::bytes_sent);
   c["link bytes in"] = sum(&LinkCounts::bytes_received);
   c["link frames again"] = sum(&LinkCounts::repeated);

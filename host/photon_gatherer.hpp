@@ -67,6 +67,7 @@ class BoardPhotonGatherer final : public PhotonGatherer {
   Counters seen_, total_;  // the board's: when last read, and the sum of what it counted for us
   LinkCounts ended_;       // of connections that were lost
   uint64_t packets_in_ = 0, resumed_ = 0, answers_ = 0, lost_ = 0;
+  double seconds_ = 0;  // spent in process()
 };
 
 }  // namespace photonloom

@@ -165,27 +165,29 @@ void print_units(const std::vector<UnitReport>& units) {
                u.differences, u.bypassed(), u.count("cycles"), u.busy(), u.count("stalls in"),
                u.count("stalls out"));
     if (u.unit == "photon_gatherer") {
-      const bool board = u.counters.count("link bytes out");  // its time is that of the link
-      const uint64_t hits = u.count("cache hits"), all = hits + u.count("cache misses");
-      const std::string first = board ? ""
-                                      : fmt::format("cache hits {} of {} ({:.1f} %), ", hits, all,
-                                                    100 * ratio(hits, all));
-      const std::string second = board
-                                     ? "a gather: "
-                                     : fmt::format("{:.1f} cycles a gather: ",
-                                                   ratio(u.count("cycles"), u.count("packets in")));
+      const bool board = u.counters.count("link bytes out");
+      const uint64_t hits = u.count("cache hits"), all = hits + u.count("cache misses"),
+                     asked = u.count("packets in") - u.count("packets resumed");
+      // The cycles of a board are those of its link.
+      std::string first, second = "a gather: ";
+      if (!board) {
+        first = fmt::format("cache hits {} of {} ({:.1f} %), ", hits, all, 100 * ratio(hits, all));
+        second = fmt::format("{:.1f} cycles a gather: ", ratio(u.count("cycles"), asked));
+      }
       fmt::print("  {}{} bytes read, {:.1f} a gather\n", first, u.count("bytes read"),
-                 ratio(u.count("bytes read"), u.count("packets in")));
+                 ratio(u.count("bytes read"), asked));
       fmt::print("  {}{:.1f} nodes, {:.1f} leaves, {:.1f} insertions\n", second,
-                 ratio(u.count("nodes"), u.count("packets in")),
-                 ratio(u.count("leaves"), u.count("packets in")),
-                 ratio(u.count("insertions"), u.count("packets in")));
-      if (board)
-        fmt::print(
-            "  link: {} bytes out, {} in, {} frames sent again, lost {} times; {} packets were "
-            "answered before\n",
-            u.count("link bytes out"), u.count("link bytes in"), u.count("link frames again"),
-            u.count("link lost"), u.count("packets resumed"));
+                 ratio(u.count("nodes"), asked), ratio(u.count("leaves"), asked),
+                 ratio(u.count("insertions"), asked));
+      if (board) {
+        fmt::print("  link: {} bytes out, {} in, {} frames sent again, lost {} times\n",
+                   u.count("link bytes out"), u.count("link bytes in"),
+                   u.count("link frames again"), u.count("link lost"));
+        fmt::print("  {} packets were answered before; the other {} in {:.1f} s, {:.0f} a second\n",
+                   u.count("packets resumed"), asked,
+                   static_cast<double>(u.count("link milliseconds")) / 1000,
+                   1000 * ratio(asked, u.count("link milliseconds")));
+      }
     }
     if (u.unit == "reorder_buffer")
       fmt::print("  mean displacement {:.1f} packets\n",

@@ -635,6 +635,14 @@ std::string board_readme(const Board& b, const BoardFiles& files) {
       break;
   }
   if (files.uart_baud)
+    text += fmt::format(
+        "With the board at a serial port, a frame through it, packet by packet:\n\n"
+        "    photonloom board info /dev/ttyUSB0@{0}\n"
+        "    photonloom cosim SCENE --plan plan.toml --backend "
+        "photon_gatherer=board:/dev/ttyUSB0@{0}"
+        "\n\n",
+        files.uart_baud);
+  if (files.uart_baud)
     text +=
         "LEDs: 0 heartbeat, 1 bytes from the host, 2 bytes to the host, 3 queries inside, 4 "
         "replayer "
