@@ -110,7 +110,17 @@ void Board::start_session(uint32_t session) {
 void Board::load(const Plan& plan, const PhotonGathererImage& image) {
   wait_flags([](uint32_t flags) { return flags & kFlagMemoryReady; }, patience_,
              "its photon memory is not ready");
-  // Runs of neighbouring addresses travel together.
+  for (const size_t map : {size_t{0}, size_t{1}}) {
+    const std::vector<uint8_t>& bytes = image.lines[map];
+    std::vector<uint32_t> words((bytes.size() + 3) / 4);
+    for (size_t i = 0; i < bytes.size(); ++i) words[i / 4] |= uint32_t{bytes[i]} << (8 * (i % 4));
+    const uint64_t base =
+        map == 0 ? 0 : plan.lines(plan.global) * static_cast<uint64_t>(plan.line_bytes()) / 4;
+    connection_.write(link_address(LinkSpace::kPhotonLines, base), words);
+  }
+  connection_.drain();
+  // Then the configuration: caches forget what they hold when it is written. Runs of neighbouring
+  // addresses travel together.
   for (size_t i = 0; i < image.cfg.size();) {
     std::vector<uint32_t> words;
     const uint32_t first = image.cfg[i].address;
@@ -120,14 +130,6 @@ void Board::load(const Plan& plan, const PhotonGathererImage& image) {
       ++i;
     }
     connection_.write(link_address(LinkSpace::kConfiguration, 2ull * first), words);
-  }
-  for (const size_t map : {size_t{0}, size_t{1}}) {
-    const std::vector<uint8_t>& bytes = image.lines[map];
-    std::vector<uint32_t> words((bytes.size() + 3) / 4);
-    for (size_t i = 0; i < bytes.size(); ++i) words[i / 4] |= uint32_t{bytes[i]} << (8 * (i % 4));
-    const uint64_t base =
-        map == 0 ? 0 : plan.lines(plan.global) * static_cast<uint64_t>(plan.line_bytes()) / 4;
-    connection_.write(link_address(LinkSpace::kPhotonLines, base), words);
   }
   connection_.drain();
 }

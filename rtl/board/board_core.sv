@@ -75,7 +75,8 @@ module board_core #(
   logic clear_input, discard, clear_output, input_busy, engine_busy, memory_ready, busy, bad_seen, plan_read;
   logic cfg_valid, line_valid, line_ready, replay_write, replay_start, replay_stop, replay_busy;
   logic [23:0] cfg_addr;
-  logic [63:0] cfg_data, replay_cycles, replay_signature, replay_results;
+  logic [63:0] cfg_data, replay_signature;
+  logic [47:0] replay_cycles, replay_results;
   logic [27:0] line_address;
   logic [31:0] line_word, replay_queries, replay_passes;
   logic [1:0] replay_mode;
@@ -221,7 +222,7 @@ module board_core #(
       .photon_o(photon),
       .cfg_valid_i(cfg_valid || replay_forget),
       .cfg_addr_i(replay_busy ? 24'd0 : cfg_addr),
-      .cfg_data_i(replay_busy ? 64'd0 : cfg_data),
+      .cfg_data_i(cfg_data),
       .write_valid_i(line_valid),
       .write_ready_o(line_ready),
       .write_address_i(line_address),

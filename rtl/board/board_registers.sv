@@ -2,7 +2,7 @@
 // The address space of docs/host-link.md: reads registers and counters, writes registers, configuration, photon lines and
 // the replayer's queries, and starts a new session: drops what waits, lets what is inside come out, sets the streams back.
 //
-// Reads: word_o follows address_i by 2 cycles. Writes: held until write_ready_o, 3 cycles, longer where the photon memory
+// Reads: word_o follows address_i by 3 cycles. Writes: held until write_ready_o, 3 cycles, longer where the photon memory
 // or a new session takes longer.
 module board_registers #(
     parameter int unsigned ClockKHz = 0,
@@ -49,9 +49,9 @@ module board_registers #(
     output logic [31:0] passes_o,
     output logic [ 1:0] mode_o,
     input  logic        replay_busy_i,
-    input  logic [63:0] replay_cycles_i,
+    input  logic [47:0] replay_cycles_i,
     input  logic [63:0] replay_signature_i,
-    input  logic [63:0] replay_results_i,
+    input  logic [47:0] replay_results_i,
     // 12 counters of 40 bits in the order of the specification, the first lowest
     input  logic [479:0] counters_i,
     // for the LEDs
@@ -73,7 +73,8 @@ module board_registers #(
   localparam logic [3:0] Lines = 4'd2;
   localparam logic [3:0] Queries = 4'd3;
 
-  logic [31:0] session_q, control_q, queries_q, passes_q, bad_q, lost_q;
+  logic [31:0] session_q, control_q, queries_q, passes_q;
+  logic [15:0] bad_q, lost_q;
   logic [1:0] mode_q;
   assign queries_o = queries_q;
   assign passes_o  = passes_q;
@@ -81,36 +82,26 @@ module board_registers #(
   assign busy_o    = input_busy_i || engine_busy_i;
 
   // ---- reads: two words at a time, so that both are of one moment when one READ asks for both ----
+  // Selects are registers and gate what they select, which takes a third of the logic of a multiplexer.
   logic [63:0] pair, pair_q;
+  logic [31:0] select_q;
+  always_ff @(posedge clk_i) select_q <= 32'd1 << address_i[5:1];
   always_comb begin
-    unique case (address_i[5:1])
-      5'd0: pair = {32'd1, 32'h4D4C4850};
-      5'd1: pair = photonloom_pkg::PlanHash;
-      5'd2: pair = {32'(photonloom_pkg::Gatherers), session_q};
-      5'd3: pair = {16'd0, input_room_i, 32'(RxBytes)};
-      5'd4: pair = {output_first_i, input_position_i};
-      5'd5: pair = {32'(ClockKHz), output_end_i};
-      5'd6: pair = {bad_q, 29'd0, replay_busy_i, memory_ready_i, busy_o};
-      5'd7: pair = {32'd0, lost_q};
-      5'd8: pair = {queries_q, control_q};
-      5'd9: pair = {30'd0, mode_q, passes_q};
-      5'd10: pair = replay_cycles_i;
-      5'd11: pair = replay_signature_i;
-      5'd12: pair = replay_results_i;
-      5'd16: pair = {24'd0, counters_i[40*0+:40]};
-      5'd17: pair = {24'd0, counters_i[40*1+:40]};
-      5'd18: pair = {24'd0, counters_i[40*2+:40]};
-      5'd19: pair = {24'd0, counters_i[40*3+:40]};
-      5'd20: pair = {24'd0, counters_i[40*4+:40]};
-      5'd21: pair = {24'd0, counters_i[40*5+:40]};
-      5'd22: pair = {24'd0, counters_i[40*6+:40]};
-      5'd23: pair = {24'd0, counters_i[40*7+:40]};
-      5'd24: pair = {24'd0, counters_i[40*8+:40]};
-      5'd25: pair = {24'd0, counters_i[40*9+:40]};
-      5'd26: pair = {24'd0, counters_i[40*10+:40]};
-      5'd27: pair = {24'd0, counters_i[40*11+:40]};
-      default: pair = '0;
-    endcase
+    pair = '0;
+    if (select_q[0]) pair = pair | {32'd1, 32'h4D4C4850};
+    if (select_q[1]) pair = pair | photonloom_pkg::PlanHash;
+    if (select_q[2]) pair = pair | {32'(photonloom_pkg::Gatherers), session_q};
+    if (select_q[3]) pair = pair | {16'd0, input_room_i, 32'(RxBytes)};
+    if (select_q[4]) pair = pair | {output_first_i, input_position_i};
+    if (select_q[5]) pair = pair | {32'(ClockKHz), output_end_i};
+    if (select_q[6]) pair = pair | {16'd0, bad_q, 29'd0, replay_busy_i, memory_ready_i, busy_o};
+    if (select_q[7]) pair = pair | 64'(lost_q);
+    if (select_q[8]) pair = pair | {queries_q, control_q};
+    if (select_q[9]) pair = pair | {30'd0, mode_q, passes_q};
+    if (select_q[10]) pair = pair | 64'(replay_cycles_i);
+    if (select_q[11]) pair = pair | replay_signature_i;
+    if (select_q[12]) pair = pair | 64'(replay_results_i);
+    for (int unsigned i = 0; i < 12; i++) if (select_q[16+i]) pair = pair | 64'(counters_i[40*i+:40]);
   end
 
   logic register_q;
@@ -119,8 +110,8 @@ module board_registers #(
     register_q <= address_i[31:6] == '0;
     word_o <= !register_q ? 32'd0 : address_i[0] ? pair_q[63:32] : pair_q[31:0];
     if (read_valid_i && register_q && address_i[5:1] == 5'd1) plan_read_o <= 1'b1;
-    if (byte_lost_i) lost_q <= lost_q + 32'd1;
-    if (frame_bad_i) bad_q <= bad_q + 32'd1;
+    if (byte_lost_i) lost_q <= lost_q + 16'd1;
+    if (frame_bad_i) bad_q <= bad_q + 16'd1;
     if (frame_bad_i) bad_seen_o <= 1'b1;
     if (rst_i) begin
       plan_read_o <= 1'b0;

@@ -48,41 +48,41 @@ module link_commands (
 
   typedef enum logic [4:0] {
     Idle,
-    Get,        // left_q bytes into word_q, then then_q
+    Get,      // left_q bytes from at_q on into word_q, then then_q
     GetByte,
-    Settle,     // 4 cycles, then then_q
-    Send,       // left_q bytes of word_q, then then_q
+    Load,     // the word of source_q into word_q, sent, then then_q
+    Send,
     Command,
-    Address,
     Check,
-    Count,      // READ, PULL
-    Keep,       // PULL
+    Count,    // READ, PULL: n
+    Keep,     // PULL
     Kept,
-    Position,
-    Next,       // WRITE, PUSH: word by word
+    Address,
+    Locate,   // PULL
+    Next,     // WRITE, PUSH: word by word
     Store,
-    Answer,     // its id and command
-    Status,     // WRITE
-    Taken,      // PUSH
-    Room,
-    From,       // PULL
-    Until,
-    Enough,
-    Fetch,      // READ, PULL: word by word
-    Load,
+    Answer,   // its id and command
+    Body,     // and the rest
+    Room,     // PUSH: after the position
+    Until,    // PULL: after the position
+    Fetch,    // READ, PULL: word by word
     Done
   } state_t;
 
+  // Where the word to send comes from: one bit a source.
+  typedef struct packed {logic header, status, next, room, position, first, last, read, pull;} source_t;
+
   state_t state_q, then_q;
+  source_t source_q;
   logic [7:0] id_q, command_q;
-  logic [31:0] word_q, address_q;
+  logic [31:0] word_q, address_q, load;
   logic [8:0] at_q;
   logic [6:0] count_q;  // words that follow
   logic [2:0] left_q;
-  logic [1:0] settle_q, status_q;
-  logic bad_q, final_q, first_q, at_next_q;
+  logic [1:0] wait_q, status_q;
+  logic bad_q, more_q, first_q, at_next_q;
   logic is_read, is_write, is_push, is_pull, body_good, count_good;
-  logic [31:0] pull_left;
+  logic [15:0] pull_left;
 
   assign is_read = command_q == Read;
   assign is_write = command_q == Write;
@@ -98,7 +98,21 @@ module link_commands (
           frame_bytes_i <= 9'd266;
   end
   assign count_good = word_q[31:24] != 8'd0 && word_q[31:24] <= 8'd64;
-  assign pull_left = pull_end_i - address_q;
+  assign pull_left = 16'(pull_end_i - address_q);  // where address_q is a word that is kept, or the end
+
+  // Selects are registers and gate what they select, which takes half the logic of a multiplexer.
+  always_comb begin
+    load = '0;
+    if (source_q.header) load = load | {16'd0, bad_q ? 16'hFF00 : {8'h80 | command_q, id_q}};
+    if (source_q.status) load = load | 32'(status_q);
+    if (source_q.next) load = load | push_position_i;
+    if (source_q.room) load = load | 32'(push_room_i);
+    if (source_q.position) load = load | address_q;
+    if (source_q.first) load = load | pull_first_i;
+    if (source_q.last) load = load | pull_end_i;
+    if (source_q.read) load = load | read_word_i;
+    if (source_q.pull) load = load | pull_word_i;
+  end
 
   assign frame_done_o = state_q == Done;
   assign frame_bad_o = state_q == Done && bad_q;
@@ -106,14 +120,14 @@ module link_commands (
   assign address_o = address_q;
   assign write_word_o = word_q;
   assign first_o = first_q;
-  assign read_valid_o = state_q == Load && is_read;
+  assign read_valid_o = state_q == Load && source_q.read && wait_q == 2'd3;
   assign write_last_o = count_q == 7'd1;
   assign push_word_o = word_q;
   assign write_valid_o = state_q == Store && is_write;
   assign push_valid_o = state_q == Store && is_push && at_next_q;
   assign answer_valid_o = state_q == Send;
   assign answer_o = word_q[7:0];
-  assign answer_last_o = final_q && left_q == 3'd1;
+  assign answer_last_o = left_q == 3'd1 && count_q == 7'd0 && !more_q;
 
   always_ff @(posedge clk_i) begin
     keep_valid_o <= 1'b0;
@@ -124,76 +138,93 @@ module link_commands (
         at_q <= '0;
         left_q <= 3'd2;
         then_q <= Command;
-        status_q <= 2'd0;
-        final_q <= 1'b0;
+        wait_q <= '0;
+        count_q <= '0;
+        status_q <= '0;
         first_q <= 1'b1;
         bad_q <= frame_bad_i;
         if (frame_valid_i) state_q <= frame_bad_i ? Answer : Get;
       end
 
       Get: begin
-        settle_q <= settle_q + 2'd1;
-        if (settle_q == 2'd2) state_q <= GetByte;
+        wait_q <= wait_q + 2'd1;
+        if (wait_q == 2'd2) state_q <= GetByte;
       end
       GetByte: begin
-        settle_q <= '0;
+        wait_q <= '0;
         word_q <= {read_data_i, word_q[31:8]};
         at_q <= at_q + 9'd1;
         left_q <= left_q - 3'd1;
         state_q <= left_q == 3'd1 ? then_q : Get;
       end
-      Settle: begin
-        settle_q <= settle_q + 2'd1;
-        if (settle_q == 2'd3) state_q <= then_q;
+      Load: begin
+        wait_q <= wait_q + 2'd1;
+        word_q <= load;
+        left_q <= source_q.header ? 3'd2 : 3'd4;
+        if (wait_q == 2'd3) begin
+          state_q <= Send;
+          // As many as there are up to the end that is sent.
+          if (source_q.last && !more_q && pull_left < 16'(count_q)) count_q <= pull_left[6:0];
+          if (source_q.read || source_q.pull) begin
+            address_q <= address_q + 32'd1;
+            count_q   <= count_q - 7'd1;
+            first_q   <= 1'b0;
+          end
+        end
       end
       Send:
       if (answer_ready_i) begin
-        word_q <= {8'd0, word_q[31:8]};
+        word_q <= {read_data_i, word_q[31:8]};
         left_q <= left_q - 3'd1;
         if (left_q == 3'd1) state_q <= then_q;
       end
 
       Command: begin
         {command_q, id_q} <= word_q[31:16];
-        left_q <= 3'd4;
-        then_q <= Address;
-        state_q <= Get;
-      end
-      Address: begin
-        address_q <= word_q;
-        count_q <= 7'((frame_bytes_i - 9'd10) >> 2);
-        left_q <= 3'd1;
-        then_q <= Count;
         state_q <= Check;
       end
       Check: begin
-        bad_q <= !body_good;
-        if (!body_good) state_q <= Answer;
-        else state_q <= is_read || is_pull ? Get : Next;
+        bad_q   <= !body_good;
+        left_q  <= is_read || is_pull ? 3'd1 : 3'd4;
+        at_q    <= is_read || is_pull ? 9'd6 : 9'd2;
+        then_q  <= is_read || is_pull ? Count : Address;
+        state_q <= body_good ? Get : Answer;
       end
       Count: begin
-        count_q <= word_q[30:24];
-        bad_q   <= !count_good;
-        left_q  <= 3'd4;
-        then_q  <= Keep;
-        state_q <= is_pull && count_good ? Get : Answer;
+        bad_q  <= !count_good;
+        left_q <= 3'd4;
+        if (!is_pull) at_q <= 9'd2;
+        then_q  <= is_pull ? Keep : Address;
+        state_q <= count_good ? Get : Answer;
+        if (count_good) count_q <= word_q[30:24];
       end
 
       Keep: begin
-        word_q <= address_q;
         address_q <= word_q;
-        then_q <= Kept;
-        state_q <= Settle;
+        state_q   <= Kept;
       end
       Kept: begin
-        keep_valid_o <= !pull_before_i && !pull_after_i;
-        then_q <= Position;
-        state_q <= Settle;
+        wait_q <= wait_q + 2'd1;
+        at_q   <= 9'd2;
+        left_q <= 3'd4;
+        then_q <= Address;
+        if (wait_q == 2'd3) begin
+          keep_valid_o <= !pull_before_i && !pull_after_i;
+          state_q <= Get;
+        end
       end
-      Position: begin
+      Address: begin
         address_q <= word_q;
-        then_q <= Answer;
-        state_q <= Settle;
+        if (is_write || is_push) count_q <= 7'((frame_bytes_i - 9'd10) >> 2);
+        if (is_read) state_q <= Answer;
+        else state_q <= is_pull ? Locate : Next;
+      end
+      Locate: begin
+        wait_q <= wait_q + 2'd1;
+        if (wait_q == 2'd3) begin
+          if (pull_before_i || pull_after_i) count_q <= '0;
+          state_q <= Answer;
+        end
       end
 
       Next: begin
@@ -211,77 +242,49 @@ module link_commands (
       end
 
       Answer: begin
-        word_q[15:0] <= bad_q ? 16'hFF00 : {8'h80 | command_q, id_q};
-        left_q <= 3'd2;
-        final_q <= bad_q;
+        source_q <= '0;
+        source_q.header <= 1'b1;
+        more_q <= !bad_q;
         if (bad_q) then_q <= Done;
-        else if (is_write) then_q <= Status;
-        else if (is_push) then_q <= Taken;
-        else then_q <= is_pull ? From : Fetch;
+        else then_q <= is_read ? Fetch : Body;
+        state_q <= Load;
+      end
+      Body: begin
+        source_q <= '0;
+        source_q.status <= is_write;
+        source_q.next <= is_push;
         // A position that cannot be given: the nearest one, and no words.
-        if (is_pull && !bad_q) begin
-          if (pull_before_i) address_q <= pull_first_i;
-          else if (pull_after_i) address_q <= pull_end_i;
-          if (pull_before_i || pull_after_i) count_q <= '0;
-        end
-        state_q <= Send;
-      end
-      Status: begin
-        word_q  <= 32'(status_q);
-        left_q  <= 3'd4;
-        final_q <= 1'b1;
-        then_q  <= Done;
-        state_q <= Send;
-      end
-      Taken: begin
-        word_q  <= push_position_i;
-        left_q  <= 3'd4;
-        then_q  <= Room;
-        state_q <= Send;
+        source_q.first <= is_pull && pull_before_i;
+        source_q.last <= is_pull && pull_after_i;
+        source_q.position <= is_pull && !pull_before_i && !pull_after_i;
+        more_q <= !is_write;
+        if (is_write) then_q <= Done;
+        else then_q <= is_push ? Room : Until;
+        state_q <= Load;
       end
       Room: begin
-        word_q  <= 32'(push_room_i);
-        left_q  <= 3'd4;
-        final_q <= 1'b1;
-        then_q  <= Done;
-        state_q <= Send;
-      end
-      From: begin
-        word_q  <= address_q;
-        left_q  <= 3'd4;
-        then_q  <= Until;
-        state_q <= Send;
+        source_q <= '0;
+        source_q.room <= 1'b1;
+        more_q <= 1'b0;
+        then_q <= Done;
+        state_q <= Load;
       end
       Until: begin
-        word_q <= pull_end_i;
-        if (pull_left < 32'(count_q)) count_q <= pull_left[6:0];
-        state_q <= Enough;
-      end
-      Enough: begin
-        left_q  <= 3'd4;
-        final_q <= count_q == 7'd0;
-        then_q  <= count_q == 7'd0 ? Done : Fetch;
-        state_q <= Send;
+        source_q <= '0;
+        source_q.last <= 1'b1;
+        more_q <= 1'b0;
+        then_q <= Fetch;
+        state_q <= Load;
       end
       Fetch: begin
-        then_q  <= Load;
-        state_q <= Settle;
-      end
-      Load: begin
-        word_q <= is_pull ? pull_word_i : read_word_i;
-        first_q <= 1'b0;
-        address_q <= address_q + 32'd1;
-        count_q <= count_q - 7'd1;
-        left_q <= 3'd4;
-        final_q <= count_q == 7'd1;
-        then_q <= count_q == 7'd1 ? Done : Fetch;
-        state_q <= Send;
+        source_q <= '0;
+        source_q.read <= is_read;
+        source_q.pull <= is_pull;
+        more_q <= 1'b0;
+        state_q <= count_q == 7'd0 ? Done : Load;
       end
       default: state_q <= Idle;
     endcase
-    if (rst_i) begin
-      state_q  <= Idle;
-      settle_q <= '0;
-    end
+    if (rst_i) state_q <= Idle;
   end
 endmodule

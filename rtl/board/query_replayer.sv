@@ -22,7 +22,7 @@ module query_replayer (
     input  logic [ 1:0]                    mode_i,
     output logic                           busy_o,
     output logic                           reorder_o,
-    output logic                           forget_o,          // one cycle: write 0 to configuration address 0
+    output logic                           forget_o,          // one cycle: write anything to configuration address 0
     input  logic                           cluster_busy_i,
     // cluster
     output logic                           query_valid_o,
@@ -31,9 +31,9 @@ module query_replayer (
     input  logic                           result_valid_i,    // taken in every cycle
     input  photonloom_pkg::gather_result_t result_i,
     // since start_i
-    output logic [63:0]                    cycles_o,
+    output logic [47:0]                    cycles_o,
     output logic [63:0]                    signature_o,
-    output logic [63:0]                    results_o
+    output logic [47:0]                    results_o
 );
   localparam int unsigned Bits = photonloom_pkg::GatherQueryPacketBits;
   localparam int unsigned Words = (Bits + 31) / 32;
@@ -100,8 +100,8 @@ module query_replayer (
     forget_o <= 1'b0;
     quiet_q  <= state_q == Drain && !fetched_q && !query_valid_o && !cluster_busy_i;
     tick_q   <= started_q && (state_q == Play || fetched_q || query_valid_o || cluster_busy_i);
-    if (tick_q) cycles_o <= cycles_o + 64'd1;
-    if (result_valid_i) results_o <= results_o + 64'd1;
+    if (tick_q) cycles_o <= cycles_o + 48'd1;
+    if (result_valid_i) results_o <= results_o + 48'd1;
     if (query_valid_o && query_ready_i) started_q <= 1'b1;
     if (stop_i && busy_o) stopped_q <= 1'b1;
 

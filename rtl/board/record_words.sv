@@ -33,21 +33,30 @@ module record_words #(
   localparam int unsigned ResultWords = (ResultBits + 31) / 32;
   localparam int unsigned PhotonWords = (PhotonBits + 31) / 32;
   localparam int unsigned MostWords = ResultWords > PhotonWords ? ResultWords : PhotonWords;
-  localparam int unsigned CountBits = $clog2(MostWords + 1);
 
   if (Depth < 2 * (MostWords + 1) || (1 << AddressBits) != Depth) begin : gen_bad_depth
     record_words_depth_must_be_a_power_of_two_and_hold_two_records bad_depth ();
   end
 
   // ---- records, word by word: the packet stays offered until its last word is written ----
+  // The word to come is selected by a shift register of one bit, which takes less logic than an index.
   logic active_q, photon_q, choose_photon, write_q, last, full_q;
-  logic [CountBits-1:0] at_q;
-  logic [32*MostWords-1:0] packet;
-  logic [31:0] word_q;
+  logic [ResultWords-1:0] result_at_q;
+  logic [PhotonWords-1:0] photon_at_q;
+  logic [32*ResultWords-1:0] result_bits;
+  logic [32*PhotonWords-1:0] photon_bits;
+  logic [31:0] word, word_q;
+
+  assign result_bits = (32 * ResultWords)'(result_i);
+  assign photon_bits = (32 * PhotonWords)'(photon_i);
+  always_comb begin
+    word = '0;
+    for (int unsigned i = 0; i < ResultWords; i++) if (result_at_q[i]) word = word | result_bits[32*i+:32];
+    for (int unsigned i = 0; i < PhotonWords; i++) if (photon_at_q[i]) word = word | photon_bits[32*i+:32];
+  end
 
   assign choose_photon = photon_valid_i && (!result_valid_i || !photon_q);
-  assign packet = photon_q ? (32 * MostWords)'(photon_i) : (32 * MostWords)'(result_i);
-  assign last = active_q && !full_q && at_q == (photon_q ? CountBits'(PhotonWords - 1) : CountBits'(ResultWords - 1));
+  assign last = active_q && !full_q && (result_at_q[ResultWords-1] || photon_at_q[PhotonWords-1]);
   assign result_ready_o = discard_i || (last && !photon_q);
   assign photon_ready_o = discard_i || (last && photon_q);
 
@@ -55,16 +64,20 @@ module record_words #(
     write_q <= 1'b0;
     if (!active_q) begin
       word_q <= 32'(choose_photon);
-      at_q   <= '0;
+      result_at_q <= '0;
+      photon_at_q <= '0;
+      result_at_q[0] <= !choose_photon;
+      photon_at_q[0] <= choose_photon;
       if ((result_valid_i || photon_valid_i) && !full_q) begin
         active_q <= 1'b1;
         photon_q <= choose_photon;
         write_q  <= 1'b1;
       end
     end else if (!full_q) begin
-      word_q  <= packet[32*at_q+:32];
+      word_q <= word;
       write_q <= 1'b1;
-      at_q    <= at_q + 1'b1;
+      result_at_q <= result_at_q << 1;
+      photon_at_q <= photon_at_q << 1;
       if (last) active_q <= 1'b0;
     end
     if (rst_i || discard_i) begin
