@@ -2,7 +2,7 @@
 # The daily workflow. Each verb first installs its own missing packages (scripts/setup), and only those.
 JOBS := $(shell nproc)
 .DEFAULT_GOAL := build
-.PHONY: help build demo test test-full gallery precision mutate bench bench-rtl asan fuzz format clean references mutate-golden fpga-tools fpga board-sim
+.PHONY: help build demo test test-full gallery precision mutate bench bench-rtl asan fuzz format clean references mutate-golden fpga-tools fpga board-sim headline
 
 help: ## this list
 	@sed -n 's/^\([a-z-]*\):[^#]*## \(.*\)/  make \1\t\2/p' Makefile | expand -t 24
@@ -74,6 +74,14 @@ fpga: build ## resources, Fmax and bitstream of PLAN on BOARD (SEEDS=3, UNITS=..
 	@scripts/setup fpga
 	@case "$(BOARD)" in up5k) ;; *) scripts/fpga-tools ;; esac
 	@scripts/fpga $(PLAN) $(if $(BOARD),--board $(BOARD)) $(if $(SEEDS),--seeds $(SEEDS)) $(if $(UNITS),--units $(UNITS)) $(if $(CLOCK),--clock $(CLOCK)) $(FPGA_FLAGS)
+
+headline: build ## gathers a second of a routed board beside one core of this machine (hours where nothing is routed yet; SEEDS, CLOCK)
+	@scripts/setup headline
+	@scripts/fpga-tools
+	@cmake --build build --target throughput_gather_cluster
+	@cmake -S bench -B build/bench -G Ninja
+	@cmake --build build/bench
+	@scripts/headline $(PLAN) $(if $(SEEDS),--seeds $(SEEDS)) $(if $(CLOCK),--clock $(CLOCK)) $(HEADLINE_FLAGS)
 
 board-sim: build ## a frame through a simulated board over a pseudo-terminal, with link faults (10 minutes)
 	@scripts/setup board-sim

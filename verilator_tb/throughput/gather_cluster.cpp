@@ -99,7 +99,7 @@ Plan make_plan(const PlanOfBoard& p, const Load& load, const Options& o) {
   plan.width = plan.height = o.size;
   plan.gather_rays = o.rays;
   plan.k = p.k;
-  plan.reorder_packets = p.memory == PhotonMemory::kSdram ? 4096 : 512;
+  plan.reorder_packets = p.memory == PhotonMemory::kSdram ? 8192 : 512;
   plan.photon_memory = p.memory;
   plan.gatherers = p.gatherers;
   plan.photon_bytes = p.memory == PhotonMemory::kSdram ? 12 : 16;
