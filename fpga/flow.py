@@ -4,6 +4,7 @@
 Resources are a dict by the names in RESOURCES. LUT-equivalents are LUT4 + 2 CCU2C + 4 DPR16X4: a carry cell takes two
 LUTs of a slice, a 16 x 4 memory four.
 """
+import hashlib
 import json
 import os
 import re
@@ -12,7 +13,7 @@ import subprocess
 import sys
 
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
-PHOTONLOOM = os.path.join(ROOT, "build", "photonloom")
+PHOTONLOOM = os.environ.get("PHOTONLOOM", os.path.join(ROOT, "build", "photonloom"))
 UNITS = ["photon_gatherer", "reorder_buffer", "cdf_sampler"]
 
 # Our name of a resource, the cells that are one, and what an LFE5U-85F has (docs/data.md).
@@ -101,12 +102,14 @@ def generate(plan, folder, board, unit=None, clock=None, settings=()):
     before = tree(folder)
     if os.path.isdir(kept):
         os.rename(kept, aside)  # generate replaces the folder; what was built of the same files stays good
-    run(command)
-    if os.path.isdir(aside):
-        if tree(folder) == before:
-            os.rename(aside, kept)
-        else:
-            shutil.rmtree(aside)
+    try:
+        run(command)
+    finally:
+        if os.path.isdir(aside):
+            if tree(folder) == before:
+                os.rename(aside, kept)
+            else:
+                shutil.rmtree(aside)
     with open(os.path.join(folder, "package.json")) as f:
         return json.load(f)
 
@@ -122,6 +125,14 @@ def tree(folder):
             with open(path, "rb") as f:
                 files[os.path.relpath(path, folder)] = f.read()
     return files
+
+
+def digest(folder, tools):
+    """SHA-256 of what a package's result depends on: its RTL and constraints, the plan's hash apart, and the tools."""
+    text = "".join(f"{path}\0{content!r}\0" for path, content in sorted(tree(folder).items())
+                   if path.startswith(("rtl/", "board/")))
+    text = re.sub(r"PlanHash = 64'h[0-9a-f]{16}|plan [0-9a-f]{16}", "", text)
+    return hashlib.sha256((text + json.dumps(tools)).encode()).hexdigest()
 
 
 def counts_of(stat_file, board, module):

@@ -296,6 +296,8 @@ std::string xdc(const Board& b, bool unit, int clock_khz) {
   std::string text = fmt::format(
       "# SPDX-License-Identifier: Apache-2.0\n"
       "# Pins and clock of an Arty A7-100T; written by `photonloom generate`.\n"
+      "set_property CFGBVS VCCO [current_design]\n"
+      "set_property CONFIG_VOLTAGE 3.3 [current_design]\n"
       "create_clock -name oscillator -period {:.3f} [get_ports {}]\n",
       1e6 / (unit ? clock_khz : b.oscillator_khz), b.clock);
   std::vector<Pin> pins = {{b.clock, "E3", false}, {"btn_i", "D9", false}};

@@ -269,8 +269,9 @@ std::map<std::string, std::string> generate_hardware(const HardwareRequest& requ
   std::vector<std::string> order = {"rtl/photonloom_pkg.sv"};
   files["rtl/photonloom_pkg.sv"] = write_package(plan, hash);
   const std::set<std::string> without = modules_not_taken(plan);
-  // On a board the units stand in board_core.
+  // On a board the units stand in board_core; the sampler's work stays with the host.
   const bool core = !request.board.empty() && request.unit.empty();
+  if (core) units.erase(std::remove(units.begin(), units.end(), "cdf_sampler"), units.end());
   for (const std::string& unit : core ? std::vector<std::string>{"board_core"} : units)
     for (const std::string& file : module_files(rtl, unit, without)) {
       if (!files.emplace("rtl/" + file, read_file(rtl + "/" + file)).second) continue;

@@ -199,11 +199,15 @@ TEST_CASE("one unit alone") {
 TEST_CASE("packages for boards lint and are checked") {
   Plan plan = gatherer_plan();
   plan.gather_rays = 4;
+  // An empty unit is the whole board; "sdram" is that with its photons in SDRAM.
   for (const char* board : {"ulx3s-85f", "up5k", "arty-a7-100t"})
-    for (const char* unit : {"", "reorder_buffer", "cdf_sampler", "photon_gatherer"}) {
-      if (std::string(board) != "ulx3s-85f" && *unit && std::string(unit) != "reorder_buffer")
-        continue;
-      if (std::string(board) == "up5k" && !*unit) continue;
+    for (const char* unit : {"sdram", "", "reorder_buffer", "cdf_sampler", "photon_gatherer"}) {
+      plan.photon_memory =
+          std::string(unit) == "sdram" ? PhotonMemory::kSdram : PhotonMemory::kBlockRam;
+      if (plan.photon_memory == PhotonMemory::kSdram) unit = "";
+      const bool ulx3s = std::string(board) == "ulx3s-85f", up5k = std::string(board) == "up5k";
+      if (!ulx3s && *unit && std::string(unit) != "reorder_buffer") continue;
+      if (!*unit && (up5k || (!ulx3s && plan.photon_memory == PhotonMemory::kSdram))) continue;
       const Scratch scratch;
       INFO(board << " " << unit);
       write_plan(plan, scratch / "plan.toml");
