@@ -20,6 +20,7 @@ namespace {
 constexpr uint32_t kWordsAtOnce = kMaxFrameWords;
 constexpr int kPulls = 3;         // on the way where so many words are known to be there
 constexpr int kVainAttempts = 3;  // reconnections without a single answer between them
+constexpr int kCounterBits = 40;
 constexpr uint32_t kResultRecord = 0, kPhotonRecord = 1;
 
 std::string image_checksum(const PhotonGathererImage& image) {
@@ -201,17 +202,27 @@ void BoardPhotonGatherer::ask(Job& job) {
   job.ready_results.clear();
   job.ready_photons.clear();
   job.moved = seconds_now();
-  if (board_->connection().read(kRegSession, 1)[0] != session_) forgot();
+  // A board that is reset after its first word was taken is found out by positions that go back;
+  // before, only by its session.
+  push(job, query_.words());
+  board_->connection().drain();
+  check_session();
+  double checked = job.moved;
   while (job.done < job.in.size()) {
-    push(job);
+    push(job, job.words.size());
     pull(job);
     board_->connection().wait();
     deliver(job);
-    if (seconds_now() - job.moved > options_.wait)
+    const double now = seconds_now();
+    if (now - job.moved > options_.wait)
       throw std::runtime_error(
           fmt::format("{}: the board answers, but no result came for {:.3g} seconds, after {} of "
                       "{} queries",
                       options_.device, options_.wait, job.done, job.in.size()));
+    if (now - std::max(checked, job.moved) > options_.wait / 4) {
+      check_session();
+      checked = now;
+    }
   }
   board_->connection().drain();
   input_next_ = job.base + static_cast<uint32_t>(job.words.size());
@@ -221,9 +232,13 @@ void BoardPhotonGatherer::forgot() const {
   throw LinkLost(fmt::format("{}: forgot its session: was it reset?", options_.device));
 }
 
-void BoardPhotonGatherer::push(Job& job) {
+void BoardPhotonGatherer::check_session() {
+  if (board_->connection().read(kRegSession, 1)[0] != session_) forgot();
+}
+
+void BoardPhotonGatherer::push(Job& job, size_t until) {
   for (;;) {
-    size_t n = std::min<size_t>(kWordsAtOnce, job.words.size() - job.sent);
+    size_t n = std::min<size_t>(kWordsAtOnce, std::min(until, job.words.size()) - job.sent);
     if (n == 0) return;
     const size_t room = job.taken + job.room > job.sent ? job.taken + job.room - job.sent : 0;
     if (room > 0) {
@@ -355,10 +370,8 @@ void BoardPhotonGatherer::expect_silence(Job& job) {
 
 BoardState BoardPhotonGatherer::take_counters() {
   BoardState s = board_->state();
-  for (const auto& [name, value] : s.counters) {
-    const uint64_t before = seen_[name];
-    total_[name] += value >= before ? value - before : value;
-  }
+  for (const auto& [name, value] : s.counters)
+    total_[name] += (value - seen_[name]) & ones(kCounterBits);
   seen_ = s.counters;
   return s;
 }

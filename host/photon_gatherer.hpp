@@ -47,7 +47,8 @@ class BoardPhotonGatherer final : public PhotonGatherer {
   void prepare();  // a new session, with the maps loaded
   void reconnect(const LinkLost& lost);
   void ask(Job& job);
-  void push(Job& job);
+  void check_session();
+  void push(Job& job, size_t until);  // words of the input, as far as there is room
   void pull(Job& job);
   void deliver(Job& job);
   void expect_silence(Job& job);

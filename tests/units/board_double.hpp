@@ -302,6 +302,8 @@ class FaultyLink final : public ByteLink {
              uint64_t bytes_until_lost = ~0ull)
       : board_(board), faults_(faults), seed_(seed), left_(bytes_until_lost) {}
 
+  uint64_t reset_board_at = ~0ull;  // bytes to the board until somebody presses its button
+
   const std::string& name() const override { return name_; }
   double now() const override { return now_; }
 
@@ -309,6 +311,7 @@ class FaultyLink final : public ByteLink {
     const auto harmed = [this](uint8_t byte) { return harm(byte); };
     for (const uint8_t byte : bytes) {
       if (left_-- == 0) throw LinkLost(name_ + ": is gone");
+      if (bytes_++ == reset_board_at) board_.reset();
       // A board that has not yet room for what comes loses it.
       to_board_ = std::max(to_board_, now_) + kByte;
       for (const uint8_t b : harmed(byte))
@@ -355,7 +358,7 @@ class FaultyLink final : public ByteLink {
   std::string name_ = "double";
   BoardDouble& board_;
   Faults faults_;
-  uint64_t seed_, number_ = 0, left_;
+  uint64_t seed_, number_ = 0, left_, bytes_ = 0;
   double now_ = 0, to_board_ = 0, to_host_ = 0;
   std::deque<Arriving> arriving_;
 };
