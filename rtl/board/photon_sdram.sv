@@ -3,7 +3,7 @@
 // (docs/photon_memory.md). Global line l lies at byte l * stride, the caustic map's lines behind the global map's; stride is
 // the power of two not under a line's bytes.
 //
-// Line ports are those of photon_gatherer, side by side, gatherer 0 lowest. A line from the cache comes 6 cycles after its
+// Line ports are those of photon_gatherer, side by side, gatherer 0 lowest. A line from the cache comes 8 cycles after its
 // request where nobody else asks, one line a cycle where a beat is a whole line, else one in Beats + 3 cycles. At most
 // Outstanding lines are on their way from the SDRAM, which delivers them in order; there is room for all of them on this side, so nothing
 // depends on the ratio of the clocks, but the rate: the SDRAM's 16 bits a cycle need a quarter of its frequency here.
@@ -102,7 +102,7 @@ module photon_sdram #(
   );
 
   // ---- gatherers to cache ----
-  logic ask_valid, ask_ready;
+  logic ask_valid;
   logic [LineBits+TagBits:0] ask;
   logic [SourceBits-1:0] ask_source;
   logic [Gatherers*(LineBits+1+TagBits)-1:0] req;
@@ -122,7 +122,7 @@ module photon_sdram #(
       .in_ready_o(line_req_ready_o),
       .in_i(req),
       .out_valid_o(ask_valid),
-      .out_ready_i(ask_ready),
+      .out_ready_i(1'b1),
       .out_o(ask),
       .out_source_o(ask_source)
   );
@@ -141,6 +141,7 @@ module photon_sdram #(
       .Items(Bucket),
       .ItemBytes(photonloom_pkg::PhotonBytes),
       .ItemBits(PhotonBits),
+      .Parts(1),
       .BeatBits(64),
       .Sets(Sets),
       .Ways(CacheWays),
@@ -152,14 +153,16 @@ module photon_sdram #(
       .set_mask_i(SetBits'(Sets - 1)),
       .bypass_i(1'b0),
       .in_valid_i(ask_valid),
-      .in_ready_o(ask_ready),
       .in_client_i({ask_source, ask[TagBits-1:0]}),
       .in_address_i(ask[LineBits+TagBits:TagBits]),
-      .out_ready_i(answer_ready),
+      .ready_i(answer_ready),
       .issue_o(issue),
       .out_valid_o(answer_valid),
       .out_client_o(answer_client),
-      .out_line_o(answer_line),
+      /* verilator lint_off PINCONNECTEMPTY */
+      .out_part_o(),
+      /* verilator lint_on PINCONNECTEMPTY */
+      .out_data_o(answer_line),
       .line_req_valid_o(line_req_valid),
       .line_req_ready_i(line_req_ready),
       .line_req_addr_o(line_req_addr),

@@ -1,96 +1,88 @@
 // SPDX-License-Identifier: Apache-2.0
 // Set-associative read cache of lines, several misses outstanding. A line is Items items of ItemBytes bytes; only the
-// low ItemBits of each are kept and delivered, a whole line a cycle.
+// low ItemBits of each are kept. It is delivered in Parts parts, the first items first, one a cycle.
 //
-// Each of Clients clients has at most one request in flight; answers come by client, in any order. A miss takes one of
-// Misses entries, which later requests for the same line join; an entry holds its way until all who wait for it have
-// read, so a line cannot be evicted between its arrival and its use. Where every way of the set is held so, or no
-// entry is free, requests wait; entries free themselves without them, so there is no deadlock. The victim is the next
-// way in turn that is not held.
+// Each of Clients clients has at most one request in flight, which is always taken; answers come by client, in any
+// order. A miss takes one of Misses entries, which holds its way until its client begins to read. Whatever cannot be
+// served at once (the line is on its way, no entry is free, every way of the set is held, tags that are just being
+// changed) goes to a queue and is looked up again when no new request comes. A request that misses is served by its own
+// entry, so each is served after finitely many rounds. The victim is the next way in turn that is not held.
 //
-// An answer is issued only with out_ready_i, comes a cycle later, straight from block RAM, and must then be taken; the issue itself is shown by
-// issue_o, so the receiver can count its room. Line port: beats of a line in order and not interleaved, lines in any
+//   stage 0  choose a request    1  tag memory    2  held ways    3  compare, decide    hit: wait for the reader
+//
+// ready_i says that there is room for a line and issue_o that one begins: its parts follow from the second cycle after,
+// straight from block RAM, and must be taken. Line port: beats of a line in order and not interleaved, lines in any
 // order of tags, always accepted. invalidate_i (while idle) forgets every line in Sets cycles, as reset does.
 // set_mask_i (while idle, before an invalidate): sets in use minus one; bypass_i: every request fetches its line.
 //
-// Latency of a hit 3 cycles from in_valid_i, a line a cycle; a miss adds the memory's latency, its beats and 3 cycles.
+// Where a part is whole beats, the line memory is one part wide; else one line, with a choice behind it.
+//
+// Latency of a hit 5 cycles from in_valid_i, a line in Parts cycles; a miss adds the memory's latency, its beats and 2.
 module cache #(
     parameter int unsigned AddressBits = 14,
     parameter int unsigned Clients = 16,
     parameter int unsigned Items = 8,
     parameter int unsigned ItemBytes = 16,
     parameter int unsigned ItemBits = 96,
+    parameter int unsigned Parts = 2,
     parameter int unsigned BeatBits = 128,
     parameter int unsigned Sets = 64,
     parameter int unsigned Ways = 2,
     parameter int unsigned Misses = 8,
     localparam int unsigned ClientBits = Clients > 1 ? $clog2(Clients) : 1,
     localparam int unsigned MissBits = Misses > 1 ? $clog2(Misses) : 1,
-    localparam int unsigned SetBits = Sets > 1 ? $clog2(Sets) : 1
+    localparam int unsigned SetBits = Sets > 1 ? $clog2(Sets) : 1,
+    localparam int unsigned PartBits = Parts > 1 ? $clog2(Parts) : 1,
+    localparam int unsigned DataBits = Items / Parts * ItemBits
 ) (
-    input  logic                      clk_i,
-    input  logic                      rst_i,
-    input  logic                      invalidate_i,
-    input  logic [       SetBits-1:0] set_mask_i,
-    input  logic                      bypass_i,
+    input  logic                   clk_i,
+    input  logic                   rst_i,
+    input  logic                   invalidate_i,
+    input  logic [    SetBits-1:0] set_mask_i,
+    input  logic                   bypass_i,
     // requests
-    input  logic                      in_valid_i,
-    output logic                      in_ready_o,
-    input  logic [    ClientBits-1:0] in_client_i,
-    input  logic [   AddressBits-1:0] in_address_i,
+    input  logic                   in_valid_i,
+    input  logic [ ClientBits-1:0] in_client_i,
+    input  logic [AddressBits-1:0] in_address_i,
     // answers
-    input  logic                      out_ready_i,
-    output logic                      issue_o,
-    output logic                      out_valid_o,
-    output logic [    ClientBits-1:0] out_client_o,
-    output logic [Items*ItemBits-1:0] out_line_o,
+    input  logic                   ready_i,
+    output logic                   issue_o,
+    output logic                   out_valid_o,
+    output logic [ ClientBits-1:0] out_client_o,
+    output logic [   PartBits-1:0] out_part_o,
+    output logic [   DataBits-1:0] out_data_o,
     // memory
-    output logic                      line_req_valid_o,
-    input  logic                      line_req_ready_i,
-    output logic [   AddressBits-1:0] line_req_addr_o,
-    output logic [      MissBits-1:0] line_req_tag_o,
-    input  logic                      line_rsp_valid_i,
-    input  logic [      MissBits-1:0] line_rsp_tag_i,
-    input  logic [      BeatBits-1:0] line_rsp_data_i,
+    output logic                   line_req_valid_o,
+    input  logic                   line_req_ready_i,
+    output logic [AddressBits-1:0] line_req_addr_o,
+    output logic [   MissBits-1:0] line_req_tag_o,
+    input  logic                   line_rsp_valid_i,
+    input  logic [   MissBits-1:0] line_rsp_tag_i,
+    input  logic [   BeatBits-1:0] line_rsp_data_i,
     // counted events
-    output logic                      hit_o,
-    output logic                      miss_o
+    output logic                   hit_o,
+    output logic                   miss_o
 );
   localparam int unsigned WayBits = Ways > 1 ? $clog2(Ways) : 1;
-  localparam int unsigned Beats = (Items * ItemBytes * 8 + BeatBits - 1) / BeatBits;
+  localparam int unsigned PlaceBits = SetBits + WayBits;  // set, way
+  localparam int unsigned LineBits = Items * ItemBytes * 8;
+  localparam int unsigned Beats = (LineBits + BeatBits - 1) / BeatBits;
   localparam int unsigned BeatCountBits = Beats > 1 ? $clog2(Beats) : 1;
   localparam int unsigned TagBits = AddressBits + 1;  // valid, address
-  localparam int unsigned PlaceBits = SetBits + WayBits;
+  localparam int unsigned QueueDepth = Clients > 2 ? (1 << $clog2(Clients)) : 2;
 
   if (Sets < 1 || (Sets & (Sets - 1)) != 0) begin : gen_bad_sets
     cache_sets_must_be_a_power_of_two bad_sets ();
   end
-
-  // ---- lookup: stage a presents the set to the tags, stage b decides ----
-  logic b_valid_q, b_take, lookup_ready;
-  logic [ClientBits-1:0] b_client_q;
-  logic [AddressBits-1:0] b_address_q;
-  logic [SetBits-1:0] a_set, b_set;
-  logic [Ways*TagBits-1:0] tags;
-  logic allocate;
-  logic [WayBits-1:0] victim;
+  if (Items % Parts != 0) begin : gen_bad_parts
+    cache_parts_must_divide_items bad_parts ();
+  end
 
   // ---- forgetting: after reset and invalidate_i ----
   logic sweeping_q;
   logic [SetBits-1:0] sweep_q;
 
-  // The set of a request that waits in stage b is presented again, so its tags are never older than its last cycle.
-  assign lookup_ready = !b_valid_q || b_take;
-  assign in_ready_o = lookup_ready && !sweeping_q;
-  assign b_set = SetBits'(b_address_q) & set_mask_i;
-  assign a_set = lookup_ready ? SetBits'(in_address_i) & set_mask_i : b_set;
-
   always_ff @(posedge clk_i) begin
-    if (lookup_ready) begin
-      b_valid_q <= in_valid_i && !sweeping_q;
-      b_client_q <= in_client_i;
-      b_address_q <= in_address_i;
-    end
     if (rst_i || invalidate_i) begin
       sweeping_q <= 1'b1;
       sweep_q <= '0;
@@ -98,8 +90,96 @@ module cache #(
       sweep_q <= sweep_q + 1'b1;
       sweeping_q <= sweep_q != SetBits'(Sets - 1);
     end
-    if (rst_i) b_valid_q <= 1'b0;
   end
+
+  // ---- stages 0 to 2 ----
+  // A lookup is stale when a tag is written in the cycle in which it reads or the next: then it is made again.
+  logic queue_valid, allocate;
+  logic [ClientBits-1:0] queue_client, client_1_q, client_2_q, client_3_q;
+  logic [AddressBits-1:0] queue_address, address_1_q, address_2_q, address_3_q;
+  logic valid_1_q, valid_2_q, valid_3_q, stale_2_q, stale_3_q;
+  logic [SetBits-1:0] set_1, set_2, set_3_q;
+  logic [Ways*TagBits-1:0] tags, tags_3_q;
+  logic [Ways-1:0] pending_2, pending_3_q;
+  logic tag_write;
+
+  assign set_1 = SetBits'(address_1_q) & set_mask_i;
+  assign set_2 = SetBits'(address_2_q) & set_mask_i;
+  assign tag_write = sweeping_q || allocate;
+
+  always_ff @(posedge clk_i) begin
+    valid_1_q <= in_valid_i || queue_valid;
+    client_1_q <= in_valid_i ? in_client_i : queue_client;
+    address_1_q <= in_valid_i ? in_address_i : queue_address;
+
+    valid_2_q <= valid_1_q;
+    client_2_q <= client_1_q;
+    address_2_q <= address_1_q;
+    stale_2_q <= tag_write;
+
+    valid_3_q <= valid_2_q;
+    client_3_q <= client_2_q;
+    address_3_q <= address_2_q;
+    set_3_q <= set_2;
+    stale_3_q <= stale_2_q || tag_write;
+    tags_3_q <= tags;
+    pending_3_q <= pending_2;
+    if (rst_i) begin
+      valid_1_q <= 1'b0;
+      valid_2_q <= 1'b0;
+      valid_3_q <= 1'b0;
+    end
+  end
+
+  // ---- stage 3: decide ----
+  logic hit_valid_q, reader_valid_q, hit_take, hit_room, retry;
+  logic [PlaceBits-1:0] hit_place_q, hit_place, reader_place_q;
+  logic [ClientBits-1:0] hit_client_q, hit_client, reader_client_q;
+  logic [Ways-1:0] match, held;
+  logic [WayBits-1:0] hit_way, victim, turn_q;
+  logic found, hits;
+  logic free_q;  // an entry of the misses is free
+  logic [MissBits-1:0] entry_q;
+
+  always_comb begin
+    hit_way = '0;
+    for (int unsigned w = 0; w < Ways; w++) begin
+      match[w] = !bypass_i && tags_3_q[TagBits*w+:TagBits] == {1'b1, address_3_q};
+      if (match[w]) hit_way = WayBits'(w);
+      held[w] = pending_3_q[w] || (hit_valid_q && hit_place_q == {set_3_q, WayBits'(w)}) ||
+          (reader_valid_q && reader_place_q == {set_3_q, WayBits'(w)});
+    end
+    victim = '0;
+    for (int unsigned w = Ways; w > 0; w--) if (!held[w-1]) victim = WayBits'(w - 1);
+    for (int unsigned w = Ways; w > 0; w--) if (!held[w-1] && WayBits'(w - 1) >= turn_q) victim = WayBits'(w - 1);
+  end
+
+  assign found = match != '0;
+  assign hit_room = !hit_valid_q || hit_take;
+  assign hit_place = hit_valid_q ? hit_place_q : {set_3_q, hit_way};
+  assign hit_client = hit_valid_q ? hit_client_q : client_3_q;
+  assign hits = valid_3_q && !stale_3_q && (match & ~pending_3_q) != '0 && hit_room;
+  assign allocate = valid_3_q && !stale_3_q && !found && free_q && held != '1 && !line_req_valid_o;
+  assign retry = valid_3_q && !hits && !allocate;
+  assign hit_o = hits;
+  assign miss_o = allocate;
+
+  /* verilator lint_off UNUSEDSIGNAL */  // the queue holds every client
+  logic queue_ready;
+  /* verilator lint_on UNUSEDSIGNAL */
+  fifo #(
+      .Width(ClientBits + AddressBits),
+      .Depth(QueueDepth)
+  ) again (
+      .clk_i(clk_i),
+      .rst_i(rst_i),
+      .in_valid_i(retry),
+      .in_ready_o(queue_ready),
+      .in_i({client_3_q, address_3_q}),
+      .out_valid_o(queue_valid),
+      .out_ready_i(!in_valid_i),
+      .out_o({queue_client, queue_address})
+  );
 
   for (genvar way = 0; way < Ways; way++) begin : gen_tags
     block_ram #(
@@ -108,170 +188,190 @@ module cache #(
     ) tag_ram (
         .clk_i(clk_i),
         .write_i(sweeping_q || (allocate && victim == WayBits'(way))),
-        .write_address_i(sweeping_q ? sweep_q : b_set),
-        .write_data_i(sweeping_q ? '0 : {1'b1, b_address_q}),
+        .write_address_i(sweeping_q ? sweep_q : set_3_q),
+        .write_data_i(sweeping_q ? '0 : {1'b1, address_3_q}),
         .read_i(1'b1),
-        .read_address_i(a_set),
+        .read_address_i(set_1),
         .read_data_o(tags[TagBits*way+:TagBits])
     );
   end
 
   // ---- misses ----
-  logic [Misses-1:0] busy_q, filled_q, same, idle_entry;
-  logic [AddressBits-1:0] miss_address_q[0:Misses-1];
-  logic [PlaceBits-1:0] miss_place_q[0:Misses-1];  // set, way
-  logic [Clients-1:0] waiting_q[0:Misses-1];
-  logic [Ways-1:0] held, match;
-  logic joins, hits, may_allocate, free_entry, free_way, hit_read;
-  logic [MissBits-1:0] entry;
-  logic [WayBits-1:0] hit_way, turn_q;
-
-  // A way whose line is on its way does not count as a hit by its tag: the tag may be the one read before its change.
-  always_comb begin
-    held = '0;
-    same = '0;
-    for (int unsigned m = 0; m < Misses; m++) begin
-      if (busy_q[m]) begin
-        for (int unsigned w = 0; w < Ways; w++)
-          if (miss_place_q[m] == {b_set, WayBits'(w)}) held[w] = 1'b1;
-        same[m] = !bypass_i && miss_address_q[m] == b_address_q;
-      end
-    end
-    match = '0;
-    hit_way = '0;
-    for (int unsigned w = 0; w < Ways; w++) begin
-      match[w] = !bypass_i && !held[w] && tags[TagBits*w+:TagBits] == {1'b1, b_address_q};
-      if (match[w]) hit_way = WayBits'(w);
-    end
-    idle_entry = ~busy_q;
-    entry = '0;
-    for (int unsigned m = Misses; m > 0; m--) if (idle_entry[m-1]) entry = MissBits'(m - 1);
-    victim = '0;
-    for (int unsigned w = Ways; w > 0; w--) if (!held[w-1]) victim = WayBits'(w - 1);
-    for (int unsigned w = Ways; w > 0; w--) if (!held[w-1] && WayBits'(w - 1) >= turn_q) victim = WayBits'(w - 1);
-  end
-
-  assign joins = same != '0;
-  assign hits = match != '0 && !joins;
-  assign free_entry = idle_entry != '0;
-  assign free_way = held != '1;
-  assign may_allocate = free_entry && free_way && !line_req_valid_o;
-  assign allocate = b_valid_q && !joins && !hits && may_allocate;
-  assign b_take = joins || (hits ? hit_read : may_allocate);
-  assign hit_o = b_valid_q && b_take && (joins || hits);
-  assign miss_o = allocate;
-
-  // ---- who reads next: those who waited for the current entry, else a hit ----
-  logic serving_q, serve_last, serve_read;
-  logic [MissBits-1:0] serve_entry_q, next_entry;
-  logic [Clients-1:0] serve_waiting, serve_rest;
-  logic [ClientBits-1:0] serve_client;
-  logic serve_joined;
-
-  assign serve_waiting = waiting_q[serve_entry_q];
-  assign serve_rest = serve_waiting & (serve_waiting - 1'b1);
-  assign serve_joined = b_valid_q && same[serve_entry_q];
-  assign serve_last = serve_rest == '0 && !serve_joined;
-  assign serve_read = serving_q && out_ready_i && serve_waiting != '0;
-  assign hit_read = !serving_q && out_ready_i;
-  assign issue_o = serve_read || (b_valid_q && hits && hit_read);
-
-  always_comb begin
-    serve_client = '0;
-    for (int unsigned c = Clients; c > 0; c--) if (serve_waiting[c-1]) serve_client = ClientBits'(c - 1);
-    next_entry = '0;
-    for (int unsigned m = Misses; m > 0; m--) if (filled_q[m-1]) next_entry = MissBits'(m - 1);
-  end
-
-  // ---- filling ----
-  logic fill_q;
+  // Allocations are at least three cycles apart, since each makes the two lookups behind it stale; so the free entry can
+  // be chosen a cycle ahead.
+  logic [Misses-1:0] busy_q, filled_q;
+  logic [PlaceBits-1:0] miss_place_q[0:Misses-1];
+  logic serve, any_filled;
+  logic [MissBits-1:0] serve_entry;
+  logic filled;  // the last part of a line is being written
   logic [MissBits-1:0] fill_entry_q;
-  logic [BeatCountBits-1:0] beat_q;
-  /* verilator lint_off UNUSEDSIGNAL */  // the padding of items and line
-  logic [Beats*BeatBits-1:0] raw_q;
-  /* verilator lint_on UNUSEDSIGNAL */
-  logic [Items*ItemBits-1:0] fill_line;
+  logic [PlaceBits-1:0] fill_place, serve_place;
+  logic [ClientBits-1:0] serve_client;
 
-  for (genvar item = 0; item < Items; item++) begin : gen_item
-    assign fill_line[ItemBits*item+:ItemBits] = raw_q[ItemBytes*8*item+:ItemBits];
+  always_comb begin
+    for (int unsigned w = 0; w < Ways; w++) begin
+      pending_2[w] = 1'b0;
+      for (int unsigned m = 0; m < Misses; m++)
+        if (busy_q[m] && miss_place_q[m] == {set_2, WayBits'(w)}) pending_2[w] = 1'b1;
+    end
+    any_filled = filled_q != '0;
+    serve_entry = '0;
+    for (int unsigned m = Misses; m > 0; m--) if (filled_q[m-1]) serve_entry = MissBits'(m - 1);
   end
 
   always_ff @(posedge clk_i) begin
-    fill_q <= line_rsp_valid_i && beat_q == BeatCountBits'(Beats - 1);
-    fill_entry_q <= line_rsp_tag_i;
-    if (line_rsp_valid_i) begin
-      raw_q <= (Beats * BeatBits)'({line_rsp_data_i, raw_q} >> BeatBits);
-      beat_q <= beat_q == BeatCountBits'(Beats - 1) ? '0 : beat_q + 1'b1;
-    end
-    if (rst_i) begin
-      fill_q <= 1'b0;
-      beat_q <= '0;
-    end
-  end
-
-  always_ff @(posedge clk_i) begin
-    if (line_req_valid_o && line_req_ready_i) line_req_valid_o <= 1'b0;
-    if (allocate) begin
-      line_req_valid_o <= 1'b1;
-      line_req_addr_o <= b_address_q;
-      line_req_tag_o <= entry;
-      turn_q <= turn_q == WayBits'(Ways - 1) ? '0 : turn_q + 1'b1;
-    end
+    free_q <= busy_q != '1;
+    for (int unsigned m = Misses; m > 0; m--) if (!busy_q[m-1]) entry_q <= MissBits'(m - 1);
     for (int unsigned m = 0; m < Misses; m++) begin
-      // A bit is set by its client's request and cleared by its read; no client is at both.
-      for (int unsigned c = 0; c < Clients; c++) begin
-        if (serve_read && serve_entry_q == MissBits'(m) && serve_client == ClientBits'(c)) waiting_q[m][c] <= 1'b0;
-        if (b_client_q == ClientBits'(c) && ((b_valid_q && same[m]) || (allocate && entry == MissBits'(m))))
-          waiting_q[m][c] <= 1'b1;
-      end
-      if (fill_q && fill_entry_q == MissBits'(m)) filled_q[m] <= 1'b1;
-      if (serve_read && serve_last && serve_entry_q == MissBits'(m)) begin
+      if (filled && fill_entry_q == MissBits'(m)) filled_q[m] <= 1'b1;
+      if (serve && serve_entry == MissBits'(m)) begin
         busy_q[m] <= 1'b0;
         filled_q[m] <= 1'b0;
       end
-      if (allocate && entry == MissBits'(m)) begin
+      if (allocate && entry_q == MissBits'(m)) begin
         busy_q[m] <= 1'b1;
-        miss_address_q[m] <= b_address_q;
-        miss_place_q[m] <= {b_set, victim};
+        miss_place_q[m] <= {set_3_q, victim};
       end
-      if (rst_i) waiting_q[m] <= '0;
     end
-    if (serve_read && serve_last) serving_q <= 1'b0;
-    if (!serving_q) begin
-      serve_entry_q <= next_entry;
-      serving_q <= filled_q != '0;
+    if (line_req_ready_i) line_req_valid_o <= 1'b0;
+    if (allocate) begin
+      line_req_valid_o <= 1'b1;
+      line_req_addr_o <= address_3_q;
+      line_req_tag_o <= entry_q;
+      turn_q <= turn_q == WayBits'(Ways - 1) ? '0 : turn_q + 1'b1;
     end
     if (rst_i) begin
       busy_q <= '0;
       filled_q <= '0;
-      serving_q <= 1'b0;
       line_req_valid_o <= 1'b0;
       turn_q <= '0;
     end
   end
 
-  // ---- data ----
-  logic [PlaceBits-1:0] read_place, fill_place;
-
-  assign read_place = serving_q ? miss_place_q[serve_entry_q] : {b_set, hit_way};
-  assign fill_place = miss_place_q[fill_entry_q];
-
-  block_ram #(
-      .Width(Items * ItemBits),
-      .Depth(1 << PlaceBits)
-  ) lines (
+  lut_ram #(
+      .Width(PlaceBits + ClientBits),
+      .Depth(Misses > 1 ? Misses : 2)
+  ) misses_to_serve (
       .clk_i(clk_i),
-      .write_i(fill_q),
-      .write_address_i(fill_place),
-      .write_data_i(fill_line),
-      .read_i(1'b1),
-      .read_address_i(read_place),
-      .read_data_o(out_line_o)
+      .write_i(allocate),
+      .write_address_i(entry_q),
+      .write_data_i({set_3_q, victim, client_3_q}),
+      .read_address_i(serve_entry),
+      .read_data_o({serve_place, serve_client})
+  );
+  lut_ram #(
+      .Width(PlaceBits),
+      .Depth(Misses > 1 ? Misses : 2)
+  ) misses_to_fill (
+      .clk_i(clk_i),
+      .write_i(allocate),
+      .write_address_i(entry_q),
+      .write_data_i({set_3_q, victim}),
+      .read_address_i(fill_entry_q),
+      .read_data_o(fill_place)
   );
 
+  // ---- the reader: lines that have come go before hits ----
+  logic reader_last, reader_free;
+  logic [PartBits-1:0] reader_part_q;
+
+  assign reader_last = Parts == 1 || reader_part_q == PartBits'(Parts - 1);
+  assign reader_free = !reader_valid_q || reader_last;
+  assign serve = any_filled && reader_free && ready_i;
+  assign hit_take = !any_filled && reader_free && ready_i;
+  assign issue_o = serve || (hit_take && (hit_valid_q || hits));
+
   always_ff @(posedge clk_i) begin
-    out_valid_o <= issue_o;
-    out_client_o <= serving_q ? serve_client : b_client_q;
-    if (rst_i) out_valid_o <= 1'b0;
+    if (hit_room) begin
+      hit_valid_q <= hits && (hit_valid_q || !hit_take);
+      hit_place_q <= {set_3_q, hit_way};
+      hit_client_q <= client_3_q;
+    end
+    if (reader_free) begin
+      reader_valid_q <= issue_o;
+      reader_place_q <= any_filled ? serve_place : hit_place;
+      reader_client_q <= any_filled ? serve_client : hit_client;
+      reader_part_q <= '0;
+    end else begin
+      reader_part_q <= reader_part_q + 1'b1;
+    end
+    out_valid_o <= reader_valid_q;
+    out_client_o <= reader_client_q;
+    out_part_o <= reader_part_q;
+    if (rst_i) begin
+      hit_valid_q <= 1'b0;
+      reader_valid_q <= 1'b0;
+      out_valid_o <= 1'b0;
+    end
+  end
+
+  // ---- filling and the line memory ----
+  localparam int unsigned PartLineBits = LineBits / Parts;
+  localparam bit Narrow = PartLineBits % BeatBits == 0;
+  localparam int unsigned RawBits = Narrow ? PartLineBits : Beats * BeatBits;
+  localparam int unsigned RawItems = Narrow ? Items / Parts : Items;
+  localparam int unsigned PartBeats = Narrow ? PartLineBits / BeatBits : Beats;
+
+  logic fill_q, fill_last;
+  logic [BeatCountBits-1:0] beat_q;
+  logic [PartBits-1:0] fill_part_q;
+  /* verilator lint_off UNUSEDSIGNAL */  // the padding of items and line
+  logic [RawBits-1:0] raw_q;
+  /* verilator lint_on UNUSEDSIGNAL */
+  logic [RawItems*ItemBits-1:0] fill_data;
+
+  for (genvar item = 0; item < RawItems; item++) begin : gen_item
+    assign fill_data[ItemBits*item+:ItemBits] = raw_q[ItemBytes*8*item+:ItemBits];
+  end
+
+  always_ff @(posedge clk_i) begin
+    fill_q <= line_rsp_valid_i && beat_q == BeatCountBits'(PartBeats - 1);
+    fill_entry_q <= line_rsp_tag_i;
+    if (line_rsp_valid_i) begin
+      raw_q <= RawBits'({line_rsp_data_i, raw_q} >> BeatBits);
+      beat_q <= beat_q == BeatCountBits'(PartBeats - 1) ? '0 : beat_q + 1'b1;
+    end
+    if (fill_q) fill_part_q <= fill_last ? '0 : fill_part_q + 1'b1;
+    if (rst_i) begin
+      fill_q <= 1'b0;
+      beat_q <= '0;
+      fill_part_q <= '0;
+    end
+  end
+  assign fill_last = !Narrow || Parts == 1 || fill_part_q == PartBits'(Parts - 1);
+  assign filled = fill_q && fill_last;
+
+  if (Narrow && Parts > 1) begin : gen_part_wide
+    block_ram #(
+        .Width(DataBits),
+        .Depth(1 << (PlaceBits + PartBits))
+    ) lines (
+        .clk_i(clk_i),
+        .write_i(fill_q),
+        .write_address_i({fill_place, fill_part_q}),
+        .write_data_i(fill_data),
+        .read_i(1'b1),
+        .read_address_i({reader_place_q, reader_part_q}),
+        .read_data_o(out_data_o)
+    );
+  end else begin : gen_line_wide
+    logic [Items*ItemBits-1:0] line;
+    block_ram #(
+        .Width(Items * ItemBits),
+        .Depth(1 << PlaceBits)
+    ) lines (
+        .clk_i(clk_i),
+        .write_i(fill_q),
+        .write_address_i(fill_place),
+        .write_data_i(fill_data),
+        .read_i(1'b1),
+        .read_address_i(reader_place_q),
+        .read_data_o(line)
+    );
+    if (Parts > 1) begin : gen_choice
+      assign out_data_o = line[DataBits*out_part_o+:DataBits];
+    end else begin : gen_all
+      assign out_data_o = line;
+    end
   end
 endmodule

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // reciprocal(x) of golden/numeric/reciprocal.hpp: x > 0 is normalised and rounded half up to W+1 bits m, then
-// R = floor(2^(2W) / m) by restoring division, two bits a cycle, so it is the definition for every m by construction.
-// 1/x = mantissa * 2^-(W + exponent). One at a time, ceil((W+1)/2) + 4 cycles each; out_valid_o is one cycle long.
+// R = floor(2^(2W) / m) by non-restoring division, two bits a cycle, so it is the definition for every m by construction.
+// 1/x = mantissa * 2^-(W + exponent). One at a time; each takes ceil((W+1)/2) + 4 cycles, and to normalise it one for
+// each four leading zeros and one for each of the up to three that remain. out_valid_o is one cycle long.
 module reciprocal #(
     parameter int unsigned XBits = 34,
     parameter int unsigned W = 18,
@@ -21,47 +22,34 @@ module reciprocal #(
   localparam int unsigned YBits = XBits > W + 2 ? XBits : W + 2;
   localparam int unsigned StepBits = $clog2(Steps + 1);
 
-  localparam logic [2:0] Idle = 3'd0, Coarse = 3'd1, Fine = 3'd2, Round = 3'd3, Divide = 3'd4, Out = 3'd5;
+  localparam logic [2:0] Idle = 3'd0, Normalise = 3'd1, Round = 3'd2, Divide = 3'd3, Out = 3'd4;
   logic [2:0] state_q;
-  logic [YBits-1:0] y_q, coarse, fine;
-  logic [ExponentBits-1:0] exponent_q, coarse_shift, fine_shift;
-  logic [W+1:0] remainder_q, remainder_1, remainder_2, rounded;
+  logic [YBits-1:0] y_q;
+  logic [ExponentBits-1:0] exponent_q;
+  logic [W+1:0] rounded;
+  logic signed [W+2:0] remainder_q, remainder_1, remainder_2;  // in -divisor .. divisor - 1
   logic [W:0] divisor_q;
   logic [2*Steps-1:0] quotient_q;
   logic [StepBits-1:0] step_q;
-  logic bit_1, bit_2;
+  logic bit_1, bit_2, four;
 
-  // Leading zeros go in two cycles: by 32, 16, 8 and by 4, 2, 1.
-  always_comb begin
-    coarse = y_q;
-    coarse_shift = '0;
-    fine = y_q;
-    fine_shift = '0;
-    for (int unsigned s = 6; s > 0; s--) begin
-      if ((1 << (s - 1)) < YBits) begin
-        if (s > 3) begin
-          if ((coarse >> (YBits - (1 << (s - 1)))) == '0) begin
-            coarse = coarse << (1 << (s - 1));
-            coarse_shift = coarse_shift + ExponentBits'(1 << (s - 1));
-          end
-        end else if ((fine >> (YBits - (1 << (s - 1)))) == '0) begin
-          fine = fine << (1 << (s - 1));
-          fine_shift = fine_shift + ExponentBits'(1 << (s - 1));
-        end
-      end
-    end
-  end
+  // Leading zeros go four at a time, then one at a time.
+  assign four = y_q[YBits-1-:4] == '0;
 
   assign rounded = {1'b0, y_q[YBits-1-:W+1]} + {{(W + 1) {1'b0}}, y_q[YBits-W-2]};
 
-  always_comb begin
-    bit_1 = remainder_q >= {1'b0, divisor_q};
-    remainder_1 = bit_1 ? remainder_q - {1'b0, divisor_q} : remainder_q;
-    remainder_1 = remainder_1 << 1;
-    bit_2 = remainder_1 >= {1'b0, divisor_q};
-    remainder_2 = bit_2 ? remainder_1 - {1'b0, divisor_q} : remainder_1;
-    remainder_2 = remainder_2 << 1;
-  end
+  // A quotient bit is 1 iff twice the remainder, less the divisor if the remainder was not negative, else with it added
+  // again, is not negative. The bit below the numbers is the carry into the subtraction.
+  /* verilator lint_off UNUSEDSIGNAL */  // the carry's bit
+  logic signed [W+3:0] sum_1, sum_2;
+  /* verilator lint_on UNUSEDSIGNAL */
+  assign sum_1 = {remainder_q[W+1:0], 1'b0, 1'b1} +
+      (remainder_q[W+2] ? {2'b00, divisor_q, 1'b0} : {2'b11, ~divisor_q, 1'b1});
+  assign remainder_1 = sum_1[W+3:1];
+  assign bit_1 = !remainder_1[W+2];
+  assign sum_2 = {remainder_1[W+1:0], 1'b0, 1'b1} + (bit_1 ? {2'b11, ~divisor_q, 1'b1} : {2'b00, divisor_q, 1'b0});
+  assign remainder_2 = sum_2[W+3:1];
+  assign bit_2 = !remainder_2[W+2];
 
   assign in_ready_o = state_q == Idle;
   assign out_valid_o = state_q == Out;
@@ -73,22 +61,20 @@ module reciprocal #(
       Idle: begin
         y_q <= YBits'(in_i) << (YBits - XBits);
         exponent_q <= ExponentBits'(XBits - 1);
-        if (in_valid_i) state_q <= Coarse;
+        if (in_valid_i) state_q <= Normalise;
       end
-      Coarse: begin
-        y_q <= coarse;
-        exponent_q <= exponent_q - coarse_shift;
-        state_q <= Fine;
-      end
-      Fine: begin
-        y_q <= fine;
-        exponent_q <= exponent_q - fine_shift;
-        state_q <= Round;
+      Normalise: begin
+        if (y_q[YBits-1]) begin
+          state_q <= Round;
+        end else begin
+          y_q <= four ? y_q << 4 : y_q << 1;
+          exponent_q <= exponent_q - (four ? ExponentBits'(4) : ExponentBits'(1));
+        end
       end
       Round: begin
         divisor_q <= rounded[W+1] ? rounded[W+1:1] : rounded[W:0];
         if (rounded[W+1]) exponent_q <= exponent_q + 1'b1;
-        remainder_q <= (W + 2)'(1) << W;
+        remainder_q <= (W + 3)'(1) << (W - 1);
         step_q <= StepBits'(Steps - 1);
         state_q <= Divide;
       end

@@ -9,7 +9,7 @@
 // last insertion. Nodes, dropped stack entries, leaf beats and insertions each have a port of their own that takes one
 // a cycle. docs/photon_gatherer.md has the drawing, the address map of cfg_*, and the figures.
 //
-// Latency: about 3 cycles an inner node, 3 for one or two stack entries, 20 a leaf in the cache, 1 a candidate.
+// Latency: about 3 cycles an inner node, 3 for one or two stack entries, 40 a leaf in the cache, 1 a candidate.
 // Throughput: cycles per query near max(inner nodes, Bucket / Lanes * leaves, insertions).
 module photon_gatherer #(
     // These change when packets come, never which.
@@ -48,7 +48,7 @@ module photon_gatherer #(
     input  logic                              cfg_valid_i,
     input  logic [                      23:0] cfg_addr_i,
     input  logic [                      63:0] cfg_data_i,
-    // counted since reset
+    // counted since reset, shown at most 18 cycles late
     output logic [31:0] count_busy_o, // cycles with a query in flight
     output logic [31:0] count_queries_o, // queries started, flushes apart
     output logic [31:0] count_nodes_o, // inner nodes
@@ -86,6 +86,7 @@ module photon_gatherer #(
   localparam int unsigned PlaceBits = K > 1 ? $clog2(K) : 1;
   localparam int unsigned NodeBits = LineBits + 1;
   localparam int unsigned StackBits = $clog2(LineBits + 1);
+  localparam int unsigned OffsetsBits = 3 * (PositionBits + 1);  // signed
 
   // E * distance^2 <= E * 2^R2Bits.
   localparam int unsigned DistanceBits = R2Bits + $clog2(photonloom_pkg::EpsilonFactor);
@@ -141,40 +142,54 @@ module photon_gatherer #(
     end
   end
 
-  // ---- start of a query ----
-  // A context is free when it is summed and its photons are read.
-  logic query_valid_q, start, start_search, free_any, slot_ready, bound_busy, new_valid_q;
-  photonloom_pkg::gather_query_t query_q;
-  logic [ContextBits-1:0] free_context, new_context_q;
-  logic [Contexts-1:0] summing_q, streaming_q, map_q, offsets_zero_q;
-  logic [SlotBits-1:0] start_slot;
-  logic [3*(NormalBits+2)-1:0] start_normal;
+  // ---- maps ----
+  localparam bit HasBoth = GlobalLines != 0 && CausticLines != 0;
+  localparam bit OnlyCaustic = GlobalLines == 0 && CausticLines != 0;
 
-  logic next_valid, next_leaf, next_inner;
+  function automatic logic [LineBits:0] lines_of(input logic map, input logic [2*(LineBits+1)-1:0] lines);
+    lines_of = (HasBoth ? map : OnlyCaustic) ? lines[LineBits+1+:LineBits+1] : lines[0+:LineBits+1];
+  endfunction
+
+  // ---- start of a query ----
+  // Starts are at least two cycles apart, so what they need can be looked up a cycle ahead. A context is free when its
+  // loads are read for the sum and for its photons. A query begins at the root: an inner node, a leaf, or its end in an
+  // empty map. Meanwhile its list is emptied by a token, two cycles at most and five stages later: before a lane asks
+  // for its bound, 8 cycles after the start at the earliest, and before the end of a query in an empty map is noted.
+  logic query_valid_q, start, start_search, slot_ready, flush_ready, free_q, query_r2_map_q;
+  logic init_ask, init_taken, init_done;
+  localparam logic [1:0] InitIdle = 2'd0, InitAsk = 2'd1, InitWait = 2'd2, InitEnd = 2'd3;
+  logic [1:0] init_q;
+  logic init_empty_q;
+  logic [ContextBits-1:0] init_context_q;
+  logic [1:0] map_empty_q, map_leaf_q;  // no line, one line
+  logic query_empty, query_leaf;
+  photonloom_pkg::gather_query_t query_q;
+  logic [ContextBits-1:0] free_context_q;
+  logic [Contexts-1:0] summing_q, streaming_q;
+  logic [SlotBits:0] start_slot;
+  logic [3*(NormalBits+2)-1:0] start_normal, start_normal_z;
+
+  logic next_valid, next_leaf, next_map;
   logic [ContextBits-1:0] next_context;
   logic [NodeBits-1:0] next_node;
   logic [StackBits-1:0] next_stack;
-  logic [3*PositionBits-1:0] next_offsets;
+  logic [OffsetsBits-1:0] next_offsets;
 
-  logic sum_valid, photons_free, stack_done, ask_valid, ask_taken;
-  logic [ContextBits-1:0] sum_context, photons_free_context, stack_done_context, ask_context;
-
-  always_comb begin
-    free_any = 1'b0;
-    free_context = '0;
-    for (int unsigned c = Contexts; c > 0; c--) begin
-      if (!summing_q[c-1] && !streaming_q[c-1]) begin
-        free_any = 1'b1;
-        free_context = ContextBits'(c - 1);
-      end
-    end
-  end
+  logic sum_free, photons_free, stack_done, ask_valid, ask_taken;
+  logic [ContextBits-1:0] sum_free_context, photons_free_context, stack_done_context, ask_context;
 
   assign in_ready_o = !query_valid_q;
-  assign start_search = query_valid_q && !query_q.flush && slot_ready && free_any && !new_valid_q && !bound_busy;
-  assign start = start_search || (query_valid_q && query_q.flush && slot_ready);
+  assign query_empty = map_empty_q[query_q.map];
+  assign query_leaf = map_leaf_q[query_q.map];
+  assign start_search = query_valid_q && !query_q.flush && slot_ready && free_q && init_q == InitIdle && !next_valid;
+  assign start = start_search || (query_valid_q && query_q.flush && flush_ready);
 
   always_ff @(posedge clk_i) begin
+    map_empty_q <= {lines_q[LineBits+1+:LineBits+1] == '0, lines_q[0+:LineBits+1] == '0};
+    map_leaf_q <= {lines_q[LineBits+1+:LineBits+1] == (LineBits + 1)'(1), lines_q[0+:LineBits+1] == (LineBits + 1)'(1)};
+    free_q <= (summing_q | streaming_q) != '1;
+    for (int unsigned c = Contexts; c > 0; c--)
+      if (!summing_q[c-1] && !streaming_q[c-1]) free_context_q <= ContextBits'(c - 1);
     if (in_ready_o) begin
       query_valid_q <= in_valid_i;
       query_q <= in_i;
@@ -182,14 +197,11 @@ module photon_gatherer #(
       query_valid_q <= 1'b0;
     end
     for (int unsigned c = 0; c < Contexts; c++) begin
-      if (start_search && free_context == ContextBits'(c)) begin
+      if (start_search && free_context_q == ContextBits'(c)) begin
         summing_q[c] <= 1'b1;
         streaming_q[c] <= query_q.want_photons;
-        map_q[c] <= query_q.map;
-        offsets_zero_q[c] <= 1'b1;
       end
-      if (next_valid && next_context == ContextBits'(c)) offsets_zero_q[c] <= 1'b0;
-      if (sum_valid && sum_context == ContextBits'(c)) summing_q[c] <= 1'b0;
+      if (sum_free && sum_free_context == ContextBits'(c)) summing_q[c] <= 1'b0;
       if (photons_free && photons_free_context == ContextBits'(c)) streaming_q[c] <= 1'b0;
     end
     if (rst_i) begin
@@ -199,91 +211,89 @@ module photon_gatherer #(
     end
   end
 
+  assign init_ask = init_q == InitAsk;
+
+  always_ff @(posedge clk_i) begin
+    unique case (init_q)
+      InitIdle: begin
+        init_context_q <= free_context_q;
+        init_empty_q <= query_empty;
+        query_r2_map_q <= query_q.map;
+        if (start_search) init_q <= InitAsk;
+      end
+      InitAsk: if (init_taken) init_q <= InitWait;
+      InitWait: if (init_done) init_q <= init_empty_q ? InitEnd : InitIdle;
+      default: if (!stack_done) init_q <= InitIdle;
+    endcase
+    if (rst_i) init_q <= InitIdle;
+  end
+
+  // z is stored negated: what is asked is whether x + y > -z.
   oct_decode #(
       .Bits(NormalBits)
   ) decode_normal (
       .code_i(query_q.normal),
       .direction_o(start_normal)
   );
+  assign start_normal_z = {-start_normal[2*(NormalBits+2)+:NormalBits+2], start_normal[2*(NormalBits+2)-1:0]};
 
-  // ---- where a query goes next: an inner node, a leaf, or its end in an empty map ----
-  logic queue_valid, go_valid, go_taken, go_map, go_empty, go_inner, go_leaf_taken, go_empty_taken;
-  logic [ContextBits-1:0] queue_context, go_context;
-  logic [NodeBits-1:0] queue_node, go_node;
-  logic [StackBits-1:0] queue_stack, go_stack;
-  logic [LineBits:0] go_lines;
-  logic nodes_ready, direct_valid, direct_taken;
-  logic [ContextBits-1:0] direct_context;
-  logic [NodeBits-1:0] direct_node;
-  logic [StackBits-1:0] direct_stack;
-  logic descent_leaf, leaf_done, empty_leaf, empty_leaf_taken;
-  logic [ContextBits-1:0] descent_context, empty_leaf_context, leaf_done_context;
-  logic [LineBits-1:0] descent_line;
-  logic [StackBits-1:0] descent_stack;
+  // ---- where a query goes next: an inner node or a leaf; one goes past an empty queue ----
+  localparam int unsigned GoBits = ContextBits + 2 + NodeBits + StackBits;
+  logic go_valid, go_map, go_first, nodes_ready, direct_valid, direct_taken, direct_map, direct_first;
+  logic [ContextBits-1:0] go_context, direct_context;
+  logic [NodeBits-1:0] go_node, direct_node;
+  logic [StackBits-1:0] go_stack, direct_stack;
+  logic go_push, go_waiting, direct_push, direct_waiting;
+  logic [GoBits-1:0] go_word, go_oldest, direct_oldest;
   /* verilator lint_off UNUSEDSIGNAL */  // queues hold every context
-  logic go_ready, direct_ready, leaf_queue_ready, finish_ready, done_ready;
+  logic go_ready, direct_ready, finish_ready, empty_ready, done_ready;
   /* verilator lint_on UNUSEDSIGNAL */
 
+  assign go_word = next_valid ? {next_context, next_map, 1'b0, next_node, next_stack} :
+                                {free_context_q, query_q.map, 1'b1, NodeBits'(1), StackBits'(0)};
+
   fifo #(
-      .Width(ContextBits + NodeBits + StackBits),
+      .Width(GoBits),
       .Depth(QueueDepth)
   ) go_queue (
       .clk_i(clk_i),
       .rst_i(rst_i),
-      .in_valid_i(next_inner),
+      .in_valid_i(go_push && (go_waiting || !nodes_ready)),
       .in_ready_o(go_ready),
-      .in_i({next_context, next_node, next_stack}),
-      .out_valid_o(queue_valid),
-      .out_ready_i(go_taken),
-      .out_o({queue_context, queue_node, queue_stack})
+      .in_i(go_word),
+      .out_valid_o(go_waiting),
+      .out_ready_i(nodes_ready),
+      .out_o(go_oldest)
   );
-
-  // New queries have the longest way down, so they let the others go first.
-  assign go_valid = queue_valid || new_valid_q;
-  assign go_context = queue_valid ? queue_context : new_context_q;
-  assign go_node = queue_valid ? queue_node : NodeBits'(1);
-  assign go_stack = queue_valid ? queue_stack : '0;
-
-  always_ff @(posedge clk_i) begin
-    if (start_search) begin
-      new_valid_q <= 1'b1;
-      new_context_q <= free_context;
-    end else if (go_taken && !queue_valid) begin
-      new_valid_q <= 1'b0;
-    end
-    if (rst_i) new_valid_q <= 1'b0;
-  end
+  assign go_push = (next_valid && !next_leaf) || (start_search && !query_empty && !query_leaf);
+  assign go_valid = go_waiting || go_push;
+  assign {go_context, go_map, go_first, go_node, go_stack} = go_waiting ? go_oldest : go_word;
 
   // Subtrees that are leaves do not wait for those that are not.
   fifo #(
-      .Width(ContextBits + NodeBits + StackBits),
+      .Width(GoBits),
       .Depth(QueueDepth)
   ) go_leaf_queue (
       .clk_i(clk_i),
       .rst_i(rst_i),
-      .in_valid_i(next_valid && next_leaf),
+      .in_valid_i(direct_push && (direct_waiting || !direct_taken)),
       .in_ready_o(direct_ready),
-      .in_i({next_context, next_node, next_stack}),
-      .out_valid_o(direct_valid),
+      .in_i(go_word),
+      .out_valid_o(direct_waiting),
       .out_ready_i(direct_taken),
-      .out_o({direct_context, direct_node, direct_stack})
+      .out_o(direct_oldest)
   );
-
-  assign next_inner = next_valid && !next_leaf;
-  assign direct_taken = direct_valid && !descent_leaf;
-  assign go_map = map_q[go_context];
-  assign go_lines = go_map ? lines_q[LineBits+1+:LineBits+1] : lines_q[0+:LineBits+1];
-  assign go_empty = go_lines == '0;
-  assign go_inner = go_node < go_lines;
-  assign go_leaf_taken = go_valid && !go_empty && !go_inner && !descent_leaf && !direct_valid;
-  assign go_empty_taken = go_valid && go_empty && !descent_leaf && !direct_valid && !leaf_done && !empty_leaf;
-  assign go_taken = go_leaf_taken || go_empty_taken || (!go_empty && go_inner && nodes_ready);
+  assign direct_push = (next_valid && next_leaf) || (start_search && query_leaf);
+  assign direct_valid = direct_waiting || direct_push;
+  assign {direct_context, direct_map, direct_first, direct_node, direct_stack} =
+      direct_waiting ? direct_oldest : go_word;
 
   // ---- context state ----
-  logic [ContextBits-1:0] node_context, lane_context, candidate_context;
-  logic [3*PositionBits-1:0] node_query, node_offsets, node_offsets_stored, lane_query;
+  logic [ContextBits-1:0] node_context, lane_context, normal_context, wait_context;
+  logic [3*PositionBits-1:0] node_query, lane_query;
+  logic [OffsetsBits-1:0] node_offsets;
   logic [3*(NormalBits+2)-1:0] candidate_normal;
-  logic [LineBits-1:0] candidate_line;
+  logic [LineBits-1:0] wait_line;
 
   lut_ram #(
       .Width(3 * PositionBits),
@@ -291,7 +301,7 @@ module photon_gatherer #(
   ) query_for_nodes (
       .clk_i(clk_i),
       .write_i(start_search),
-      .write_address_i(free_context),
+      .write_address_i(free_context_q),
       .write_data_i(query_q.position),
       .read_address_i(node_context),
       .read_data_o(node_query)
@@ -302,7 +312,7 @@ module photon_gatherer #(
   ) query_for_lanes (
       .clk_i(clk_i),
       .write_i(start_search),
-      .write_address_i(free_context),
+      .write_address_i(free_context_q),
       .write_data_i(query_q.position),
       .read_address_i(lane_context),
       .read_data_o(lane_query)
@@ -313,13 +323,13 @@ module photon_gatherer #(
   ) normals (
       .clk_i(clk_i),
       .write_i(start_search),
-      .write_address_i(free_context),
-      .write_data_i(start_normal),
-      .read_address_i(candidate_context),
+      .write_address_i(free_context_q),
+      .write_data_i(start_normal_z),
+      .read_address_i(normal_context),
       .read_data_o(candidate_normal)
   );
   lut_ram #(
-      .Width(3 * PositionBits),
+      .Width(OffsetsBits),
       .Depth(Contexts)
   ) offsets (
       .clk_i(clk_i),
@@ -327,16 +337,31 @@ module photon_gatherer #(
       .write_address_i(next_context),
       .write_data_i(next_offsets),
       .read_address_i(node_context),
-      .read_data_o(node_offsets_stored)
+      .read_data_o(node_offsets)
   );
-  assign node_offsets = offsets_zero_q[node_context] ? '0 : node_offsets_stored;
+
+  if (HasBoth) begin : gen_maps
+    lut_ram #(
+        .Width(1),
+        .Depth(Contexts)
+    ) maps (
+        .clk_i(clk_i),
+        .write_i(start_search),
+        .write_address_i(free_context_q),
+        .write_data_i(query_q.map),
+        .read_address_i(next_context),
+        .read_data_o(next_map)
+    );
+  end else begin : gen_map
+    assign next_map = OnlyCaustic;
+  end
 
   // ---- inner nodes ----
-  logic node_step, push;
-  logic [ContextBits-1:0] node_step_context, push_context;
-  logic [StackBits-1:0] push_stack;
-  logic [NodeBits+3*PositionBits+DistanceBits:0] push_entry;
-  logic [NodeBits-1:0] node_count, sum_nodes;
+  logic node_step, node_map, push, descent_valid, descent_map, descent_first;
+  logic [ContextBits-1:0] push_context, descent_context;
+  logic [StackBits-1:0] push_stack, descent_stack, descent_steps;
+  logic [NodeBits+OffsetsBits+DistanceBits:0] push_entry;
+  logic [LineBits-1:0] descent_line;
 
   photon_gatherer_nodes #(
       .PositionBits(PositionBits),
@@ -356,127 +381,125 @@ module photon_gatherer #(
       .context_o(node_context),
       .query_i(node_query),
       .offsets_i(node_offsets),
-      .map_i(map_q[node_context]),
-      .lines_i(map_q[node_context] ? lines_q[LineBits+1+:LineBits+1] : lines_q[0+:LineBits+1]),
-      .in_valid_i(go_valid && !go_empty && go_inner),
+      .map_o(node_map),
+      .lines_i(lines_of(node_map, lines_q)),
+      .in_valid_i(go_valid),
       .in_ready_o(nodes_ready),
       .in_context_i(go_context),
-      .in_map_i(go_map),
+      .in_map_i(HasBoth ? go_map : OnlyCaustic),
+      .in_first_i(go_first),
       .in_node_i(go_node),
       .in_stack_i(go_stack),
-      .leaf_valid_o(descent_leaf),
+      .leaf_valid_o(descent_valid),
       .leaf_context_o(descent_context),
+      .leaf_map_o(descent_map),
+      .leaf_first_o(descent_first),
       .leaf_line_o(descent_line),
       .leaf_stack_o(descent_stack),
+      .leaf_steps_o(descent_steps),
       .step_o(node_step),
-      .step_context_o(node_step_context),
       .push_o(push),
       .push_context_o(push_context),
       .push_stack_o(push_stack),
       .push_entry_o(push_entry)
   );
 
-  photon_gatherer_tally #(
-      .Width(NodeBits),
-      .Contexts(Contexts)
-  ) node_counts (
-      .clk_i(clk_i),
-      .clear_i(start_search),
-      .clear_context_i(free_context),
-      .step_i(node_step),
-      .step_context_i(node_step_context),
-      .step_value_o(node_count),
-      .step_next_i(node_count + 1'b1),
-      .read_context_i(sum_context),
-      .read_value_o(sum_nodes)
-  );
-
-  // ---- a leaf is reached ----
-  logic leaf_valid, leaf_stop;
-  logic [ContextBits-1:0] leaf_context, waiting_context;
-  logic [NodeBits-1:0] waiting_node, waiting_lines;
+  // ---- a leaf is reached: choose | count | write the counts ----
+  logic leaf_valid, leaf_map;
+  logic [ContextBits-1:0] leaf_context;
   logic [LineBits-1:0] leaf_line;
-  logic [StackBits-1:0] leaf_stack;
-  logic [NodeBits-1:0] leaf_count, leaf_count_next, sum_leaves;
+  logic leaf_valid_q, leaf_first_q, counted_valid_q, leaf_stop;
+  logic [ContextBits-1:0] leaf_context_q, counted_context_q;
+  logic [LineBits-1:0] leaf_line_q;
+  logic [StackBits-1:0] leaf_stack_q, leaf_steps_q, counted_stack_q, counted_steps_q;
+  logic [NodeBits-1:0] leaves_stored, nodes_stored, leaves_q, nodes_q, leaves_next, nodes_next, done_leaves, done_nodes;
 
-  assign leaf_valid = descent_leaf || direct_valid || go_leaf_taken;
-  assign leaf_context = descent_leaf ? descent_context : waiting_context;
-  assign leaf_line = descent_leaf ? descent_line : LineBits'(waiting_node - waiting_lines);
-  assign leaf_stack = descent_leaf ? descent_stack : direct_valid ? direct_stack : go_stack;
-  assign waiting_context = direct_valid ? direct_context : go_context;
-  assign waiting_node = direct_valid ? direct_node : go_node;
-  assign waiting_lines = map_q[waiting_context] ? lines_q[LineBits+1+:LineBits+1] : lines_q[0+:LineBits+1];
-  assign leaf_count_next = leaf_count + 1'b1;
-  assign leaf_stop = photonloom_pkg::LeafLimit != 0 && 32'(leaf_count_next) == photonloom_pkg::LeafLimit;
+  assign leaf_valid = descent_valid || direct_valid;
+  assign leaf_context = descent_valid ? descent_context : direct_context;
+  assign leaf_map = descent_valid ? descent_map : HasBoth ? direct_map : OnlyCaustic;
+  assign leaf_line = descent_valid ? descent_line : LineBits'(direct_node - NodeBits'(lines_of(direct_map, lines_q)));
+  assign direct_taken = !descent_valid;
 
-  photon_gatherer_tally #(
-      .Width(NodeBits),
-      .Contexts(Contexts)
-  ) leaf_counts (
+  always_ff @(posedge clk_i) begin
+    leaf_valid_q <= leaf_valid;
+    leaf_context_q <= leaf_context;
+    leaf_first_q <= descent_valid ? descent_first : direct_first;
+    leaf_line_q <= leaf_line;
+    leaf_stack_q <= descent_valid ? descent_stack : direct_stack;
+    leaf_steps_q <= descent_valid ? descent_steps : '0;
+    counted_valid_q <= leaf_valid_q;
+    counted_context_q <= leaf_context_q;
+    counted_stack_q <= leaf_stack_q;
+    counted_steps_q <= leaf_steps_q;
+    leaves_q <= leaf_first_q ? '0 : leaves_stored;
+    nodes_q <= leaf_first_q ? '0 : nodes_stored;
+    if (rst_i) begin
+      leaf_valid_q <= 1'b0;
+      counted_valid_q <= 1'b0;
+    end
+  end
+
+  assign leaves_next = leaves_q + 1'b1;
+  assign nodes_next = nodes_q + NodeBits'(counted_steps_q);
+  assign leaf_stop = photonloom_pkg::LeafLimit != 0 && 32'(leaves_next) == photonloom_pkg::LeafLimit;
+
+  lut_ram #(
+      .Width(2 * NodeBits),
+      .Depth(Contexts)
+  ) counts_to_step (
       .clk_i(clk_i),
-      .clear_i(start_search),
-      .clear_context_i(free_context),
-      .step_i(leaf_valid),
-      .step_context_i(leaf_context),
-      .step_value_o(leaf_count),
-      .step_next_i(leaf_count_next),
-      .read_context_i(sum_context),
-      .read_value_o(sum_leaves)
+      .write_i(counted_valid_q),
+      .write_address_i(counted_context_q),
+      .write_data_i({leaves_next, nodes_next}),
+      .read_address_i(leaf_context_q),
+      .read_data_o({leaves_stored, nodes_stored})
   );
-
+  lut_ram #(
+      .Width(2 * NodeBits),
+      .Depth(Contexts)
+  ) counts_to_read (
+      .clk_i(clk_i),
+      .write_i(counted_valid_q),
+      .write_address_i(counted_context_q),
+      .write_data_i({leaves_next, nodes_next}),
+      .read_address_i(done_context),
+      .read_data_o({done_leaves, done_nodes})
+  );
   lut_ram #(
       .Width(LineBits),
       .Depth(Contexts)
   ) lines_in_hand (
       .clk_i(clk_i),
-      .write_i(leaf_valid),
-      .write_address_i(leaf_context),
-      .write_data_i(leaf_line),
-      .read_address_i(candidate_context),
-      .read_data_o(candidate_line)
+      .write_i(leaf_valid_q),
+      .write_address_i(leaf_context_q),
+      .write_data_i(leaf_line_q),
+      .read_address_i(wait_context),
+      .read_data_o(wait_line)
   );
 
-  logic finish_valid, finish_stop;
-  logic [ContextBits-1:0] finish_context;
-  logic [StackBits-1:0] finish_stack;
+  logic oldest_stop;
+  logic [ContextBits-1:0] oldest_context;
+  logic [StackBits-1:0] oldest_stack;
 
   lut_ram #(
       .Width(StackBits + 1),
       .Depth(Contexts)
   ) stack_pointers (
       .clk_i(clk_i),
-      .write_i(leaf_valid || go_empty_taken),
-      .write_address_i(leaf_context),
-      .write_data_i(leaf_valid ? {leaf_stop, leaf_stack} : {1'b1, StackBits'(0)}),
-      .read_address_i(finish_context),
-      .read_data_o({finish_stop, finish_stack})
+      .write_i(counted_valid_q),
+      .write_address_i(counted_context_q),
+      .write_data_i({leaf_stop, counted_stack_q}),
+      .read_address_i(oldest_context),
+      .read_data_o({oldest_stop, oldest_stack})
   );
 
   // ---- the cache ----
-  logic lookup_valid, lookup_ready, lookup_waiting, lookup_map;
-  logic [ContextBits+LineBits:0] leaf_word, lookup_oldest;
-  logic [ContextBits-1:0] lookup_context, line_context;
-  logic [LineBits-1:0] lookup_line;
+  localparam int unsigned Beats = Bucket / Lanes;
+  localparam int unsigned BeatBits = Beats > 1 ? $clog2(Beats) : 1;
   logic lanes_ready, line_issue, line_valid, cache_hit, cache_miss;
-  logic [Bucket*PhotonBits-1:0] line;
-
-  fifo #(
-      .Width(ContextBits + 1 + LineBits),
-      .Depth(QueueDepth)
-  ) leaf_queue (
-      .clk_i(clk_i),
-      .rst_i(rst_i),
-      .in_valid_i(leaf_valid && (lookup_waiting || !lookup_ready)),
-      .in_ready_o(leaf_queue_ready),
-      .in_i(leaf_word),
-      .out_valid_o(lookup_waiting),
-      .out_ready_i(lookup_ready),
-      .out_o(lookup_oldest)
-  );
-
-  assign leaf_word = {leaf_context, map_q[leaf_context], leaf_line};
-  assign lookup_valid = lookup_waiting || leaf_valid;
-  assign {lookup_context, lookup_map, lookup_line} = lookup_waiting ? lookup_oldest : leaf_word;
+  logic [ContextBits-1:0] line_context;
+  logic [BeatBits-1:0] line_beat;
+  logic [Lanes*PhotonBits-1:0] line_photons;
 
   cache #(
       .AddressBits(LineBits + 1),
@@ -484,6 +507,7 @@ module photon_gatherer #(
       .Items(Bucket),
       .ItemBytes(photonloom_pkg::PhotonBytes),
       .ItemBits(PhotonBits),
+      .Parts(Beats),
       .BeatBits(LineBeatBits),
       .Sets(Sets),
       .Ways(CacheWays),
@@ -494,15 +518,15 @@ module photon_gatherer #(
       .invalidate_i(cfg_valid_i),
       .set_mask_i(set_mask_q),
       .bypass_i(bypass_q),
-      .in_valid_i(lookup_valid),
-      .in_ready_o(lookup_ready),
-      .in_client_i(lookup_context),
-      .in_address_i({lookup_map, lookup_line}),
-      .out_ready_i(lanes_ready),
+      .in_valid_i(leaf_valid),
+      .in_client_i(leaf_context),
+      .in_address_i({leaf_map, leaf_line}),
+      .ready_i(lanes_ready),
       .issue_o(line_issue),
       .out_valid_o(line_valid),
       .out_client_o(line_context),
-      .out_line_o(line),
+      .out_part_o(line_beat),
+      .out_data_o(line_photons),
       .line_req_valid_o(line_req_valid_o),
       .line_req_ready_i(line_req_ready_i),
       .line_req_addr_o(line_req_addr_o),
@@ -515,23 +539,30 @@ module photon_gatherer #(
   );
 
   // ---- lanes, candidates, list ----
-  localparam int unsigned BeatBits = Bucket / Lanes > 1 ? $clog2(Bucket / Lanes) : 1;
-  logic beat_valid, beat_ready, beat_last, beat_first, load_read;
-  logic [ContextBits-1:0] beat_context, lane_bound_context, wait_bound_context, hand_bound_context, stack_bound_context;
+  // Between a beat's place in the FIFO and its candidates' loads: the beat in hand, 16 pairs tested and to be tested, the
+  // pair that waits, the pair in hand and 3 stages of the list.
+  localparam int unsigned Behind = 24;
+  localparam int unsigned RowBits = $clog2((2 * Beats > 16 ? 1 << $clog2(2 * Beats) : 16) + Behind);
+  logic beat_valid, beat_ready, beat_last, direction_read, empty_leaf;
+  logic [ContextBits-1:0] beat_context, empty_leaf_context, lane_bound_context, stack_bound_context;
   logic [BeatBits-1:0] beat_number;
+  logic [RowBits-1:0] beat_row, load_row;
   logic [Lanes-1:0] beat_mask;
   logic [Lanes*R2Bits-1:0] beat_d2;
-  logic [Lanes*LoadBits-1:0] load;
-  logic [R2Bits-1:0] lane_bound, wait_bound, hand_bound, stack_bound, sum_r2;
+  logic [2*Lanes*DirectionBits-1:0] directions;
+  logic [Lanes*LoadBits-1:0] loads;
+  logic [R2Bits-1:0] lane_bound, wait_bound, stack_bound, done_r2;
 
   photon_gatherer_lanes #(
       .PositionBits(PositionBits),
       .Contexts(Contexts),
       .Bucket(Bucket),
       .Lanes(Lanes),
+      .DirectionBits(DirectionBits),
       .LoadBits(LoadBits),
       .MantissasBits(MantissasBits),
-      .ExponentBits(ExponentBits)
+      .ExponentBits(ExponentBits),
+      .Behind(Behind)
   ) lanes (
       .clk_i(clk_i),
       .rst_i(rst_i),
@@ -539,25 +570,30 @@ module photon_gatherer #(
       .issue_i(line_issue),
       .in_valid_i(line_valid),
       .in_context_i(line_context),
-      .in_line_i(line),
+      .in_beat_i(line_beat),
+      .in_photons_i(line_photons),
       .query_context_o(lane_context),
       .query_i(lane_query),
       .bound_context_o(lane_bound_context),
       .bound_i(lane_bound),
+      .empty_valid_o(empty_leaf),
+      .empty_context_o(empty_leaf_context),
       .out_valid_o(beat_valid),
       .out_ready_i(beat_ready),
       .out_context_o(beat_context),
       .out_beat_o(beat_number),
+      .out_row_o(beat_row),
       .out_last_o(beat_last),
-      .out_first_o(beat_first),
       .out_mask_o(beat_mask),
       .out_d2_o(beat_d2),
-      .load_read_i(load_read),
-      .load_o(load)
+      .direction_read_i(direction_read),
+      .directions_o(directions),
+      .load_row_i(load_row),
+      .loads_o(loads)
   );
 
-  logic token_valid, token_candidate, token_snapshot;
-  logic [ContextBits-1:0] token_context;
+  logic token_valid, token_candidate, token_start, token_snapshot, leaf_done;
+  logic [ContextBits-1:0] token_context, leaf_done_context;
   logic [IndexBits-1:0] token_index;
   logic [R2Bits-1:0] token_d2;
   logic [LoadBits-1:0] token_load;
@@ -568,6 +604,7 @@ module photon_gatherer #(
       .Contexts(Contexts),
       .Bucket(Bucket),
       .Lanes(Lanes),
+      .RowBits(RowBits),
       .LoadBits(LoadBits),
       .DirectionBits(DirectionBits),
       .NormalBits(NormalBits)
@@ -578,31 +615,32 @@ module photon_gatherer #(
       .in_ready_o(beat_ready),
       .in_context_i(beat_context),
       .in_beat_i(beat_number),
+      .in_row_i(beat_row),
       .in_last_i(beat_last),
-      .in_first_i(beat_first),
       .in_mask_i(beat_mask),
       .in_d2_i(beat_d2),
-      .load_read_o(load_read),
-      .load_i(load),
-      .empty_valid_o(empty_leaf),
-      .empty_ready_i(empty_leaf_taken),
-      .empty_context_o(empty_leaf_context),
-      .state_context_o(candidate_context),
+      .direction_read_o(direction_read),
+      .directions_i(directions),
+      .normal_context_o(normal_context),
       .normal_i(candidate_normal),
-      .line_i(candidate_line),
-      .wait_context_o(wait_bound_context),
+      .wait_context_o(wait_context),
+      .wait_line_i(wait_line),
       .wait_bound_i(wait_bound),
-      .hand_context_o(hand_bound_context),
-      .hand_bound_i(hand_bound),
+      .start_i(init_ask),
+      .start_taken_o(init_taken),
+      .start_context_i(init_context_q),
       .snapshot_i(ask_valid),
       .snapshot_taken_o(ask_taken),
       .snapshot_context_i(ask_context),
       .out_valid_o(token_valid),
       .out_context_o(token_context),
       .out_candidate_o(token_candidate),
+      .out_start_o(token_start),
       .out_snapshot_o(token_snapshot),
       .out_index_o(token_index),
       .out_d2_o(token_d2),
+      .load_row_o(load_row),
+      .loads_i(loads),
       .out_load_o(token_load),
       .leaf_done_o(leaf_done),
       .leaf_done_context_o(leaf_done_context)
@@ -612,9 +650,9 @@ module photon_gatherer #(
   logic [ContextBits-1:0] store_context, done_context;
   logic [PlaceBits-1:0] store_place;
   logic [StoreBits-1:0] store_data;
-  logic [CountBits-1:0] snapshot_count, stack_count, done_count;
+  logic [CountBits-1:0] snapshot_count, done_count;
   logic [K*PlaceBits-1:0] snapshot_places;
-  logic [IndexBits:0] sum_insertions;
+  logic [IndexBits:0] done_insertions;
 
   photon_gatherer_list #(
       .K(K),
@@ -622,29 +660,25 @@ module photon_gatherer #(
       .IndexBits(IndexBits),
       .Contexts(Contexts),
       .LoadBits(LoadBits),
-      .Readers(5)
+      .Readers(4)
   ) list (
       .clk_i(clk_i),
       .rst_i(rst_i),
-      .bound_busy_o(bound_busy),
-      .start_i(start_search),
-      .start_context_i(free_context),
-      .start_r2_max_i(query_q.map ? r2_max_q[R2Bits+:R2Bits] : r2_max_q[0+:R2Bits]),
       .in_valid_i(token_valid),
       .in_context_i(token_context),
       .in_candidate_i(token_candidate),
+      .in_start_i(token_start),
       .in_snapshot_i(token_snapshot),
       .in_index_i(token_index),
       .in_d2_i(token_d2),
-      .in_load_i(token_load),
-      .bound_context_i({
-        sum_context, stack_bound_context, hand_bound_context, wait_bound_context, lane_bound_context
-      }),
-      .bound_o({sum_r2, stack_bound, hand_bound, wait_bound, lane_bound}),
-      .read_context_i(stack_done_context),
-      .count_o(stack_count),
-      .read_insertions_context_i(sum_context),
-      .insertions_o(sum_insertions),
+      .load_i(token_load),
+      .started_o(init_done),
+      .r2_max_i(query_r2_map_q ? r2_max_q[R2Bits+:R2Bits] : r2_max_q[0+:R2Bits]),
+      .bound_context_i({done_context, wait_context, lane_bound_context, stack_bound_context}),
+      .bound_o({done_r2, wait_bound, lane_bound, stack_bound}),
+      .read_context_i(done_context),
+      .count_o(done_count),
+      .insertions_o(done_insertions),
       .store_o(store),
       .store_context_o(store_context),
       .store_place_o(store_place),
@@ -656,34 +690,59 @@ module photon_gatherer #(
   );
 
   // ---- after a leaf: the stack ----
-  // The end of a leaf comes with its last token, or without one. An empty map's query ends as if after a leaf, but
-  // through the queue, since its stack pointer is only being written.
-  logic finish_push, finish_waiting;
-  logic [ContextBits-1:0] finish_pushed, finish_oldest;
+  // The end of a leaf comes with its last token, or without one. With a token the stack reads the bound 4 cycles later
+  // or more, when it is there: leaf_done, finish_q, two stages of the stack. One end goes past an empty queue.
+  logic finish_waiting, finish_free, finish_taken, finish_valid_q, finish_stop_q;
+  logic empty_waiting;
+  logic [ContextBits-1:0] finish_oldest, empty_oldest, finish_context_q;
+  logic [StackBits-1:0] finish_stack_q;
   logic [1:0] dropped;
-  logic stack_ready, done_valid, sum_ready, sum_take, take_ready;
+  logic stack_ready, done_valid, done_empty, sum_ready, sum_take, take_ready;
+
   fifo #(
       .Width(ContextBits),
       .Depth(QueueDepth)
   ) finish_queue (
       .clk_i(clk_i),
       .rst_i(rst_i),
-      .in_valid_i((finish_push && (finish_waiting || !stack_ready)) || go_empty_taken),
+      .in_valid_i(leaf_done && (finish_waiting || !finish_free)),
       .in_ready_o(finish_ready),
-      .in_i(finish_pushed),
+      .in_i(leaf_done_context),
       .out_valid_o(finish_waiting),
-      .out_ready_i(stack_ready),
+      .out_ready_i(finish_free),
       .out_o(finish_oldest)
   );
+  fifo #(
+      .Width(ContextBits),
+      .Depth(QueueDepth)
+  ) empty_queue (
+      .clk_i(clk_i),
+      .rst_i(rst_i),
+      .in_valid_i(empty_leaf),
+      .in_ready_o(empty_ready),
+      .in_i(empty_leaf_context),
+      .out_valid_o(empty_waiting),
+      .out_ready_i(finish_free && !finish_taken),
+      .out_o(empty_oldest)
+  );
 
-  assign empty_leaf_taken = !leaf_done;
-  assign finish_push = leaf_done || empty_leaf;
-  assign finish_pushed = leaf_done ? leaf_done_context : empty_leaf ? empty_leaf_context : go_context;
-  assign finish_valid = finish_waiting || finish_push;
-  assign finish_context = finish_waiting ? finish_oldest : finish_pushed;
+  assign finish_free = !finish_valid_q || stack_ready;
+  assign finish_taken = finish_waiting || leaf_done;
+  assign oldest_context = finish_waiting ? finish_oldest : leaf_done ? leaf_done_context : empty_oldest;
+
+  always_ff @(posedge clk_i) begin
+    if (finish_free) begin
+      finish_valid_q <= finish_taken || empty_waiting;
+      finish_context_q <= oldest_context;
+      finish_stop_q <= oldest_stop;
+      finish_stack_q <= oldest_stack;
+    end
+    if (rst_i) finish_valid_q <= 1'b0;
+  end
 
   photon_gatherer_stack #(
-      .PositionBits(PositionBits),
+      .OffsetsBits(OffsetsBits),
+      .R2Bits(R2Bits),
       .LineBits(LineBits),
       .Contexts(Contexts),
       .EpsilonShift(photonloom_pkg::EpsilonShift),
@@ -696,11 +755,11 @@ module photon_gatherer #(
       .push_context_i(push_context),
       .push_stack_i(push_stack),
       .push_entry_i(push_entry),
-      .in_valid_i(finish_valid),
+      .in_valid_i(finish_valid_q),
       .in_ready_o(stack_ready),
-      .in_context_i(finish_context),
-      .in_stack_i(finish_stack),
-      .in_stop_i(finish_stop),
+      .in_context_i(finish_context_q),
+      .in_stack_i(finish_stack_q),
+      .in_stop_i(finish_stop_q),
       .bound_context_o(stack_bound_context),
       .bound_i(stack_bound),
       .next_valid_o(next_valid),
@@ -714,18 +773,24 @@ module photon_gatherer #(
       .drop_o(dropped)
   );
 
+  // A query in an empty map is done when its list is empty; no leaf was counted for it.
+  logic done_push;
+  logic [ContextBits-1:0] done_push_context;
+  assign done_push = stack_done || init_q == InitEnd;
+  assign done_push_context = stack_done ? stack_done_context : init_context_q;
+
   fifo #(
-      .Width(ContextBits + CountBits),
+      .Width(ContextBits + 1),
       .Depth(QueueDepth)
   ) done_queue (
       .clk_i(clk_i),
       .rst_i(rst_i),
-      .in_valid_i(stack_done),
+      .in_valid_i(done_push),
       .in_ready_o(done_ready),
-      .in_i({stack_done_context, stack_count}),
+      .in_i({done_push_context, !stack_done}),
       .out_valid_o(done_valid),
       .out_ready_i(sum_ready && take_ready),
-      .out_o({done_context, done_count})
+      .out_o({done_context, done_empty})
   );
   assign sum_take = done_valid && sum_ready && take_ready;
 
@@ -749,9 +814,15 @@ module photon_gatherer #(
   );
 
   // ---- sums and results ----
+  // What belongs to the context is read when the sum takes it, since the context may start anew before the sum is out.
+  localparam int unsigned RideBits = SlotBits + 1 + R2Bits + 2 * NodeBits + IndexBits + 1;
+  logic sum_valid;
   logic [CountBits-1:0] sum_count;
   logic [Channels*photonloom_pkg::FluxBits-1:0] sum_flux;
-  logic [SlotBits-1:0] sum_slot;
+  logic [SlotBits:0] done_slot, sum_slot;
+  logic [R2Bits-1:0] sum_r2;
+  logic [NodeBits-1:0] sum_leaves, sum_nodes;
+  logic [IndexBits:0] sum_insertions;
 
   photon_gatherer_sum #(
       .K(K),
@@ -759,7 +830,8 @@ module photon_gatherer #(
       .Channels(Channels),
       .MantissaBits(photonloom_pkg::MantissaBits),
       .ExponentBits(ExponentBits),
-      .FluxBits(photonloom_pkg::FluxBits)
+      .FluxBits(photonloom_pkg::FluxBits),
+      .RideBits(RideBits)
   ) sum (
       .clk_i(clk_i),
       .rst_i(rst_i),
@@ -767,26 +839,31 @@ module photon_gatherer #(
       .in_ready_o(sum_ready),
       .in_context_i(done_context),
       .in_count_i(done_count),
+      .in_ride_i({
+        done_slot, done_r2, done_insertions, done_empty ? NodeBits'(0) : done_leaves, done_empty ? NodeBits'(0) : done_nodes
+      }),
       .read_o(sum_read),
       .read_context_o(sum_read_context),
       .read_place_o(sum_read_place),
       .read_power_i(store_word[StoreBits-1-:PowerBits]),
+      .free_o(sum_free),
+      .free_context_o(sum_free_context),
       .out_valid_o(sum_valid),
-      .out_context_o(sum_context),
       .out_count_o(sum_count),
+      .out_ride_o({sum_slot, sum_r2, sum_insertions, sum_leaves, sum_nodes}),
       .out_flux_o(sum_flux)
   );
 
   lut_ram #(
-      .Width(SlotBits),
+      .Width(SlotBits + 1),
       .Depth(Contexts)
   ) result_slots (
       .clk_i(clk_i),
       .write_i(start_search),
-      .write_address_i(free_context),
+      .write_address_i(free_context_q),
       .write_data_i(start_slot),
-      .read_address_i(sum_context),
-      .read_data_o(sum_slot)
+      .read_address_i(done_context),
+      .read_data_o(done_slot)
   );
 
   photon_gatherer_results #(
@@ -795,6 +872,7 @@ module photon_gatherer #(
       .clk_i(clk_i),
       .rst_i(rst_i),
       .start_ready_o(slot_ready),
+      .flush_ready_o(flush_ready),
       .start_i(start),
       .start_flush_i(query_q.flush),
       .start_map_i(query_q.map),
@@ -829,9 +907,9 @@ module photon_gatherer #(
       .clk_i(clk_i),
       .rst_i(rst_i),
       .start_i(start_search && query_q.want_photons),
-      .start_context_i(free_context),
-      .done_i(stack_done),
-      .done_context_i(stack_done_context),
+      .start_context_i(free_context_q),
+      .done_i(done_push),
+      .done_context_i(done_push_context),
       .snapshot_valid_o(ask_valid),
       .snapshot_ready_i(ask_taken),
       .snapshot_context_o(ask_context),
@@ -863,8 +941,7 @@ module photon_gatherer #(
   // ---- counters ----
   localparam int unsigned CounterCount = 13;
   logic [CounterCount-1:0] event_q;
-  logic both_dropped_q;
-  logic [31:0] count_q[0:CounterCount-1];
+  logic two_dropped_q;
 
   always_ff @(posedge clk_i) begin
     event_q <= {
@@ -876,29 +953,38 @@ module photon_gatherer #(
       cache_hit,
       insert,
       token_valid && token_candidate,
-      leaf_valid,
+      leaf_valid_q,
       dropped != '0,
       node_step,
       start_search,
       query_valid_q || (summing_q | streaming_q) != '0
     };
-    both_dropped_q <= dropped[1];
-    for (int unsigned i = 0; i < CounterCount; i++)
-      count_q[i] <= rst_i ? '0 : count_q[i] + (i == 3 && both_dropped_q ? 32'd2 : 32'(event_q[i]));
+    two_dropped_q <= dropped[1];
     if (rst_i) event_q <= '0;
   end
 
-  assign count_busy_o = count_q[0];
-  assign count_queries_o = count_q[1];
-  assign count_nodes_o = count_q[2];
-  assign count_dropped_o = count_q[3];
-  assign count_leaves_o = count_q[4];
-  assign count_candidates_o = count_q[5];
-  assign count_insertions_o = count_q[6];
-  assign count_cache_hits_o = count_q[7];
-  assign count_cache_misses_o = count_q[8];
-  assign count_stalled_in_o = count_q[9];
-  assign count_stalled_results_o = count_q[10];
-  assign count_stalled_photons_o = count_q[11];
-  assign count_stalled_lines_o = count_q[12];
+  photon_gatherer_counters #(
+      .Count(CounterCount),
+      .Double(3)
+  ) counters (
+      .clk_i(clk_i),
+      .rst_i(rst_i),
+      .event_i(event_q),
+      .double_i(two_dropped_q),
+      .count_o({
+        count_stalled_lines_o,
+        count_stalled_photons_o,
+        count_stalled_results_o,
+        count_stalled_in_o,
+        count_cache_misses_o,
+        count_cache_hits_o,
+        count_insertions_o,
+        count_candidates_o,
+        count_leaves_o,
+        count_dropped_o,
+        count_nodes_o,
+        count_queries_o,
+        count_busy_o
+      })
+  );
 endmodule

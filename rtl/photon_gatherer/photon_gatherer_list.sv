@@ -1,16 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
-// The sorted lists of all contexts: per context the K smallest candidates in (d2, index), each with the place of its
-// load in the slot store. One candidate a cycle, whatever the context: entry j of the addressed context keeps its word,
-// or is written with its left neighbour's or the new one. Entries stand in LUT RAM addressed by context, so a shift is
-// a write enable and a two-way choice. A new entry takes the next place while the list is not full, afterwards the
-// place of the entry that falls out; so places 0 .. n-1 are always the list's, in some order.
+// The lists of all contexts: per context the K smallest candidates in (d2, index). One candidate a cycle, whatever the
+// context. A candidate keeps the place that it got when it entered; its key stands there in LUT RAM, and only the order
+// of the places moves: K short numbers, sorted by key. A new one takes the next place while the list is not full,
+// afterwards the place of the last in order; so places 0 .. n-1 are always the list's, in some order.
 //
-// A candidate is counted and stored iff it enters. What is left of the query before counts as empty from the start of
-// the next, and the first candidate that enters writes all entries; empty ones hold the largest key, which no candidate
-// has, since d2 < 2^R2Bits - 1.
+//   stage a   read all keys of the context, compare with the new one and with the two tokens ahead
+//   stage b   rank = how many go before it
+//   stage c   it enters iff rank < K: order, key, count and the copy of d2 are written
+//   stage d   d2 of the entry that is now the last (block RAM), or its own; its load arrives
+//   stage e   the new bound is written
 //
-// Bounds: r2_max of the query's map from its start, the K-th d2 once the list is full. Everything is done in the
-// token's cycle; store_* comes a cycle later, and so does the new bound.
+// A token in b or c is not in the keys yet. It need not be known whether it enters: the list holds the K smallest of
+// what came before, so rank = min(K, smaller ones in the list + smaller ones of the same context in b and c).
+//
+// A start is a token of its own. It empties the list and sets the bound.
+//
+// Bounds: r2_max of the query's map from its start, the K-th d2 once the list is full, readable 5 cycles after the token;
+// bound 0 a cycle earlier.
 module photon_gatherer_list #(
     parameter int unsigned K = 16,
     parameter int unsigned R2Bits = 34,
@@ -25,26 +31,24 @@ module photon_gatherer_list #(
 ) (
     input  logic                           clk_i,
     input  logic                           rst_i,
-    // a new query; not while bound_busy_o
-    output logic                           bound_busy_o,
-    input  logic                           start_i,
-    input  logic [        ContextBits-1:0] start_context_i,
-    input  logic [             R2Bits-1:0] start_r2_max_i,
     // tokens
     input  logic                           in_valid_i,
     input  logic [        ContextBits-1:0] in_context_i,
     input  logic                           in_candidate_i,
+    input  logic                           in_start_i,
     input  logic                           in_snapshot_i,
     input  logic [          IndexBits-1:0] in_index_i,
     input  logic [             R2Bits-1:0] in_d2_i,
-    input  logic [           LoadBits-1:0] in_load_i,
+    input  logic [           LoadBits-1:0] load_i,           // three cycles after its token
+    // a start is done: four cycles after its token, with r2_max of its map, given when it is asked for
+    output logic                           started_o,
+    input  logic [             R2Bits-1:0] r2_max_i,
     // bounds
     input  logic [Readers*ContextBits-1:0] bound_context_i,
     output logic [     Readers*R2Bits-1:0] bound_o,
     // count and insertions of a context
     input  logic [        ContextBits-1:0] read_context_i,
     output logic [          CountBits-1:0] count_o,
-    input  logic [        ContextBits-1:0] read_insertions_context_i,
     output logic [            IndexBits:0] insertions_o,
     // slot store
     output logic                           store_o,
@@ -59,141 +63,220 @@ module photon_gatherer_list #(
     output logic                           insert_o
 );
   localparam int unsigned KeyBits = R2Bits + IndexBits;
-  localparam int unsigned WordBits = KeyBits + PlaceBits;
+  localparam int unsigned RankBits = $clog2(K + 3);
+  localparam int unsigned StateBits = IndexBits + 2;  // full, insertions
 
-  logic [K*WordBits-1:0] words;
-  logic [K-1:0] less;  // the new one goes before entry j
-  logic [KeyBits-1:0] key;
-  logic [WordBits-1:0] word;
-  logic [CountBits-1:0] count;
+  // ---- stage a ----
+  logic [KeyBits-1:0] a_key, b_key_q, c_key_q;
+  logic [K-1:0] smaller_b_q;  // a valid entry is smaller than the token
+  logic ahead_b, ahead_c, ahead_b_q, ahead_c_q;
+  logic b_candidate_q, c_enters_q, b_start_q, c_start_q, b_snapshot_q, c_snapshot_q;
+  logic [ContextBits-1:0] b_context_q, c_context_q;
+  logic [StateBits-1:0] a_state, c_state, c_state_next, read_state;
+  logic [CountBits-1:0] a_count, c_count;
+
+  // ---- stage c, where everything is written ----
+  logic [RankBits-1:0] rank, c_rank_q;
+  logic [K*PlaceBits-1:0] order;
   logic [PlaceBits-1:0] place;
-  logic [IndexBits:0] insertions;
-  logic enters, is_full, fresh;
-  logic [Contexts-1:0] fresh_q;  // nothing has entered since the query's start
+  logic c_full;
 
-  assign key = {in_d2_i, in_index_i};
-  assign is_full = count == CountBits'(K);
-  assign place = is_full ? words[WordBits*(K-1)+:PlaceBits] : PlaceBits'(count);
-  assign word = {key, place};
-  assign enters = in_valid_i && in_candidate_i && less[K-1];
-  assign fresh = fresh_q[in_context_i];
-  assign insert_o = enters;
+  assign a_key = {in_d2_i, in_index_i};
+  assign a_count = count_of(a_state);
+  assign ahead_b = b_candidate_q && b_context_q == in_context_i && b_key_q < a_key;
+  assign ahead_c = c_candidate_q && c_context_q == in_context_i && c_key_q < a_key;
 
-  for (genvar j = 0; j < K; j++) begin : gen_entry
-    logic [WordBits-1:0] left;
-    if (j == 0) begin : gen_first
-      assign left = word;
-    end else begin : gen_other
-      assign left = less[j-1] ? words[WordBits*(j-1)+:WordBits] : word;
-    end
+  function automatic logic [CountBits-1:0] count_of(input logic [StateBits-1:0] state);
+    count_of = state[StateBits-1] ? CountBits'(K) : CountBits'(state[StateBits-2:0]);
+  endfunction
 
+  for (genvar j = 0; j < K; j++) begin : gen_place
+    logic [KeyBits-1:0] word;
     lut_ram #(
-        .Width(WordBits),
+        .Width(KeyBits),
+        .Depth(Contexts)
+    ) key (
+        .clk_i(clk_i),
+        .write_i(c_enters_q && place == PlaceBits'(j)),
+        .write_address_i(c_context_q),
+        .write_data_i(c_key_q),
+        .read_address_i(in_context_i),
+        .read_data_o(word)
+    );
+    always_ff @(posedge clk_i) smaller_b_q[j] <= word < a_key && a_count > CountBits'(j);
+  end
+
+  // ---- stage b ----
+  logic c_candidate_q;
+
+  always_comb begin
+    rank = RankBits'(ahead_b_q) + RankBits'(ahead_c_q);
+    for (int unsigned j = 0; j < K; j++) rank = rank + RankBits'(smaller_b_q[j]);
+  end
+
+  always_ff @(posedge clk_i) begin
+    b_candidate_q <= in_valid_i && in_candidate_i;
+    b_start_q <= in_valid_i && in_start_i;
+    b_snapshot_q <= in_valid_i && in_snapshot_i;
+    b_context_q <= in_context_i;
+    b_key_q <= a_key;
+    ahead_b_q <= ahead_b;
+    ahead_c_q <= ahead_c;
+
+    c_candidate_q <= b_candidate_q;
+    c_start_q <= b_start_q;
+    c_snapshot_q <= b_snapshot_q;
+    c_context_q <= b_context_q;
+    c_key_q <= b_key_q;
+    c_rank_q <= rank;
+    c_enters_q <= b_candidate_q && rank < RankBits'(K);
+    if (rst_i) begin
+      b_candidate_q <= 1'b0;
+      b_start_q <= 1'b0;
+      b_snapshot_q <= 1'b0;
+      c_candidate_q <= 1'b0;
+      c_start_q <= 1'b0;
+      c_snapshot_q <= 1'b0;
+      c_enters_q <= 1'b0;
+    end
+  end
+
+  // ---- stage c: order ----
+  assign c_full = c_state[StateBits-1];
+  assign c_count = count_of(c_state);
+  assign place = c_full ? order[PlaceBits*(K-1)+:PlaceBits] : PlaceBits'(c_state[IndexBits:0]);
+
+  for (genvar j = 0; j < K; j++) begin : gen_order
+    logic [PlaceBits-1:0] left;
+    if (j == 0) begin : gen_first
+      assign left = place;
+    end else begin : gen_other
+      assign left = c_rank_q < RankBits'(j) ? order[PlaceBits*(j-1)+:PlaceBits] : place;
+    end
+    lut_ram #(
+        .Width(PlaceBits),
         .Depth(Contexts)
     ) entry (
         .clk_i(clk_i),
-        .write_i(enters && less[j]),
-        .write_address_i(in_context_i),
-        .write_data_i(fresh && j > 0 ? '1 : left),
-        .read_address_i(in_context_i),
-        .read_data_o(words[WordBits*j+:WordBits])
+        .write_i(c_enters_q && c_rank_q <= RankBits'(j)),
+        .write_address_i(c_context_q),
+        .write_data_i(left),
+        .read_address_i(c_context_q),
+        .read_data_o(order[PlaceBits*j+:PlaceBits])
     );
-
-    assign less[j] = fresh || key < words[WordBits*j+PlaceBits+:KeyBits];
-    assign snapshot_places_o[PlaceBits*j+:PlaceBits] = words[WordBits*j+:PlaceBits];
   end
 
-  // ---- count and insertions ----
-  logic [CountBits-1:0] count_next, count_stored, count_read;
-  assign count = fresh ? '0 : count_stored;
-  assign count_o = fresh_q[read_context_i] ? '0 : count_read;
-  assign count_next = is_full ? count : count + 1'b1;
+  // ---- counts; a start clears them ----
+  logic [StateBits-1:0] state_data;
+
+  assign c_state_next[IndexBits:0] = c_state[IndexBits:0] + 1'b1;
+  assign c_state_next[StateBits-1] = c_full || c_state[IndexBits:0] == (IndexBits + 1)'(K - 1);
+  assign state_data = c_start_q ? '0 : c_state_next;
+
+  for (genvar r = 0; r < 3; r++) begin : gen_state
+    logic [ContextBits-1:0] address;
+    logic [StateBits-1:0] data;
+    lut_ram #(
+        .Width(StateBits),
+        .Depth(Contexts)
+    ) state (
+        .clk_i(clk_i),
+        .write_i(c_enters_q || c_start_q),
+        .write_address_i(c_context_q),
+        .write_data_i(state_data),
+        .read_address_i(address),
+        .read_data_o(data)
+    );
+  end
+  assign gen_state[0].address = in_context_i;
+  assign gen_state[1].address = c_context_q;
+  assign gen_state[2].address = read_context_i;
+  assign a_state = gen_state[0].data;
+  assign c_state = gen_state[1].data;
+  assign read_state = gen_state[2].data;
+  assign count_o = count_of(read_state);
+  assign insertions_o = read_state[IndexBits:0];
+  assign insert_o = c_enters_q;
+  assign snapshot_o = c_snapshot_q;
+  assign snapshot_count_o = c_count;
+  assign snapshot_places_o = order;
+
+  // ---- bounds ----
+  // The new last is the entry before the last, unless the token itself is.
+  logic d_bound_q, d_start_q, d_own_q, e_bound_q, e_start_q;
+  logic [ContextBits-1:0] d_context_q, e_context_q;
+  logic [R2Bits-1:0] d_d2, d_own_d2_q, e_d2_q;
+  logic [PlaceBits-1:0] before_last;
+
+  if (K == 1) begin : gen_one
+    assign before_last = '0;
+  end else begin : gen_many
+    assign before_last = order[PlaceBits*(K-2)+:PlaceBits];
+  end
+
+  block_ram #(
+      .Width(R2Bits),
+      .Depth(1 << (ContextBits + PlaceBits))
+  ) d2_by_place (
+      .clk_i(clk_i),
+      .write_i(c_enters_q),
+      .write_address_i({c_context_q, place}),
+      .write_data_i(c_key_q[KeyBits-1:IndexBits]),
+      .read_i(1'b1),
+      .read_address_i({c_context_q, before_last}),
+      .read_data_o(d_d2)
+  );
 
   always_ff @(posedge clk_i) begin
-    for (int unsigned c = 0; c < Contexts; c++) begin
-      if (enters && in_context_i == ContextBits'(c)) fresh_q[c] <= 1'b0;
-      if (start_i && start_context_i == ContextBits'(c)) fresh_q[c] <= 1'b1;
+    d_bound_q <= c_start_q || (c_enters_q && c_state_next[StateBits-1]);
+    d_start_q <= c_start_q;
+    d_own_q <= c_rank_q == RankBits'(K - 1);
+    d_context_q <= c_context_q;
+    d_own_d2_q <= c_key_q[KeyBits-1:IndexBits];
+
+    e_bound_q <= d_bound_q;
+    e_context_q <= d_context_q;
+    e_start_q <= d_start_q;
+    e_d2_q <= d_start_q ? r2_max_i : d_own_q ? d_own_d2_q : d_d2;
+    if (rst_i) begin
+      d_bound_q <= 1'b0;
+      d_start_q <= 1'b0;
+      e_bound_q <= 1'b0;
+      e_start_q <= 1'b0;
     end
   end
 
-  lut_ram #(
-      .Width(CountBits),
-      .Depth(Contexts)
-  ) count_for_list (
-      .clk_i(clk_i),
-      .write_i(enters),
-      .write_address_i(in_context_i),
-      .write_data_i(count_next),
-      .read_address_i(in_context_i),
-      .read_data_o(count_stored)
-  );
-  lut_ram #(
-      .Width(CountBits),
-      .Depth(Contexts)
-  ) count_to_read (
-      .clk_i(clk_i),
-      .write_i(enters),
-      .write_address_i(in_context_i),
-      .write_data_i(count_next),
-      .read_address_i(read_context_i),
-      .read_data_o(count_read)
-  );
-  photon_gatherer_tally #(
-      .Width(IndexBits + 1),
-      .Contexts(Contexts)
-  ) insertion_counts (
-      .clk_i(clk_i),
-      .clear_i(start_i),
-      .clear_context_i(start_context_i),
-      .step_i(enters),
-      .step_context_i(in_context_i),
-      .step_value_o(insertions),
-      .step_next_i(insertions + 1'b1),
-      .read_context_i(read_insertions_context_i),
-      .read_value_o(insertions_o)
-  );
-
-  // ---- bounds ----
-  logic bound_q;
-  logic [ContextBits-1:0] bound_context_q;
-  logic [R2Bits-1:0] last_d2, bound_d2_q;
-
-  assign bound_busy_o = bound_q;
-  if (K == 1) begin : gen_one
-    assign last_d2 = in_d2_i;
-  end else begin : gen_many
-    assign last_d2 = less[K-2] ? words[WordBits*(K-2)+PlaceBits+IndexBits+:R2Bits] : in_d2_i;
-  end
+  assign started_o = e_start_q;
 
   for (genvar r = 0; r < Readers; r++) begin : gen_bound
+    logic [R2Bits-1:0] word;
     lut_ram #(
         .Width(R2Bits),
         .Depth(Contexts)
     ) bound (
         .clk_i(clk_i),
-        .write_i(bound_q || start_i),
-        .write_address_i(bound_q ? bound_context_q : start_context_i),
-        .write_data_i(bound_q ? bound_d2_q : start_r2_max_i),
+        .write_i(e_bound_q),
+        .write_address_i(e_context_q),
+        .write_data_i(e_d2_q),
         .read_address_i(bound_context_i[ContextBits*r+:ContextBits]),
-        .read_data_o(bound_o[R2Bits*r+:R2Bits])
+        .read_data_o(word)
     );
-  end
-
-  assign snapshot_o = in_valid_i && in_snapshot_i;
-  assign snapshot_count_o = count;
-
-  always_ff @(posedge clk_i) begin
-    bound_q <= enters && (is_full || count == CountBits'(K - 1));
-    bound_context_q <= in_context_i;
-    bound_d2_q <= last_d2;
-
-    store_o <= enters;
-    store_context_o <= in_context_i;
-    store_place_o <= place;
-    store_data_o <= {in_load_i, key};
-    if (rst_i) begin
-      bound_q <= 1'b0;
-      store_o <= 1'b0;
+    if (r == 0) begin : gen_early
+      assign bound_o[R2Bits*r+:R2Bits] =
+          e_bound_q && e_context_q == bound_context_i[ContextBits*r+:ContextBits] ? e_d2_q : word;
+    end else begin : gen_plain
+      assign bound_o[R2Bits*r+:R2Bits] = word;
     end
   end
+
+  // ---- slot store ----
+  logic [KeyBits-1:0] d_key_q;
+  always_ff @(posedge clk_i) begin
+    store_o <= c_enters_q;
+    store_context_o <= c_context_q;
+    store_place_o <= place;
+    d_key_q <= c_key_q;
+    if (rst_i) store_o <= 1'b0;
+  end
+  assign store_data_o = {load_i, d_key_q};
 endmodule

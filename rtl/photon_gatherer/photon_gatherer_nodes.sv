@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // Inner nodes: a ring of three stages through the node memory, so three descents share it at one node a cycle. A
-// descent enters at any node, goes to the near child of each inner node and leaves at a leaf; every far child is
-// pushed on its query's stack with its offsets and its scaled squared distance. Mirrors the inner-node step of the
-// search in golden/unit/photon_gatherer.cpp.
+// descent enters at any inner node, goes to the near child of each and leaves at a leaf; every far child is pushed on
+// its query's stack with its offsets and its scaled squared distance. Mirrors the inner-node step of the search in
+// golden/unit/photon_gatherer.cpp; offsets are signed here, which their squares do not show.
 //
 //   stage 0  node memory address     1  its output; query and offsets     2  compare, choose, near child back to 0
-//   behind it, without stall: |q - split| | squares | sum | (factor E) | stack write
+//   behind it, without stall: offsets | squares | two sums | (factor E) | stack write; what leaves is registered
 //
-// An entry is in the stack 6 cycles after its node's stage 2; its query takes longer to come back from the leaf.
+// An entry is in the stack 7 cycles after its node's stage 2; its query takes longer to come back from the leaf.
 module photon_gatherer_nodes #(
     parameter int unsigned PositionBits = 16,
     parameter int unsigned LineBits = 13,
@@ -20,7 +20,8 @@ module photon_gatherer_nodes #(
     localparam int unsigned ContextBits = Contexts > 1 ? $clog2(Contexts) : 1,
     localparam int unsigned NodeBits = LineBits + 1,
     localparam int unsigned NodeAddressBits = NodeWords > 1 ? $clog2(NodeWords) : 1,
-    localparam int unsigned EntryBits = 1 + NodeBits + 3 * PositionBits + DistanceBits
+    localparam int unsigned OffsetBits = PositionBits + 1,
+    localparam int unsigned EntryBits = 1 + NodeBits + 3 * OffsetBits + DistanceBits
 ) (
     input  logic                       clk_i,
     input  logic                       rst_i,
@@ -31,24 +32,27 @@ module photon_gatherer_nodes #(
     // context state, read by context in stage 1
     output logic [    ContextBits-1:0] context_o,
     input  logic [ 3*PositionBits-1:0] query_i,
-    input  logic [ 3*PositionBits-1:0] offsets_i,
-    input  logic                       map_i,
+    input  logic [   3*OffsetBits-1:0] offsets_i,        // not used for a first descent
+    output logic                       map_o,
     input  logic [         LineBits:0] lines_i,          // of that map
     // a descent enters at an inner node
     input  logic                       in_valid_i,
     output logic                       in_ready_o,
     input  logic [    ContextBits-1:0] in_context_i,
     input  logic                       in_map_i,
+    input  logic                       in_first_i,       // its query's first, at the root
     input  logic [       NodeBits-1:0] in_node_i,
     input  logic [      StackBits-1:0] in_stack_i,
     // and leaves at a line
     output logic                       leaf_valid_o,
     output logic [    ContextBits-1:0] leaf_context_o,
+    output logic                       leaf_map_o,
+    output logic                       leaf_first_o,
     output logic [       LineBits-1:0] leaf_line_o,
     output logic [      StackBits-1:0] leaf_stack_o,
+    output logic [      StackBits-1:0] leaf_steps_o,     // inner nodes of the descent
     // one node done
     output logic                       step_o,
-    output logic [    ContextBits-1:0] step_context_o,
     // stack
     output logic                       push_o,
     output logic [    ContextBits-1:0] push_context_o,
@@ -56,46 +60,58 @@ module photon_gatherer_nodes #(
     output logic [      EntryBits-1:0] push_entry_o      // is a leaf, node, offsets, scaled distance
 );
   localparam int unsigned P = PositionBits;
+  localparam int unsigned F = OffsetBits;
 
   // ---- stage 0 ----
-  logic valid_0_q, map_0_q;
+  logic valid_0_q, map_0_q, first_0_q;
   logic [ContextBits-1:0] context_0_q;
   logic [NodeBits-1:0] node_0_q;
-  logic [StackBits-1:0] stack_0_q;
+  logic [StackBits-1:0] stack_0_q, start_0_q;
+  logic [NodeAddressBits-1:0] address_0;
   logic [P+1:0] node_data;
   logic loop;
 
-  block_ram #(
-      .Width(P + 2),
-      .Depth(NodeWords)
-  ) nodes (
-      .clk_i(clk_i),
-      .write_i(node_write_i),
-      .write_address_i(node_address_i),
-      .write_data_i(node_data_i),
-      .read_i(1'b1),
-      .read_address_i(NodeAddressBits'(node_0_q) + (map_0_q ? NodeAddressBits'(CausticBase) : '0)),
-      .read_data_o(node_data)
-  );
+  assign address_0 = NodeAddressBits'(node_0_q) + (map_0_q ? NodeAddressBits'(CausticBase) : '0);
+
+  // Slices so narrow that no choice between blocks follows them: a block of 16 kbit is 2^14 x 1 to 2^9 x 32.
+  localparam int unsigned Widest = NodeAddressBits >= 14 ? 1 : NodeAddressBits == 13 ? 2 : NodeAddressBits == 12 ? 4 :
+      NodeAddressBits == 11 ? 9 : NodeAddressBits == 10 ? 18 : 36;
+  for (genvar low = 0; low < P + 2; low = low + Widest) begin : gen_slice
+    localparam int unsigned Width = P + 2 - low < Widest ? P + 2 - low : Widest;
+    block_ram #(
+        .Width(Width),
+        .Depth(NodeWords)
+    ) nodes (
+        .clk_i(clk_i),
+        .write_i(node_write_i),
+        .write_address_i(node_address_i),
+        .write_data_i(node_data_i[low+:Width]),
+        .read_i(1'b1),
+        .read_address_i(address_0),
+        .read_data_o(node_data[low+:Width])
+    );
+  end
 
   // ---- stage 1 ----
-  logic valid_1_q;
+  logic valid_1_q, map_1_q, first_1_q;
   logic [ContextBits-1:0] context_1_q;
   logic [NodeBits-1:0] node_1_q;
-  logic [StackBits-1:0] stack_1_q;
+  logic [StackBits-1:0] stack_1_q, start_1_q;
   logic signed [NodeBits+1:0] line_1;  // of the left child, were it a leaf
 
   assign context_o = context_1_q;
+  assign map_o = map_1_q;
   assign line_1 = signed'({1'b0, node_1_q, 1'b0}) - signed'((NodeBits + 2)'(lines_i));
 
   // ---- stage 2 ----
-  logic valid_2_q, map_2_q, left_leaf_2_q, right_leaf_2_q;
+  logic valid_2_q, map_2_q, first_2_q, left_leaf_2_q, right_leaf_2_q;
   logic [ContextBits-1:0] context_2_q;
   logic [NodeBits-2:0] node_2_q;  // inner nodes are the lower half of the numbers
-  logic [StackBits-1:0] stack_2_q;
+  logic [StackBits-1:0] stack_2_q, start_2_q;
   logic [LineBits-1:0] line_2_q;
-  logic [3*P-1:0] query_2_q, offsets_2_q, offsets;
-  logic [P-1:0] split_2_q, coordinate, difference;
+  logic [3*P-1:0] query_2_q;
+  logic [3*F-1:0] offsets_2_q, difference, offsets;
+  logic [P-1:0] split_2_q;
   logic [1:0] axis_2_q;
   logic right, near_leaf;
 
@@ -104,27 +120,36 @@ module photon_gatherer_nodes #(
     if (loop) begin
       context_0_q <= context_2_q;
       map_0_q <= map_2_q;
+      first_0_q <= first_2_q;
       node_0_q <= {node_2_q, right};
       stack_0_q <= stack_2_q + 1'b1;
+      start_0_q <= start_2_q;
     end else begin
       context_0_q <= in_context_i;
       map_0_q <= in_map_i;
+      first_0_q <= in_first_i;
       node_0_q <= in_node_i;
       stack_0_q <= in_stack_i;
+      start_0_q <= in_stack_i;
     end
 
     valid_1_q <= valid_0_q;
     context_1_q <= context_0_q;
+    map_1_q <= map_0_q;
+    first_1_q <= first_0_q;
     node_1_q <= node_0_q;
     stack_1_q <= stack_0_q;
+    start_1_q <= start_0_q;
 
     valid_2_q <= valid_1_q;
     context_2_q <= context_1_q;
-    map_2_q <= map_i;
+    map_2_q <= map_1_q;
+    first_2_q <= first_1_q;
     node_2_q <= node_1_q[NodeBits-2:0];
     stack_2_q <= stack_1_q;
+    start_2_q <= start_1_q;
     query_2_q <= query_i;
-    offsets_2_q <= offsets_i;
+    offsets_2_q <= first_1_q ? '0 : offsets_i;
     {axis_2_q, split_2_q} <= node_data;
     line_2_q <= line_1[LineBits-1:0];
     left_leaf_2_q <= !line_1[NodeBits+1];
@@ -138,49 +163,56 @@ module photon_gatherer_nodes #(
   end
 
   always_comb begin
+    for (int unsigned a = 0; a < 3; a++)
+      difference[F*a+:F] = {1'b0, query_2_q[P*a+:P]} - {1'b0, split_2_q};
     unique case (axis_2_q)
-      2'd0: coordinate = query_2_q[0+:P];
-      2'd1: coordinate = query_2_q[P+:P];
-      default: coordinate = query_2_q[2*P+:P];
+      2'd0: right = !difference[P];
+      2'd1: right = !difference[F+P];
+      default: right = !difference[2*F+P];
     endcase
-    right = coordinate >= split_2_q;
-    difference = right ? coordinate - split_2_q : split_2_q - coordinate;
     offsets = offsets_2_q;
     unique case (axis_2_q)
-      2'd0: offsets[0+:P] = difference;
-      2'd1: offsets[P+:P] = difference;
-      default: offsets[2*P+:P] = difference;
+      2'd0: offsets[0+:F] = difference[0+:F];
+      2'd1: offsets[F+:F] = difference[F+:F];
+      default: offsets[2*F+:F] = difference[2*F+:F];
     endcase
   end
 
   assign near_leaf = right ? right_leaf_2_q : left_leaf_2_q;
   assign loop = valid_2_q && !near_leaf;
   assign in_ready_o = !loop;
-  assign leaf_valid_o = valid_2_q && near_leaf;
-  assign leaf_context_o = context_2_q;
-  assign leaf_line_o = line_2_q + LineBits'(right);
-  assign leaf_stack_o = stack_2_q + 1'b1;
-  assign step_o = valid_2_q;
-  assign step_context_o = context_2_q;
+
+  always_ff @(posedge clk_i) begin
+    leaf_valid_o <= valid_2_q && near_leaf;
+    leaf_context_o <= context_2_q;
+    leaf_map_o <= map_2_q;
+    leaf_first_o <= first_2_q;
+    leaf_line_o <= line_2_q + LineBits'(right);
+    leaf_stack_o <= stack_2_q + 1'b1;
+    leaf_steps_o <= stack_2_q + 1'b1 - start_2_q;
+    step_o <= valid_2_q;
+    if (rst_i) begin
+      leaf_valid_o <= 1'b0;
+      step_o <= 1'b0;
+    end
+  end
 
   // ---- the far child, behind the ring ----
-  localparam int unsigned Behind = 4;  // stages from 3 to the scaled distance
-  localparam int unsigned SubtreeBits = 1 + NodeBits + 3 * P;
+  localparam int unsigned Behind = 5;  // stages from 3 to the scaled distance
+  localparam int unsigned SubtreeBits = 1 + NodeBits + 3 * F;
   localparam int unsigned RideBits = ContextBits + StackBits + SubtreeBits;
 
   logic [Behind-1:0] push_valid_q;
   logic [RideBits-1:0] ride_q[0:Behind-1];
-  logic [3*P-1:0] ride_offsets;
-  logic [2*P+1:0] distance;
+  logic [2*F-1:0] distance;
   logic [DistanceBits-1:0] scaled_q;
 
-  assign ride_offsets = ride_q[0][3*P-1:0];
-
   squared_distance #(
-      .Bits(P + 1)
+      .Bits(F),
+      .Stages(3)
   ) square (
       .clk_i(clk_i),
-      .offset_i({1'b0, ride_offsets[2*P+:P], 1'b0, ride_offsets[P+:P], 1'b0, ride_offsets[0+:P]}),
+      .offset_i(ride_q[0][3*F-1:0]),
       .sum_o(distance)
   );
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The photons of queries that want them, in the order of those queries and in (d2, index) order within each. Waits for
 // the oldest such query to finish, takes a snapshot of its list's places (a token through the candidates' pipeline),
-// reads them from the slot store whenever the sum does not, and gives the context free. One photon a cycle at best.
+// reads them from the slot store whenever the sum does not, and gives the context free. One photon in three cycles.
 module photon_gatherer_photons #(
     parameter int unsigned K = 16,
     parameter int unsigned Contexts = 16,
@@ -41,21 +41,16 @@ module photon_gatherer_photons #(
     output logic                   out_last_o
 );
   localparam int unsigned OrderDepth = Contexts > 2 ? (1 << $clog2(Contexts)) : 2;
-  localparam int unsigned OutDepth = 8;
-  localparam int unsigned RoomBits = $clog2(OutDepth + 1);
   localparam logic [1:0] Idle = 2'd0, Ask = 2'd1, Wait = 2'd2, Stream = 2'd3;
 
   logic [1:0] state_q;
   logic [Contexts-1:0] done_q;
-  logic head_valid, head_taken, read, last, out_push_q, last_1_q, last_2_q;
+  logic head_valid, head_taken, read, last, read_1_q, full_q;
   logic [ContextBits-1:0] head;
   logic [CountBits-1:0] left_q;
   logic [K*PlaceBits-1:0] places_q;
-  logic [RoomBits-1:0] room_q;
-  logic read_1_q;
-  logic [StoreBits-1:0] data_q;
-  /* verilator lint_off UNUSEDSIGNAL */  // both FIFOs hold all that can come
-  logic order_ready, out_ready;
+  /* verilator lint_off UNUSEDSIGNAL */  // the FIFO holds all that can come
+  logic order_ready;
   /* verilator lint_on UNUSEDSIGNAL */
 
   fifo #(
@@ -74,7 +69,7 @@ module photon_gatherer_photons #(
 
   assign snapshot_valid_o = state_q == Ask;
   assign snapshot_context_o = head;
-  assign read_valid_o = state_q == Stream && left_q != '0 && room_q != '0;
+  assign read_valid_o = state_q == Stream && left_q != '0 && !full_q;
   assign read_context_o = head;
   assign read_place_o = places_q[0+:PlaceBits];
   assign read = read_valid_o && read_ready_i;
@@ -102,31 +97,19 @@ module photon_gatherer_photons #(
       if (done_i && done_context_i == ContextBits'(c)) done_q[c] <= 1'b1;
     end
 
+    // One photon is on its way to the output or there.
+    if (read) full_q <= 1'b1;
+    else if (out_valid_o && out_ready_i) full_q <= 1'b0;
     read_1_q <= read;
-    last_1_q <= last;
-    out_push_q <= read_1_q;
-    last_2_q <= last_1_q;
-    data_q <= read_data_i;
-    room_q <= room_q - RoomBits'(read) + RoomBits'(out_valid_o && out_ready_i);
+    if (read_1_q) out_data_o <= read_data_i;
+    if (read) out_last_o <= last;
+    if (read_1_q) out_valid_o <= 1'b1;
+    else if (out_ready_i) out_valid_o <= 1'b0;
     if (rst_i) begin
       state_q <= Idle;
       read_1_q <= 1'b0;
-      out_push_q <= 1'b0;
-      room_q <= RoomBits'(OutDepth);
+      full_q <= 1'b0;
+      out_valid_o <= 1'b0;
     end
   end
-
-  fifo #(
-      .Width(StoreBits + 1),
-      .Depth(OutDepth)
-  ) photons (
-      .clk_i(clk_i),
-      .rst_i(rst_i),
-      .in_valid_i(out_push_q),
-      .in_ready_o(out_ready),
-      .in_i({last_2_q, data_q}),
-      .out_valid_o(out_valid_o),
-      .out_ready_i(out_ready_i),
-      .out_o({out_last_o, out_data_o})
-  );
 endmodule

@@ -3,7 +3,12 @@
 // its numbers are written when its sum is done, its reciprocal when that is; the head slot leaves when it is complete.
 // There are Slots of them, more than contexts, so a slow query does not stop those behind it. A flush takes a slot and
 // is complete at once. take_i holds one of the reciprocal's places for a query whose sum begins.
-// Latency from finish to output 3 cycles, with a reciprocal ceil((W+1)/2) + 8; one result each 3 cycles at best.
+//
+// What is written last has the lap of its slot beside it: how often, modulo 2, the slots had gone round when the query
+// took it. A slot is complete iff it shows the lap of the head. A flush writes it when it starts, so it waits where
+// another is written. After reset, which takes Slots cycles, all show the other lap. Starts are at least two cycles apart.
+//
+// Latency from finish to output 4 cycles, with a reciprocal 5 more than that takes; one result each 3 cycles at best.
 module photon_gatherer_results #(
     parameter int unsigned Slots = 64,
     localparam int unsigned SlotBits = $clog2(Slots)
@@ -12,18 +17,19 @@ module photon_gatherer_results #(
     input  logic                                                            rst_i,
     // a query starts
     output logic                                                            start_ready_o,
+    output logic                                                            flush_ready_o,  // and a flush may
     input  logic                                                            start_i,
     input  logic                                                            start_flush_i,
     input  logic                                                            start_map_i,
     input  logic [                              photonloom_pkg::TagBits-1:0] start_tag_i,
     input  logic [                           photonloom_pkg::SampleBits-1:0] start_sample_i,
     input  logic [                            photonloom_pkg::PixelBits-1:0] start_pixel_i,
-    output logic [                                            SlotBits-1:0] start_slot_o,
+    output logic [                                              SlotBits:0] start_slot_o,   // lap, slot
     // its sum begins, and is done
     output logic                                                            take_ready_o,
     input  logic                                                            take_i,
     input  logic                                                            finish_i,
-    input  logic [                                            SlotBits-1:0] finish_slot_i,
+    input  logic [                                              SlotBits:0] finish_slot_i,  // lap, slot
     input  logic [                           photonloom_pkg::CountBits-1:0] finish_count_i,
     input  logic [                              photonloom_pkg::R2Bits-1:0] finish_r2_i,
     input  logic [photonloom_pkg::Channels*photonloom_pkg::FluxBits-1:0] finish_flux_i,
@@ -41,20 +47,27 @@ module photon_gatherer_results #(
   localparam int unsigned NodeBits = photonloom_pkg::LineBits + 1;
   localparam int unsigned InsertBits = photonloom_pkg::IndexBits + 1;
   localparam int unsigned HeadBits = photonloom_pkg::PixelBits + photonloom_pkg::SampleBits + photonloom_pkg::TagBits + 2;
-  localparam int unsigned BodyBits = CountBits + R2Bits + FluxBits + 2 * NodeBits + InsertBits;
+  localparam int unsigned BodyBits = CountBits + R2Bits + FluxBits + 2 * NodeBits + InsertBits + 2;
   localparam bit HasReciprocal = photonloom_pkg::ReciprocalBits != 0;
-  localparam logic [1:0] Look = 2'd0, Read = 2'd1, Out = 2'd2;
+  localparam logic [1:0] Wait = 2'd0, Look = 2'd1, Out = 2'd2;
 
   logic [SlotBits:0] head_q, tail_q;
-  logic [Slots-1:0] complete_q;
   logic [1:0] state_q;
   logic [HeadBits-1:0] head_word;
   logic [BodyBits-1:0] body_word;
-  logic done;
-  logic [SlotBits-1:0] done_slot;
+  logic ready_q, occupied_q, settled_q, sweeping_q, complete;
+  logic [SlotBits-1:0] sweep_q;
 
-  assign start_ready_o = tail_q != {~head_q[SlotBits], head_q[SlotBits-1:0]};
-  assign start_slot_o = tail_q[SlotBits-1:0];
+  // Of what is written last: that it is, and where; the lap that it shows.
+  logic done, done_write, done_slot_lap, done_lap, lap;
+  logic [SlotBits-1:0] done_slot, done_address;
+
+  assign start_ready_o = ready_q;
+  assign flush_ready_o = ready_q && !done;
+  assign start_slot_o = tail_q;
+  assign done_write = done || sweeping_q || (start_i && start_flush_i);
+  assign done_address = sweeping_q ? sweep_q : done ? done_slot : tail_q[SlotBits-1:0];
+  assign done_lap = sweeping_q || (done ? done_slot_lap : tail_q[SlotBits]);
 
   block_ram #(
       .Width(HeadBits),
@@ -69,34 +82,31 @@ module photon_gatherer_results #(
       .read_data_o(head_word)
   );
 
-  block_ram #(
-      .Width(BodyBits),
-      .Depth(Slots)
-  ) bodies (
-      .clk_i(clk_i),
-      .write_i(finish_i),
-      .write_address_i(finish_slot_i),
-      .write_data_i({finish_count_i, finish_r2_i, finish_flux_i, finish_nodes_i, finish_leaves_i,
-                     finish_insertions_i}),
-      .read_i(1'b1),
-      .read_address_i(head_q[SlotBits-1:0]),
-      .read_data_o(body_word)
-  );
-
   // ---- the head slot ----
   logic [photonloom_pkg::PixelBits-1:0] pixel;
   logic [photonloom_pkg::SampleBits-1:0] sample;
   logic [photonloom_pkg::TagBits-1:0] tag;
-  logic map, flush;
+  logic map, flush, full, clamped;
   logic [CountBits-1:0] count;
   logic [R2Bits-1:0] r2;
   logic [FluxBits-1:0] flux;
   logic [NodeBits-1:0] nodes, leaves;
   logic [InsertBits-1:0] insertions;
   photonloom_pkg::gather_result_t result;
+  logic [BodyBits-1:0] finish_body;
 
   assign {pixel, sample, tag, map, flush} = head_word;
-  assign {count, r2, flux, nodes, leaves, insertions} = flush ? '0 : body_word;
+  assign {count, r2, flux, nodes, leaves, insertions, full, clamped} = flush ? '0 : body_word;
+  assign finish_body = {
+    finish_count_i,
+    finish_r2_i,
+    finish_flux_i,
+    finish_nodes_i,
+    finish_leaves_i,
+    finish_insertions_i,
+    finish_count_i == CountBits'(photonloom_pkg::K),
+    finish_r2_i < photonloom_pkg::R2Floor
+  };
 
   if (HasReciprocal) begin : gen_reciprocal
     localparam int unsigned MantissaBits = photonloom_pkg::ReciprocalBits + 1;
@@ -105,7 +115,7 @@ module photon_gatherer_results #(
     localparam int unsigned PlacesBits = $clog2(Places + 1);
     logic [PlacesBits-1:0] places_q;
     logic wait_valid, unit_ready, unit_done;
-    logic [SlotBits-1:0] wait_slot, unit_slot_q;
+    logic [SlotBits:0] wait_slot, unit_slot_q;
     logic [R2Bits-1:0] wait_r2;
     logic [MantissaBits-1:0] mantissa;
     logic [ExponentBits-1:0] exponent;
@@ -117,7 +127,7 @@ module photon_gatherer_results #(
     assign take_ready_o = places_q != '0;
 
     fifo #(
-        .Width(SlotBits + R2Bits),
+        .Width(SlotBits + 1 + R2Bits),
         .Depth(Places)
     ) waiting (
         .clk_i(clk_i),
@@ -145,16 +155,29 @@ module photon_gatherer_results #(
     );
 
     block_ram #(
-        .Width(MantissaBits + ExponentBits),
+        .Width(BodyBits),
+        .Depth(Slots)
+    ) bodies (
+        .clk_i(clk_i),
+        .write_i(finish_i),
+        .write_address_i(finish_slot_i[SlotBits-1:0]),
+        .write_data_i(finish_body),
+        .read_i(1'b1),
+        .read_address_i(head_q[SlotBits-1:0]),
+        .read_data_o(body_word)
+    );
+
+    block_ram #(
+        .Width(1 + MantissaBits + ExponentBits),
         .Depth(Slots)
     ) reciprocals (
         .clk_i(clk_i),
-        .write_i(unit_done),
-        .write_address_i(unit_slot_q),
-        .write_data_i({mantissa, exponent}),
+        .write_i(done_write),
+        .write_address_i(done_address),
+        .write_data_i({done_lap, mantissa, exponent}),
         .read_i(1'b1),
         .read_address_i(head_q[SlotBits-1:0]),
-        .read_data_o(word)
+        .read_data_o({lap, word})
     );
 
     always_ff @(posedge clk_i) begin
@@ -164,7 +187,7 @@ module photon_gatherer_results #(
     end
 
     assign done = unit_done;
-    assign done_slot = unit_slot_q;
+    assign {done_slot_lap, done_slot} = unit_slot_q;
 
     always_comb begin
       result.reciprocal = flush ? '0 : word[ExponentBits+:MantissaBits];
@@ -177,7 +200,20 @@ module photon_gatherer_results #(
     assign take = take_i;
     assign take_ready_o = 1'b1;
     assign done = finish_i;
-    assign done_slot = finish_slot_i;
+    assign {done_slot_lap, done_slot} = finish_slot_i;
+
+    block_ram #(
+        .Width(1 + BodyBits),
+        .Depth(Slots)
+    ) bodies (
+        .clk_i(clk_i),
+        .write_i(done_write),
+        .write_address_i(done_address),
+        .write_data_i({done_lap, finish_body}),
+        .read_i(1'b1),
+        .read_address_i(head_q[SlotBits-1:0]),
+        .read_data_o({lap, body_word})
+    );
   end
 
   always_comb begin
@@ -189,41 +225,45 @@ module photon_gatherer_results #(
     result.count = count;
     result.r2 = r2;
     result.flux = flux;
-    result.full = count == CountBits'(photonloom_pkg::K);
-    result.clamped = !flush && r2 < photonloom_pkg::R2Floor;
+    result.full = full;
+    result.clamped = clamped;
     result.nodes = nodes;
     result.leaves = leaves;
     result.insertions = insertions;
   end
 
   assign result_valid_o = state_q == Out;
+  assign complete = occupied_q && settled_q && lap == head_q[SlotBits];
 
   always_ff @(posedge clk_i) begin
     unique case (state_q)
-      Look: if (complete_q[head_q[SlotBits-1:0]]) state_q <= Read;
-      Read: begin
+      Wait: state_q <= Look;
+      Look: begin
         result_o <= result;
-        state_q <= Out;
+        if (complete) state_q <= Out;
       end
       default:
       if (result_ready_i) begin
-        state_q <= Look;
+        state_q <= Wait;
         head_q <= head_q + 1'b1;
       end
     endcase
-    if (start_i) begin
-      tail_q <= tail_q + 1'b1;
-    end
-    for (int unsigned s = 0; s < Slots; s++) begin
-      if (state_q == Out && result_ready_i && head_q[SlotBits-1:0] == SlotBits'(s)) complete_q[s] <= 1'b0;
-      if (start_i && start_flush_i && tail_q[SlotBits-1:0] == SlotBits'(s)) complete_q[s] <= 1'b1;
-      if (done && done_slot == SlotBits'(s)) complete_q[s] <= 1'b1;
+    if (start_i) tail_q <= tail_q + 1'b1;
+    ready_q <= !sweeping_q && tail_q != {~head_q[SlotBits], head_q[SlotBits-1:0]};
+    // What was written in the cycle before was not read.
+    occupied_q <= tail_q != head_q;
+    settled_q <= !(done_write && done_address == head_q[SlotBits-1:0]);
+    if (sweeping_q) begin
+      sweep_q <= sweep_q + 1'b1;
+      sweeping_q <= sweep_q != SlotBits'(Slots - 1);
     end
     if (rst_i) begin
-      state_q <= Look;
+      state_q <= Wait;
       head_q <= '0;
       tail_q <= '0;
-      complete_q <= '0;
+      ready_q <= 1'b0;
+      sweeping_q <= 1'b1;
+      sweep_q <= '0;
     end
   end
 endmodule

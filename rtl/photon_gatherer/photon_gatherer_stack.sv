@@ -3,46 +3,47 @@
 // up to two entries a cycle, three queries in turn. A query enters when its leaf is done; entries whose subtree is too
 // far are dropped; the first that is not leaves by next_*, with its offsets; a query with nothing left, or told to
 // stop, leaves by done_*. A subtree is too far iff distance^2 * E > bound * 2^EpsilonShift (the left side was pushed).
+// The bound is read in the second cycle after the one in which the query is taken. What leaves is registered.
 module photon_gatherer_stack #(
-    parameter int unsigned PositionBits = 16,
+    parameter int unsigned OffsetsBits = 51,
+    parameter int unsigned R2Bits = 34,
     parameter int unsigned LineBits = 13,
     parameter int unsigned Contexts = 16,
     parameter int unsigned EpsilonShift = 0,
     parameter int unsigned StackBits = 5,
     parameter int unsigned DistanceBits = 34,
-    localparam int unsigned R2Bits = 2 * PositionBits + 2,
     localparam int unsigned ContextBits = Contexts > 1 ? $clog2(Contexts) : 1,
     localparam int unsigned NodeBits = LineBits + 1,
-    localparam int unsigned EntryBits = 1 + NodeBits + 3 * PositionBits + DistanceBits
+    localparam int unsigned EntryBits = 1 + NodeBits + OffsetsBits + DistanceBits
 ) (
-    input  logic                      clk_i,
-    input  logic                      rst_i,
+    input  logic                   clk_i,
+    input  logic                   rst_i,
     // push
-    input  logic                      push_i,
-    input  logic [   ContextBits-1:0] push_context_i,
-    input  logic [     StackBits-1:0] push_stack_i,    // entries below it
-    input  logic [     EntryBits-1:0] push_entry_i,
+    input  logic                   push_i,
+    input  logic [ContextBits-1:0] push_context_i,
+    input  logic [  StackBits-1:0] push_stack_i,    // entries below it
+    input  logic [  EntryBits-1:0] push_entry_i,
     // a leaf is done
-    input  logic                      in_valid_i,
-    output logic                      in_ready_o,
-    input  logic [   ContextBits-1:0] in_context_i,
-    input  logic [     StackBits-1:0] in_stack_i,      // entries
-    input  logic                      in_stop_i,
+    input  logic                   in_valid_i,
+    output logic                   in_ready_o,
+    input  logic [ContextBits-1:0] in_context_i,
+    input  logic [  StackBits-1:0] in_stack_i,      // entries
+    input  logic                   in_stop_i,
     // bound, read by context
-    output logic [   ContextBits-1:0] bound_context_o,
-    input  logic [        R2Bits-1:0] bound_i,
+    output logic [ContextBits-1:0] bound_context_o,
+    input  logic [     R2Bits-1:0] bound_i,
     // the next subtree
-    output logic                      next_valid_o,
-    output logic [   ContextBits-1:0] next_context_o,
-    output logic                      next_leaf_o,     // it is a leaf
-    output logic [      NodeBits-1:0] next_node_o,
-    output logic [     StackBits-1:0] next_stack_o,
-    output logic [3*PositionBits-1:0] next_offsets_o,
+    output logic                   next_valid_o,
+    output logic [ContextBits-1:0] next_context_o,
+    output logic                   next_leaf_o,     // it is a leaf
+    output logic [   NodeBits-1:0] next_node_o,
+    output logic [  StackBits-1:0] next_stack_o,
+    output logic [OffsetsBits-1:0] next_offsets_o,
     // or the end
-    output logic                      done_valid_o,
-    output logic [   ContextBits-1:0] done_context_o,
+    output logic                   done_valid_o,
+    output logic [ContextBits-1:0] done_context_o,
     // entries dropped in this cycle
-    output logic [               1:0] drop_o
+    output logic [            1:0] drop_o
 );
   // Entry i is in bank i % 2, so the top two are always in different banks.
   localparam int unsigned RowBits = StackBits > 1 ? StackBits - 1 : 1;
@@ -53,14 +54,14 @@ module photon_gatherer_stack #(
   logic [ContextBits-1:0] context_0_q, context_1_q, context_2_q;
   logic [StackBits-1:0] stack_0_q, stack_1_q, stack_2_q, top_0, second_0, rest_1, rest_2;
   logic [R2Bits-1:0] bound_2_q;
-  logic [EntryBits-1:0] even, odd, top_2_q, second_2_q;
-  logic loop, far_top, far_second, two, go_top, go_second;
+  logic [1:0] far;  // by bank
+  logic loop, odd_top, two, far_top, far_second, far_both, goes;
 
   assign top_0 = stack_0_q - StackBits'(1);
   assign second_0 = stack_0_q - StackBits'(2);
 
   for (genvar bank = 0; bank < 2; bank++) begin : gen_bank
-    logic [EntryBits-1:0] word;
+    logic [EntryBits-1:0] word, word_2_q;
     block_ram #(
         .Width(EntryBits),
         .Depth(1 << RamBits)
@@ -73,9 +74,9 @@ module photon_gatherer_stack #(
         .read_address_i({context_0_q, RowBits'((top_0[0] == (bank == 1) ? top_0 : second_0) >> 1)}),
         .read_data_o(word)
     );
+    always_ff @(posedge clk_i) word_2_q <= word;
+    assign far[bank] = CompareBits'(word_2_q[DistanceBits-1:0]) > CompareBits'(bound_2_q) << EpsilonShift;
   end
-  assign even = gen_bank[0].word;
-  assign odd = gen_bank[1].word;
 
   always_ff @(posedge clk_i) begin
     valid_0_q <= loop || in_valid_i;
@@ -92,9 +93,6 @@ module photon_gatherer_stack #(
     context_2_q <= context_1_q;
     stack_2_q <= stack_1_q;
     stop_2_q <= stop_1_q;
-    // The top entry's number is one less than their count.
-    top_2_q <= stack_1_q[0] ? even : odd;
-    second_2_q <= stack_1_q[0] ? odd : even;
     bound_2_q <= bound_i;
     if (rst_i) begin
       valid_0_q <= 1'b0;
@@ -104,22 +102,31 @@ module photon_gatherer_stack #(
   end
 
   assign bound_context_o = context_1_q;
+  // The top entry's number is one less than their count.
+  assign odd_top = !stack_2_q[0];
   assign rest_1 = stack_2_q - StackBits'(1);
   assign rest_2 = stack_2_q - StackBits'(2);
   assign two = rest_1 != '0;
-  assign far_top = CompareBits'(top_2_q[DistanceBits-1:0]) > CompareBits'(bound_2_q) << EpsilonShift;
-  assign far_second = CompareBits'(second_2_q[DistanceBits-1:0]) > CompareBits'(bound_2_q) << EpsilonShift;
-  assign go_top = !far_top;
-  assign go_second = far_top && two && !far_second;
+  assign far_top = odd_top ? far[1] : far[0];
+  assign far_second = odd_top ? far[0] : far[1];
+  assign far_both = far == 2'b11;
+  assign goes = !far_top || (two && !far_second);
 
-  assign loop = valid_2_q && !stop_2_q && far_top && two && far_second && rest_2 != '0;
+  assign loop = valid_2_q && !stop_2_q && far_both && rest_1 != '0 && rest_2 != '0;
   assign in_ready_o = !loop;
-  assign next_valid_o = valid_2_q && !stop_2_q && (go_top || go_second);
-  assign next_context_o = context_2_q;
-  assign next_stack_o = far_top ? rest_2 : rest_1;
-  assign {next_leaf_o, next_node_o, next_offsets_o} = far_top ? second_2_q[EntryBits-1:DistanceBits] :
-                                                   top_2_q[EntryBits-1:DistanceBits];
-  assign done_valid_o = valid_2_q && (stop_2_q || (far_top && (!two || (far_second && rest_2 == '0))));
-  assign done_context_o = context_2_q;
-  assign drop_o = {2{valid_2_q && !stop_2_q && far_top}} & {two && far_second, !(two && far_second)};
+
+  always_ff @(posedge clk_i) begin
+    next_valid_o <= valid_2_q && !stop_2_q && goes;
+    next_context_o <= context_2_q;
+    next_stack_o <= far_top ? rest_2 : rest_1;
+    {next_leaf_o, next_node_o, next_offsets_o} <= odd_top != far_top ? gen_bank[1].word_2_q[EntryBits-1:DistanceBits] :
+                                                  gen_bank[0].word_2_q[EntryBits-1:DistanceBits];
+    done_valid_o <= valid_2_q && (stop_2_q || (!goes && !loop));
+    done_context_o <= context_2_q;
+    drop_o <= {2{valid_2_q && !stop_2_q && far_top}} & {two && far_second, !(two && far_second)};
+    if (rst_i) begin
+      next_valid_o <= 1'b0;
+      done_valid_o <= 1'b0;
+    end
+  end
 endmodule

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Exact flux of finished queries: reads the n loads of a context from the slot store, one a cycle, decodes
-// mantissa * 2^exponent and adds. Queries follow each other without a gap but the cycle in which the next is taken.
-// Latency n + 5. The sum appears with its context while the context's other state can still be read.
+// mantissa * 2^exponent (a multiplier by a power of two, then one step of 16) and adds. Queries follow each other
+// without a gap but the cycle in which the next is taken, in which the sum is cleared too. Latency n + 7. What
+// else is to go with the sum rides along, so the query's context is free when its last load is read.
 module photon_gatherer_sum #(
     parameter int unsigned K = 16,
     parameter int unsigned Contexts = 16,
@@ -9,6 +10,7 @@ module photon_gatherer_sum #(
     parameter int unsigned MantissaBits = 9,
     parameter int unsigned ExponentBits = 5,
     parameter int unsigned FluxBits = 44,
+    parameter int unsigned RideBits = 18,  // what else goes with a query
     localparam int unsigned ContextBits = Contexts > 1 ? $clog2(Contexts) : 1,
     localparam int unsigned PlaceBits = K > 1 ? $clog2(K) : 1,
     localparam int unsigned CountBits = $clog2(K + 1),
@@ -21,28 +23,39 @@ module photon_gatherer_sum #(
     output logic                         in_ready_o,
     input  logic [      ContextBits-1:0] in_context_i,
     input  logic [        CountBits-1:0] in_count_i,
+    input  logic [         RideBits-1:0] in_ride_i,
     // slot store: data a cycle after the address
     output logic                         read_o,
     output logic [      ContextBits-1:0] read_context_o,
     output logic [        PlaceBits-1:0] read_place_o,
     input  logic [        PowerBits-1:0] read_power_i,    // exponent, mantissas
+    // nothing more to be read
+    output logic                         free_o,
+    output logic [      ContextBits-1:0] free_context_o,
     // sums
     output logic                         out_valid_o,
-    output logic [      ContextBits-1:0] out_context_o,
     output logic [        CountBits-1:0] out_count_o,
+    output logic [         RideBits-1:0] out_ride_o,
     output logic [Channels*FluxBits-1:0] out_flux_o
 );
+  localparam int unsigned StepBits = ExponentBits < 4 ? ExponentBits : 4;  // of the exponent, for the multiplier
+  localparam int unsigned FactorBits = 1 << StepBits;
+  localparam int unsigned ProductBits = MantissaBits + FactorBits;
+
   // ---- addresses ----
   logic active_q, empty_q, last;
   logic [ContextBits-1:0] context_q;
   logic [CountBits-1:0] left_q, count_q;
   logic [PlaceBits-1:0] place_q;
+  logic [RideBits-1:0] ride_q;
 
   assign last = empty_q || left_q == CountBits'(1);
-  assign in_ready_o = !active_q || last;
+  assign in_ready_o = !active_q;
   assign read_o = active_q && !empty_q;
   assign read_context_o = context_q;
   assign read_place_o = place_q;
+  assign free_o = active_q && last;
+  assign free_context_o = context_q;
 
   always_ff @(posedge clk_i) begin
     if (in_ready_o) begin
@@ -50,47 +63,59 @@ module photon_gatherer_sum #(
       context_q <= in_context_i;
       left_q <= in_count_i;
       count_q <= in_count_i;
+      ride_q <= in_ride_i;
       empty_q <= in_count_i == '0;
       place_q <= '0;
     end else begin
+      if (last) active_q <= 1'b0;
       left_q <= left_q - 1'b1;
       place_q <= place_q + 1'b1;
     end
     if (rst_i) active_q <= 1'b0;
   end
 
-  // ---- data | register | shift | add ----
-  localparam int unsigned Stages = 4;
-  logic [Stages-1:0] valid_q, last_q;
-  logic [2:0] first_q;
-  logic [1:0] empty_s_q;
-  logic [ContextBits-1:0] context_s_q[0:Stages-1];
+  // ---- data | register | multiply | step of 16 | add ----
+  localparam int unsigned Stages = 5;
+  logic [Stages-1:0] active_s_q, read_s_q, last_q;
   logic [CountBits-1:0] count_s_q[0:Stages-1];
-  logic [PowerBits-1:0] power_q;
+  logic [RideBits-1:0] ride_s_q[0:Stages-1];
+  logic [Channels*MantissaBits-1:0] mantissas_q;
+  logic [FactorBits-1:0] factor_q;
+  logic step_q, step_2_q;
+  logic [Channels*ProductBits-1:0] product_q;
   logic [Channels*FluxBits-1:0] value_q, flux_q;
+  logic [ExponentBits-1:0] exponent;
+
+  assign exponent = read_power_i[PowerBits-1-:ExponentBits];
 
   always_ff @(posedge clk_i) begin
-    valid_q <= {valid_q[Stages-2:0], active_q};
+    active_s_q <= {active_s_q[Stages-2:0], active_q};
+    read_s_q <= {read_s_q[Stages-2:0], read_o};
     last_q <= {last_q[Stages-2:0], last};
-    first_q <= {first_q[1:0], place_q == '0};
-    empty_s_q <= {empty_s_q[0], empty_q};
-    context_s_q[0] <= context_q;
     count_s_q[0] <= count_q;
+    ride_s_q[0] <= ride_q;
     for (int unsigned i = 1; i < Stages; i++) begin
-      context_s_q[i] <= context_s_q[i-1];
       count_s_q[i] <= count_s_q[i-1];
+      ride_s_q[i] <= ride_s_q[i-1];
     end
-    power_q <= read_power_i;
+    mantissas_q <= read_power_i[Channels*MantissaBits-1:0];
+    for (int unsigned i = 0; i < FactorBits; i++) factor_q[i] <= exponent[StepBits-1:0] == StepBits'(i);
+    step_q <= ExponentBits > 4 && exponent[ExponentBits-1];
+    step_2_q <= step_q;
     for (int unsigned c = 0; c < Channels; c++) begin
-      value_q[FluxBits*c+:FluxBits] <= empty_s_q[1] ? '0 :
-          FluxBits'(power_q[MantissaBits*c+:MantissaBits]) << power_q[PowerBits-1-:ExponentBits];
-      flux_q[FluxBits*c+:FluxBits] <= value_q[FluxBits*c+:FluxBits] + (first_q[2] ? '0 : flux_q[FluxBits*c+:FluxBits]);
+      product_q[ProductBits*c+:ProductBits] <= mantissas_q[MantissaBits*c+:MantissaBits] * factor_q;
+      value_q[FluxBits*c+:FluxBits] <=
+          step_2_q ? FluxBits'(product_q[ProductBits*c+:ProductBits]) << 16 :
+          FluxBits'(product_q[ProductBits*c+:ProductBits]);
+      flux_q[FluxBits*c+:FluxBits] <= flux_q[FluxBits*c+:FluxBits] + value_q[FluxBits*c+:FluxBits];
     end
-    if (rst_i) valid_q <= '0;
+    // Cleared between queries; value_q of a query without photons is not added.
+    if (!read_s_q[Stages-2]) flux_q <= '0;
+    if (rst_i) active_s_q <= '0;
   end
 
-  assign out_valid_o = valid_q[Stages-1] && last_q[Stages-1];
-  assign out_context_o = context_s_q[Stages-1];
+  assign out_valid_o = active_s_q[Stages-1] && last_q[Stages-1];
   assign out_count_o = count_s_q[Stages-1];
+  assign out_ride_o = ride_s_q[Stages-1];
   assign out_flux_o = flux_q;
 endmodule
