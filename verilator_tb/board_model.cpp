@@ -15,7 +15,8 @@ BoardModel::BoardModel(const Plan& plan, const BoardRun& run)
                              .waveform = !run.waveform.empty(),
                              .parameters = {fmt::format("ClocksPerBit={}", run.clocks_per_bit)}}),
           run.initial_seed),
-      wire_(run.wire_clocks > 0 ? run.wire_clocks : run.clocks_per_bit) {
+      wire_(run.wire_clocks > 0 ? run.wire_clocks : run.clocks_per_bit),
+      sdram_period_(run.sdram_period) {
   for (const ModelPort& p : model_.ports())
     if (!p.output) std::memset(p.data, 0, p.bytes);
   clock_ = model_.port("clk_i").data;
@@ -23,18 +24,17 @@ BoardModel::BoardModel(const Plan& plan, const BoardRun& run)
   rx_ = model_.port("uart_rx_i").data;
   tx_ = model_.port("uart_tx_o").data;
   if (model_.has_port("led_o")) leds_ = model_.port("led_o").data;
+  if (plan.photon_memory == PhotonMemory::kSdram && model_.has_port("sdram_dq_i")) {
+    sdram_ = std::make_unique<SdramSocket>(model_);
+    sdram_clock_ = model_.port("clk_sdram_i").data;
+  }
   if (!run.waveform.empty()) {
     model_.open_waveform(run.waveform);
     tracing_ = true;
   }
   *rx_ = 1;
   *reset_ = 1;
-  for (int i = 0; i < 8; ++i) {
-    *clock_ = 0;
-    model_.eval();
-    *clock_ = 1;
-    model_.eval();
-  }
+  for (int i = 0; i < 8; ++i) cycle();
   *reset_ = 0;
 }
 
@@ -44,6 +44,16 @@ void BoardModel::cycle() {
   model_.eval();
   wire_.sample((*tx_ & 1) != 0);
   if (tracing_) model_.dump(2 * cycles_);
+  for (; sdram_ &&
+         static_cast<double>(sdram_edges_) * sdram_period_ < static_cast<double>(cycles_ + 1);
+       ++sdram_edges_) {
+    sdram_->before(sdram_edges_);
+    *sdram_clock_ = 1;
+    model_.eval();
+    sdram_->after(sdram_edges_);
+    *sdram_clock_ = 0;
+    model_.eval();
+  }
   *clock_ = 1;
   model_.eval();
   if (tracing_) model_.dump(2 * cycles_ + 1);

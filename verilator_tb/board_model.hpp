@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// A Verilated board_core, seen from where a host's cable ends: two wires and eight LEDs. Nothing
-// here looks inside the board.
+// A Verilated board_core, seen from where a host's cable ends: two wires and eight LEDs; with the
+// SDRAM chip on its pins where the plan keeps photons there. Nothing here looks inside the board.
 #pragma once
 #include <cstdint>
+#include <memory>
 #include <string>
 
 #include "golden/plan/plan.hpp"
 #include "verilator_tb/model.hpp"
+#include "verilator_tb/sdram_socket.hpp"
 #include "verilator_tb/uart_wire.hpp"
 
 namespace photonloom {
@@ -14,6 +16,7 @@ namespace photonloom {
 struct BoardRun {
   int clocks_per_bit = 4;     // the board's ClocksPerBit
   double wire_clocks = 0;     // a bit of the cable's far end, in clocks; 0: as the board's
+  double sdram_period = 0.5;  // clock of the SDRAM, in clocks of the core
   uint64_t initial_seed = 1;  // of the registers' initial values
   std::string module = "board_core";
   std::string rtl_dir = {};              // empty: default_rtl_dir()
@@ -38,6 +41,10 @@ class BoardModel {
  private:
   Model model_;
   UartWire wire_;
+  std::unique_ptr<SdramSocket> sdram_;
+  uint8_t* sdram_clock_ = nullptr;
+  double sdram_period_;
+  uint64_t sdram_edges_ = 0;
   uint8_t *clock_, *reset_, *rx_;
   const uint8_t *tx_, *leds_ = nullptr;
   bool tracing_ = false;
