@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <set>
 #include <stdexcept>
 
 #include "golden/command/command.hpp"
@@ -26,6 +27,8 @@ const Channel& channel_of(const Image& image, const std::string& name, const std
 
 void average(const AverageOptions& o) {
   require_suffix("--output", o.output, ".exr");
+  if (std::set<std::string>(o.channels.begin(), o.channels.end()).size() != o.channels.size())
+    throw UsageError("--channels: a name stands twice");
   std::vector<Image> images;
   for (const std::string& path : o.inputs) {
     images.push_back(read_exr(path));

@@ -88,6 +88,9 @@ void write_heat(const std::vector<double>& values, int width, int height, const 
 
 void compare(const CompareOptions& o) {
   if (!o.error_map.empty()) require_suffix("--error-map", o.error_map, ".png");
+  for (const Limit& limit : o.limits)
+    if (limit.given && std::isnan(*limit.given))
+      throw UsageError(fmt::format("{}: nan, expected a number", limit.option));
   const Image a = read_exr(o.a), b = read_exr(o.b);
   if (a.width != b.width || a.height != b.height)
     throw std::runtime_error(fmt::format("{} is {}x{}, but {} is {}x{}: expected the same size",

@@ -76,6 +76,11 @@ int run(int argc, char** argv) {
   app.set_version_flag("--version", PHOTONLOOM_VERSION);
   std::sort(registered_commands().begin(), registered_commands().end());
   for (const auto& [place, add] : registered_commands()) add(app);
+  // An empty value is a slip (of a shell variable, most often), never the same as no option.
+  const CLI::Validator not_empty(
+      [](std::string& value) { return value.empty() ? "'', expected a value" : ""; }, "");
+  for (CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; }))
+    for (CLI::Option* option : command->get_options()) option->check(not_empty);
   const std::string first = argc > 1 ? argv[1] : "";
   const auto named = [&first](const CLI::App* command) { return command->get_name() == first; };
   if (!first.empty() && first[0] != '-' && app.get_subcommands(named).empty())

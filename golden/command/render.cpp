@@ -134,7 +134,7 @@ void render(const RenderOptions& o) {
       print_warnings({option + " changes nothing with --integrator path"});
   o.threads.apply();
   // An unwritable target is found before the work, not after it.
-  { const OutputFile probe(o.output); }
+  for (const std::string& file : {o.output, png_beside(o.output)}) const OutputFile probe(file);
 
   ConsoleProgress progress;
   Json summary;

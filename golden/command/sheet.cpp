@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // photonloom sheet: a contact sheet of images.
+#include <fmt/core.h>
+
+#include <cmath>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -19,6 +22,8 @@ struct SheetOptions {
 
 void sheet(const SheetOptions& o) {
   require_suffix("--output", o.output, ".png");
+  if (o.exposure && !(std::fabs(*o.exposure) <= 100))
+    throw UsageError(fmt::format("--exposure: {}, expected -100 to 100", *o.exposure));
   std::vector<Tile> tiles;
   double exposure = o.exposure.value_or(0);
   bool row_exposed = false;
@@ -26,6 +31,8 @@ void sheet(const SheetOptions& o) {
     const size_t equals = o.tiles[i].find('=');
     const std::string path =
         equals == std::string::npos ? o.tiles[i] : o.tiles[i].substr(equals + 1);
+    if (path.empty())
+      throw UsageError(fmt::format("TILE: '{}', expected LABEL=FILE or FILE", o.tiles[i]));
     const std::string label = equals == std::string::npos
                                   ? std::filesystem::path(path).filename().string()
                                   : o.tiles[i].substr(0, equals);

@@ -77,25 +77,30 @@ int extra_position_bits(const PhotonPass& pass, double extent) {
 // Formats for a relative error that they may add to an estimate.
 void choose_formats(Plan& plan, double error, double smallest_radius, PlanReasons& why) {
   const int bits = ceil_log2(1 / error);
-  plan.position_bits = std::clamp(ceil_log2(plan.extent / (error * smallest_radius)), 8, 24);
+  // As many as wanted, within the format's limits; the reason, or that they do not suffice.
+  const auto choose = [error](int& line, int wanted, int fewest, int most, std::string reason) {
+    line = std::clamp(wanted, fewest, most);
+    return wanted > most ? fmt::format("the widest there is, too few for {:g}", error) : reason;
+  };
   why["photon.position_bits"] =
-      plan.position_bits == 24
-          ? "the widest there is"
-          : fmt::format("a position unit is at most {:g} of the smallest radius, {:.4g}", error,
-                        smallest_radius);
-  plan.mantissa_bits = std::clamp(bits, 2, 16);
-  why["photon.mantissa_bits"] = fmt::format("rounds a power by at most {:g} of it", error);
+      choose(plan.position_bits, ceil_log2(plan.extent / (error * smallest_radius)), 8, 24,
+             fmt::format("a position unit is at most {:g} of the smallest radius, {:.4g}", error,
+                         smallest_radius));
+  why["photon.mantissa_bits"] = choose(plan.mantissa_bits, bits, 2, 16,
+                                       fmt::format("rounds a power by at most {:g} of it", error));
   // Photons within a cell of the horizon may change sides; they carry the square of its angle.
-  plan.direction_bits = std::clamp(bits / 2 + 4, 5, 14);
+  why["photon.direction_bits"] =
+      choose(plan.direction_bits, bits / 2 + 4, 5, 14,
+             fmt::format("photons within a cell of the horizon, which may change sides, carry less "
+                         "than {:g}",
+                         error));
   plan.normal_bits = plan.direction_bits;
-  why["photon.direction_bits"] = fmt::format(
-      "photons within a cell of the horizon, which may change sides, carry less than {:g}", error);
   why["gather.normal_bits"] = "as photon directions";
   plan.cell_bits = std::min(plan.cell_bits, plan.direction_bits);
-  plan.reciprocal_bits = std::clamp(bits + 9, 8, 24);
-  plan.weight_bits = std::clamp(bits + 9, 8, 24);
   why["gather.reciprocal_bits"] = why["pixel.weight_bits"] =
-      fmt::format("nine bits finer than the error of {:g}", error);
+      choose(plan.reciprocal_bits, bits + 9, 8, 24,
+             fmt::format("nine bits finer than the error of {:g}", error));
+  plan.weight_bits = plan.reciprocal_bits;
 }
 
 // The maps, their counts and radii.

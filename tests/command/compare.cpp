@@ -102,7 +102,9 @@ TEST_CASE("compare refuses what cannot be compared, in one line") {
 
 TEST_CASE("a wrong command line is exit status 2") {
   for (const char* arguments :
-       {"", "nothing", "compare", "compare a b c", "compare a b --max-relmse x", "--unknown"}) {
+       {"", "nothing", "compare", "compare a b c", "compare a b --max-relmse x", "--unknown",
+        "compare a b --max-relmse nan", "average a -o b.exr --channels R,R", "average a -o b.png",
+        "sheet a -o b.exr", "sheet a -o b.png --exposure nan", "sheet a= -o b.png"}) {
     INFO(arguments);
     CHECK(run(arguments).status == 2);
   }

@@ -144,6 +144,10 @@ TEST_CASE("a plan is complete, says why, and reads back") {
       parse_plan(good("plan" + box() + "--photons 4000 --error 0.0005 -o -").out, "fine");
   const Plan coarse =
       parse_plan(good("plan" + box() + "--photons 4000 --error 0.05 -o -").out, "coarse");
+  // What no format reaches is not promised.
+  const std::string finest = good("plan" + box() + "--photons 400 --error 1e-9 -o -").out;
+  CHECK(finest.find("1e-09 of") == std::string::npos);
+  CHECK(finest.find("too few for 1e-09") != std::string::npos);
   CHECK(fine.position_bits > coarse.position_bits);
   CHECK(fine.mantissa_bits > coarse.mantissa_bits);
   CHECK(fine.direction_bits > coarse.direction_bits);
@@ -203,5 +207,11 @@ TEST_CASE("what cannot be is one clear error, and nothing is left behind") {
         {"bad.toml:2", "scene.name"});
   fails("render" + box() + "--integrator path --record" + quoted(scratch / "r") + out, 2,
         {"--record"});
+  fails("render" + box() + kSmall + " --record ''" + out, 2, {"--record: '', expected a value"});
+  fails("info ''", 2, {"SCENE: '', expected a value"});
   CHECK(scratch.entries() == 1);  // bad.toml
+  // A PNG that cannot be written is found before the work.
+  std::filesystem::create_directory(scratch / "x.png");
+  fails("render" + box() + out, 1, {"x.png", "it is a folder"});
+  CHECK(scratch.entries() == 2);
 }
