@@ -169,7 +169,7 @@ void build_cxxrtl(const ModelInput& in) {
              yosys_read(in, "-nosynthesis") +
                  fmt::format("hierarchy -top {}\nchformal -remove\nwrite_cxxrtl -g{} design.cpp\n",
                              in.unit, in.waveform ? 4 : 1));
-  run_tool(fmt::format("cd {} && {} cxxrtl.ys", quoted(in.dir), quoted(in.yosys)),
+  run_tool(fmt::format("cd {} && {} -q cxxrtl.ys", quoted(in.dir), quoted(in.yosys)),
            in.dir + "/yosys.log", fmt::format("yosys on {} (build folder {})", in.unit, in.base));
   std::string storage, ports, inputs, outputs;
   for (const ModulePort& p : in.ports) {

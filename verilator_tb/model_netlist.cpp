@@ -38,7 +38,7 @@ void build_netlist(const ModelInput& in) {
                yosys_read(in, "") + fmt::format("synth_ecp5 -abc9 -top {}\n"
                                                 "splitnets\nwrite_verilog -noattr netlist.v\n",
                                                 in.unit));
-    run_tool(fmt::format("cd {} && {} netlist.ys", quoted(in.dir), quoted(in.yosys)),
+    run_tool(fmt::format("cd {} && {} -q netlist.ys", quoted(in.dir), quoted(in.yosys)),
              in.dir + "/yosys.log", fmt::format("yosys on {} (build folder {})", in.unit, in.base));
   } else {
     write_file(in.dir + "/netlist.v", read_file(in.netlist));

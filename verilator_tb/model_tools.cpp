@@ -6,6 +6,7 @@
 #include <sys/file.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstdio>
@@ -45,9 +46,15 @@ void run_tool(const std::string& command, const std::string& log, const std::str
   std::istringstream in(read_file(log));
   std::vector<std::string> lines;
   for (std::string line; std::getline(in, line);) lines.push_back(line);
-  std::string tail;
-  for (size_t i = 0; i < lines.size() && i < 12; ++i) tail += "\n  " + lines[i];
-  throw std::runtime_error(fmt::format("{} failed:{}", what, tail));
+  // From the first line that speaks of an error, which warnings may stand before.
+  size_t first = 0;
+  while (first < lines.size() && lines[first].find("rror") == std::string::npos &&
+         lines[first].find("ERROR") == std::string::npos)
+    ++first;
+  if (first == lines.size()) first = 0;
+  std::string said;
+  for (size_t i = first; i < std::min(lines.size(), first + 12); ++i) said += "\n  " + lines[i];
+  throw std::runtime_error(fmt::format("{} failed:{}", what, said));
 }
 
 const Compiler& compiler() {

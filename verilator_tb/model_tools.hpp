@@ -16,7 +16,7 @@ std::string quoted(const std::string& text);
 // Output of a shell command; empty where it fails.
 std::string output_of(const std::string& command);
 // Runs a shell command with its output in the file `log`; a failure is an error with the lines of
-// the log that say why, or its end.
+// the log that say why.
 void run_tool(const std::string& command, const std::string& log, const std::string& what);
 uint64_t text_hash(const std::string& text, uint64_t h);
 
