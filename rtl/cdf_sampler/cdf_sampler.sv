@@ -146,7 +146,11 @@ module cdf_sampler #(
   // Photons: their power in all channels, in their cell.
   logic [MantissaBits+$clog2(Channels)-1:0] mantissas;
   logic [IndexBits-1:0] photon_cell, add_cell_q, power_cell;
-  logic [PowerBits-1:0] add_power_q;
+  // The lowest bits of the exponent shift at once, the others a cycle later.
+  localparam int unsigned EarlyBits = ExponentBits > 2 ? 2 : 1;
+  localparam int unsigned FactorBits = MantissaBits + $clog2(Channels) + (1 << EarlyBits) - 1;
+  logic [FactorBits-1:0] add_factor_q;
+  logic [ExponentBits-1:0] add_shift_q;
   logic add_q, power_read, begin_q;
   logic [PowerTotalBits-1:0] power, power_total;
 
@@ -166,7 +170,8 @@ module cdf_sampler #(
   always_ff @(posedge clk_i) begin
     add_q <= add_photon;
     add_cell_q <= photon_cell;
-    add_power_q <= PowerBits'(mantissas) << packet.exponent;
+    add_factor_q <= FactorBits'(mantissas) << packet.exponent[EarlyBits-1:0];
+    add_shift_q <= (packet.exponent >> EarlyBits) << EarlyBits;
     begin_q <= begin_table;
     if (rst_i) add_q <= 1'b0;
   end
@@ -174,6 +179,8 @@ module cdf_sampler #(
   cdf_sampler_power #(
       .IndexBits(IndexBits),
       .PowerBits(PowerBits),
+      .FactorBits(FactorBits),
+      .ShiftBits(ExponentBits),
       .TotalBits(PowerTotalBits)
   ) powers (
       .clk_i(clk_i),
@@ -182,7 +189,8 @@ module cdf_sampler #(
       .start_i(begin_q),
       .add_i(add_q),
       .add_cell_i(add_cell_q),
-      .add_power_i(add_power_q),
+      .add_factor_i(add_factor_q),
+      .add_shift_i(add_shift_q),
       .read_i(power_read),
       .read_cell_i(power_cell),
       .power_o(power),

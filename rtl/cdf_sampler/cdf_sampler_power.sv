@@ -4,6 +4,8 @@
 module cdf_sampler_power #(
     parameter int unsigned IndexBits = 8,  // of a cell
     parameter int unsigned PowerBits = 42,  // of one photon
+    parameter int unsigned FactorBits = 13,  // of one photon before the shift
+    parameter int unsigned ShiftBits = 5,
     parameter int unsigned TotalBits = 48
 ) (
     input  logic                 clk_i,
@@ -12,11 +14,12 @@ module cdf_sampler_power #(
     input  logic                 start_i,      // TP is 0 again
     input  logic                 add_i,        // not while cells are read
     input  logic [IndexBits-1:0] add_cell_i,
-    input  logic [PowerBits-1:0] add_power_i,
+    input  logic [FactorBits-1:0] add_factor_i,  // times 2^add_shift_i is its power
+    input  logic [ShiftBits-1:0] add_shift_i,
     input  logic                 read_i,
     input  logic [IndexBits-1:0] read_cell_i,
     output logic [TotalBits-1:0] power_o,      // 2 cycles after read_i
-    output logic [TotalBits-1:0] total_o       // 1 cycle after add_i
+    output logic [TotalBits-1:0] total_o       // 2 cycles after add_i
 );
   logic [IndexBits:0] walk_q;
   assign ready_o = walk_q[IndexBits];
@@ -45,7 +48,7 @@ module cdf_sampler_power #(
   always_ff @(posedge clk_i) begin
     add1_q <= add_i;
     cell1_q <= add_cell_i;
-    power1_q <= add_power_i;
+    power1_q <= PowerBits'(add_factor_i) << add_shift_i;
 
     add2_q <= add1_q;
     cell2_q <= cell1_q;
@@ -60,7 +63,7 @@ module cdf_sampler_power #(
     read_cell1_q <= read_cell_i;
     power_o <= stored;
 
-    if (add_i) total_o <= total_o + TotalBits'(add_power_i);
+    if (add1_q) total_o <= total_o + TotalBits'(power1_q);
     if (!ready_o) walk_q <= walk_q + 1'b1;
     if (start_i) total_o <= '0;
     if (rst_i) begin

@@ -3,10 +3,11 @@
 // narrowed once by a shift, at least 1 where the cell touches the open upper hemisphere, else 0. Latency 10 from walk_i
 // to weight_valid_o. TB must be there 4 cycles after the first walk_i, TP 3 cycles, and both stay until the last weight. Mirrors build_sample_table of golden/unit/cdf_sampler.cpp.
 //
-//   cycle 0  number -> centre                          4-6  products, limb by limb
-//         1  centre x normal                           7    sum
-//         2  dot product, J; the cell's power is read  8    shift, coarse
-//         3  B; how high the highest corner lies       9    shift, fine; floor
+//   cycle 0  number -> centre                          4-6  products, limb by limb; 4: is the highest corner above
+//         1  centre x normal                                the horizon
+//         2  dot product, J; the cell's power is read  7    sum
+//         3  B; how far the highest corner lies above  8    shift, coarse
+//            the centre                                9    shift, fine; floor
 module cdf_sampler_weights #(
     parameter int unsigned CellBits = 4,
     parameter int unsigned NormalBits = 8,
@@ -35,7 +36,7 @@ module cdf_sampler_weights #(
   localparam int unsigned DotBits = CellBits + NormalBits + 3;
   localparam int unsigned BBits = CellBits + NormalBits + 8;
   localparam int unsigned HalfBits = CellBits > 1 ? CellBits - 1 : 1;
-  localparam int unsigned WidthBits = $clog2(PowerBits + CosineBits + BBits + 2);  // of a number of bits
+  localparam int unsigned WidthBits = $clog2(PowerBits + CosineBits + BBits + ProbabilityBits + 2);  // of a number of bits
 
   // What goes along: number and validity of the cell in each cycle.
   logic [10:1] valid_q;
@@ -80,7 +81,8 @@ module cdf_sampler_weights #(
   // over its equator the larger of |a - b| and 2 |nz| - a - b, where a and b are nx and ny with the quadrant's signs.
   localparam int unsigned WideBits = AxisBits + 3;
   logic signed [AxisBits-1:0] nx, ny, nz;
-  logic signed [WideBits-1:0] wide_x, wide_y, wide_z, a, b, first, second, first2_q, second2_q;
+  logic signed [WideBits-1:0] wide_x, wide_y, wide_z, minus_x_q, minus_y_q, twice_z_q, a, b;
+  logic signed [WideBits-1:0] first, second, first2_q, second2_q;
   logic signed [DotBits-1:0] px2_q, py2_q, pz2_q;
   logic equator2_q, equator3_q;
 
@@ -88,12 +90,12 @@ module cdf_sampler_weights #(
   assign wide_x = WideBits'(nx);
   assign wide_y = WideBits'(ny);
   assign wide_z = WideBits'(nz);
-  assign a = left1_q ? -wide_x : wide_x;
-  assign b = front1_q ? -wide_y : wide_y;
+  assign a = left1_q ? minus_x_q : wide_x;
+  assign b = front1_q ? minus_y_q : wide_y;
   always_comb begin
     if (z1_q == '0) begin
       first  = a - b;
-      second = (nz[AxisBits-1] ? -wide_z - wide_z : wide_z + wide_z) - a - b;
+      second = twice_z_q - a - b;
     end else if (z1_q[CentreBits-1]) begin
       first  = a + wide_z;
       second = b + wide_z;
@@ -103,6 +105,9 @@ module cdf_sampler_weights #(
     end
   end
   always_ff @(posedge clk_i) begin
+    minus_x_q <= -wide_x;
+    minus_y_q <= -wide_y;
+    twice_z_q <= nz[AxisBits-1] ? -wide_z - wide_z : wide_z + wide_z;
     px2_q <= DotBits'(x1_q) * DotBits'(nx);
     py2_q <= DotBits'(y1_q) * DotBits'(ny);
     pz2_q <= DotBits'(z1_q) * DotBits'(nz);
@@ -130,16 +135,15 @@ module cdf_sampler_weights #(
     jacobian3_q <= jacobian;
   end
 
-  // 3: B, and whether the highest corner is above the horizon.
-  logic signed [DotBits-1:0] margin, highest;
+  // 3 and 4: B, and whether the highest corner is above the horizon.
+  logic signed [DotBits-1:0] margin4_q, dot4_q, highest;
   logic [BBits-1:0] b4_q;
-  logic touches4_q;
-  assign margin = equator3_q ? (first3_q >= second3_q ? DotBits'(first3_q) : DotBits'(second3_q)) :
-      DotBits'(first3_q) + DotBits'(second3_q);
-  assign highest = dot3_q + margin;
+  assign highest = dot4_q + margin4_q;
   always_ff @(posedge clk_i) begin
     b4_q <= dot3_q[DotBits-1] ? '0 : BBits'(unsigned'(dot3_q)) * BBits'(jacobian3_q);
-    touches4_q <= !highest[DotBits-1] && highest != '0;
+    dot4_q <= dot3_q;
+    margin4_q <= equator3_q ? (first3_q >= second3_q ? DotBits'(first3_q) : DotBits'(second3_q)) :
+        DotBits'(first3_q) + DotBits'(second3_q);
   end
 
   // 4 to 8: the exact weight.
@@ -195,51 +199,48 @@ module cdf_sampler_weights #(
     always_ff @(posedge clk_i) exact8_q <= product;
   end
 
-  // The shift: bits of an upper bound of the table's exact total less those of a weight, at least 0.
-  logic [WidthBits-1:0] power_width_q, cosine_width_q, bound, narrow_q;
-  logic [PowerBits-1:0] power_reversed;
-  logic power_any;
-  logic [(PowerBits > 1 ? $clog2(PowerBits) : 1)-1:0] power_zeros;
+  // The shift: bits of an upper bound of the table's exact total less those of a weight, at least 0. Leading zeros of the
+  // totals: the highest bit is isolated, its number found, the numbers are added, a cycle each.
+  localparam int unsigned BoundBits = Combine == 0 ? PowerBits + CosineBits + 1 : PowerBits + BBits;
+  logic [WidthBits-1:0] power_zeros_q, cosine_zeros_q, zeros, narrow_q;
+  logic [PowerBits-1:0] power_reversed, power_highest_q;
+  logic [WidthBits-1:0] power_zeros;
   for (genvar i = 0; i < PowerBits; i++) begin : gen_reverse_power
     assign power_reversed[i] = power_weight[PowerBits-1-i];
   end
-  lowest_bit #(
-      .Width(PowerBits)
-  ) power_width (
-      .bits_i(power_reversed),
-      .any_o(power_any),
-      .index_o(power_zeros)
-  );
+  always_comb begin
+    power_zeros = '0;
+    for (int unsigned i = 0; i < PowerBits; i++) begin
+      if (power_highest_q[i]) power_zeros = power_zeros | WidthBits'(i);
+    end
+  end
   if (Combine == 0) begin : gen_cosine_width
-    logic [CosineBits-1:0] cosine_reversed;
-    logic cosine_any;
-    logic [$clog2(CosineBits)-1:0] cosine_zeros;
+    logic [CosineBits-1:0] cosine_reversed, cosine_highest_q;
+    logic [WidthBits-1:0] cosine_zeros;
     for (genvar i = 0; i < CosineBits; i++) begin : gen_reverse_cosine
       assign cosine_reversed[i] = cosine_total_i[CosineBits-1-i];
     end
-    lowest_bit #(
-        .Width(CosineBits)
-    ) cosine_width (
-        .bits_i(cosine_reversed),
-        .any_o(cosine_any),
-        .index_o(cosine_zeros)
-    );
-    always_ff @(posedge clk_i) begin
-      cosine_width_q <= WidthBits'(CosineBits) - WidthBits'(cosine_zeros) + 1'b1;
+    always_comb begin
+      cosine_zeros = '0;
+      for (int unsigned i = 0; i < CosineBits; i++) begin
+        if (cosine_highest_q[i]) cosine_zeros = cosine_zeros | WidthBits'(i);
+      end
     end
-    logic unused_any;
-    assign unused_any = &{1'b0, cosine_any};
+    always_ff @(posedge clk_i) begin
+      cosine_highest_q <= cosine_reversed & (~cosine_reversed + 1'b1);
+      cosine_zeros_q   <= cosine_zeros;
+    end
   end else begin : gen_constant
-    assign cosine_width_q = WidthBits'(BBits);
+    assign cosine_zeros_q = '0;
     logic unused_total;
     assign unused_total = &{1'b0, cosine_total_i};
   end
-  logic unused;
-  assign unused = &{1'b0, power_any};
-  assign bound = power_width_q + cosine_width_q;
+  assign zeros = power_zeros_q + cosine_zeros_q;
   always_ff @(posedge clk_i) begin
-    power_width_q <= WidthBits'(PowerBits) - WidthBits'(power_zeros);
-    narrow_q <= bound > WidthBits'(ProbabilityBits) ? bound - WidthBits'(ProbabilityBits) : '0;
+    power_highest_q <= power_reversed & (~power_reversed + 1'b1);
+    power_zeros_q <= power_zeros;
+    narrow_q <= WidthBits'(BoundBits) > zeros + WidthBits'(ProbabilityBits) ?
+        WidthBits'(BoundBits) - WidthBits'(ProbabilityBits) - zeros : '0;
   end
 
   // 8 and 9: shifted by its multiples of 8, then by the rest; what is left fits. The floor.
@@ -250,7 +251,7 @@ module cdf_sampler_weights #(
   assign narrow = ProbabilityBits'(coarse9_q >> narrow_q[2:0]);
   always_ff @(posedge clk_i) begin
     coarse9_q <= FineBits'(exact8_q >> {narrow_q[WidthBits-1:3], 3'b000});
-    touches_q <= {touches_q[8:5], touches4_q};
+    touches_q <= {touches_q[8:5], !highest[DotBits-1] && highest != '0};
     weight_o  <= !touches_q[9] ? '0 : narrow == '0 ? ProbabilityBits'(1) : narrow;
   end
 endmodule

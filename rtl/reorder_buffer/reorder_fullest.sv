@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Which bin the next packet leaves: fullest. Takes the fullest bin (the lowest number on a tie), fixes its length, stays
-// for exactly that many packets, chooses again. One insertion and one take a cycle; a choice needs 3 cycles without an
-// insertion, and at least 2 * Levels + 1 cycles from one choice to the next. Mirrors kFullest of
+// for exactly that many packets, chooses again. One insertion and one take a cycle; a choice needs 2 cycles without an
+// insertion before it, and at least 2 * Levels + 2 cycles from one choice to the next. Mirrors kFullest of
 // golden/unit/reorder_buffer.cpp.
 //
 // The lengths are the leaves of a tournament of four players a match, two cycles a level: the player's new entry is put
-// among the four, then the best of them found. A choice takes the better of the
+// among the four, then the best of them found; the leaves are read a cycle before. A choice takes the better of the
 // winner at the root, which knows everything up to the last choice, and of the best of the updated that grew since: a bin
 // that grows twice beats its own older entry.
 module reorder_fullest #(
@@ -31,10 +31,10 @@ module reorder_fullest #(
   assign walking = !walk_q[PathBits-2];
   assign ready_o = !walking;
 
-  // An update: the bin that got a packet, or the one that was chosen and now counts nothing. A cycle later it has its new
-  // count.
-  logic update_q, update_chosen_q, counted_q, counted_chosen_q;
-  logic [PathBits-1:0] update_bin_q, counted_bin_q;
+  // An update: the bin that got a packet, or the one that was chosen and now counts nothing. Its count is read, then made,
+  // then known.
+  logic update_q, update_chosen_q, making_q, making_chosen_q, counted_q, counted_chosen_q;
+  logic [PathBits-1:0] update_bin_q, making_bin_q, counted_bin_q;
   logic [CountBits-1:0] new_count, counted_count_q;
 
   // The wires between levels: the updated bin, and the best of the matches below with its count.
@@ -43,9 +43,9 @@ module reorder_fullest #(
   logic [(Levels+1)*PathBits-1:0] updated;
   logic [(Levels+1)*EntryBits-1:0] entries;  // {bin below this level, count}
 
-  assign valid[0] = update_q;
-  assign updated[0+:PathBits] = update_bin_q;
-  assign entries[0+:EntryBits] = {update_bin_q, new_count};
+  assign valid[0] = making_q;
+  assign updated[0+:PathBits] = making_bin_q;
+  assign entries[0+:EntryBits] = {making_bin_q, new_count};
 
   for (genvar l = 0; l < Levels; l++) begin : gen_level
     localparam int unsigned Below = 2 * l;  // bits of a player's bin
@@ -56,8 +56,8 @@ module reorder_fullest #(
     logic [PathBits-1:0] bin, bin1_q, bin2_q;
     logic [EntryBits-1:0] entry, entry_q;
     logic [1:0] player, winner;
-    logic [AddressBits-1:0] address;
-    logic [4*PlayerBits-1:0] word, new_word, match_q;
+    logic [AddressBits-1:0] address, read_address;
+    logic [4*PlayerBits-1:0] stored, word, new_word, match_q;
     logic valid1_q, valid2_q;
 
     assign bin = updated[l*PathBits+:PathBits];
@@ -68,14 +68,29 @@ module reorder_fullest #(
     logic unused_entry;
     assign unused_entry = &{1'b0, entry};
     if (l == 0) begin : gen_leaf
-      logic [CountBits-1:0] old_count;
+      // What the update one cycle ahead has written is not in the memory yet when this one reads.
+      logic [4*PlayerBits-1:0] word_q;
+      logic [CountBits-1:0] old_count, old_count_q, count;
+      logic same_word_q, same_bin_q;
       always_comb begin
         old_count = '0;
         for (int unsigned p = 0; p < 4; p++) begin
-          if (player == 2'(p)) old_count = old_count | word[CountBits*p+:CountBits];
+          if (update_bin_q[1:0] == 2'(p)) old_count = old_count | stored[CountBits*p+:CountBits];
         end
       end
-      assign new_count = update_chosen_q ? '0 : old_count + 1'b1;
+      always_ff @(posedge clk_i) begin
+        word_q <= stored;
+        old_count_q <= old_count;
+        same_word_q <= making_q && address == read_address;
+        same_bin_q <= making_q && making_bin_q == update_bin_q;
+      end
+      assign read_address = AddressBits'(update_bin_q >> 2);
+      assign word = same_word_q ? match_q : word_q;
+      assign count = same_bin_q ? counted_count_q : old_count_q;
+      assign new_count = making_chosen_q ? '0 : count + 1'b1;
+    end else begin : gen_inner
+      assign read_address = address;
+      assign word = stored;
     end
 
     lut_ram #(
@@ -86,8 +101,8 @@ module reorder_fullest #(
         .write_i(walking || valid[l]),
         .write_address_i(walking ? AddressBits'(walk_q) : address),
         .write_data_i(walking ? '0 : new_word),
-        .read_address_i(address),
-        .read_data_o(word)
+        .read_address_i(read_address),
+        .read_data_o(stored)
     );
 
     always_comb begin
@@ -147,17 +162,32 @@ module reorder_fullest #(
   assign unused = &{1'b0, valid[Levels], updated[Levels*PathBits+:PathBits]};
 
   // The choice.
-  localparam int unsigned SettleBits = $clog2(2 * Levels + 1);
-  logic [CountBits-1:0] root_count, best_count_q, chosen_count, left_q;
+  localparam int unsigned SettleBits = $clog2(2 * Levels + 2);
+  logic [CountBits-1:0] root_count, best_count_q, chosen_rest, left_q;
   logic [PathBits-1:0] root_bin, best_bin_q, chosen_bin;
   logic [BinBits-1:0] current_q;
   logic [SettleBits-1:0] settle_q;  // cycles until the root knows of the last choice
-  logic root_wins, choose;
+  logic fresh, fresh_over_root, fresh_over_best, root_over_best, choose;
 
   assign {root_bin, root_count} = entries[Levels*EntryBits+:EntryBits];
-  assign root_wins = {root_count, ~root_bin} > {best_count_q, ~best_bin_q};
-  assign {chosen_bin, chosen_count} = root_wins ? {root_bin, root_count} : {best_bin_q, best_count_q};
-  assign take_ready_o = left_q != '0 || (!update_q && !counted_q && settle_q == '0 && !walking);
+  // The last count has not been compared with the best yet.
+  assign fresh = counted_q && !counted_chosen_q;
+  assign fresh_over_root = fresh && {counted_count_q, ~counted_bin_q} > {root_count, ~root_bin};
+  assign fresh_over_best = fresh && {counted_count_q, ~counted_bin_q} > {best_count_q, ~best_bin_q};
+  assign root_over_best = {root_count, ~root_bin} > {best_count_q, ~best_bin_q};
+  always_comb begin
+    if (fresh_over_root && fresh_over_best) begin
+      chosen_bin  = counted_bin_q;
+      chosen_rest = counted_count_q - 1'b1;
+    end else if (root_over_best) begin
+      chosen_bin  = root_bin;
+      chosen_rest = root_count - 1'b1;
+    end else begin
+      chosen_bin  = best_bin_q;
+      chosen_rest = best_count_q - 1'b1;
+    end
+  end
+  assign take_ready_o = left_q != '0 || (!update_q && !making_q && settle_q == '0 && !walking);
   assign take_alone_o = left_q == '0;
   assign choose = take_i && take_ready_o && left_q == '0;
   assign bin_o = left_q != '0 ? current_q : BinBits'(chosen_bin);
@@ -167,20 +197,23 @@ module reorder_fullest #(
     update_chosen_q <= choose;
     update_bin_q <= choose ? chosen_bin : PathBits'(insert_bin_i);
 
-    counted_q <= update_q;
-    counted_chosen_q <= update_chosen_q;
-    counted_bin_q <= update_bin_q;
+    making_q <= update_q;
+    making_chosen_q <= update_chosen_q;
+    making_bin_q <= update_bin_q;
+    counted_q <= making_q;
+    counted_chosen_q <= making_chosen_q;
+    counted_bin_q <= making_bin_q;
     counted_count_q <= new_count;
-    if (counted_q && !counted_chosen_q && {counted_count_q, ~counted_bin_q} > {best_count_q, ~best_bin_q}) begin
+    if (fresh_over_best) begin
       best_count_q <= counted_count_q;
       best_bin_q   <= counted_bin_q;
     end
     if (settle_q != '0) settle_q <= settle_q - 1'b1;
     if (choose) begin
       current_q <= BinBits'(chosen_bin);
-      left_q <= chosen_count - 1'b1;
+      left_q <= chosen_rest;
       best_count_q <= '0;
-      settle_q <= SettleBits'(2 * Levels);
+      settle_q <= SettleBits'(2 * Levels + 1);
     end else if (take_i && take_ready_o) begin
       left_q <= left_q - 1'b1;
     end
@@ -192,6 +225,7 @@ module reorder_fullest #(
     if (rst_i) begin
       walk_q    <= '0;
       update_q  <= 1'b0;
+      making_q  <= 1'b0;
       counted_q <= 1'b0;
       settle_q  <= '0;
     end

@@ -10,8 +10,8 @@
 // bits are never cleared, those at and below the current bin are masked and a word out of use counts as 0.
 //
 // The next few bins wait in a sorted row, where an insertion finds its place at once. Behind it a scan goes through the
-// bitmap: the word it is in, the next word, which is fetched meanwhile, and one bin on its way to the row. Bitmaps, counts
-// and scan learn of an insertion a cycle after the row. One that fills a bin beyond the row is put into the words the scan
+// bitmap: the word it is in, the next word, which is fetched meanwhile, and one bin on its way to the row. The bitmaps learn
+// of an insertion a cycle after the row, counts and scan two cycles. One that fills a bin beyond the row is put into the words the scan
 // holds; where that would be too late, or where the row overflows, the scan starts again after the row's last bin.
 module reorder_sweep #(
     parameter int unsigned BinBits = 9,    // at least 2
@@ -56,12 +56,11 @@ module reorder_sweep #(
   assign ready_o = 1'b1;
 
   // The choice.
-  logic left_any, pop, advance;
-  assign left_any = left_q != '0;
-  assign take_ready_o = left_any || valid_q[0];
+  logic left_any_q, pop, advance;  // left_q is not 0
+  assign take_ready_o = left_any_q || valid_q[0];
   assign take_alone_o = 1'b0;
-  assign bin_o = left_any ? current_q : row_q[0+:BinBits];
-  assign pop = take_i && !left_any && valid_q[0];
+  assign bin_o = left_any_q ? current_q : row_q[0+:BinBits];
+  assign pop = take_i && !left_any_q && valid_q[0];
   assign advance = pop || !valid_q[0];
 
   // Where the new packet's bin lies once the choice is made.
@@ -90,6 +89,13 @@ module reorder_sweep #(
   logic [WordWidth-1:0] set;
   assign {word, bit_number} = bin_q;
   assign set = WordWidth'(1) << bit_number;
+
+  // And two cycles later.
+  logic write2_q, ahead2_q, in_row2_q, known2_q, fills_q;  // fills_q: fills a bin beyond the row
+  logic [BinBits-1:0] bin2_q;
+  logic [WordBits-1:0] word2;
+  logic [WordWidth-1:0] set2_q;
+  assign word2 = bin2_q[BitBits+:WordBits];
 
   // The bitmaps: one write port, two readers.
   logic [WordWidth-1:0] stored_bits, new_bits, scan_bits, loaded, above_last;
@@ -128,18 +134,18 @@ module reorder_sweep #(
 
   // Packets per bin less one; what stands there counts only while the bin's bit says so.
   logic [CountBits-1:0] stored_count, second_count, new_count, second_more;
-  logic joined_second;
-  assign new_count = known ? stored_count + 1'b1 : '0;
+  logic joined, joined2;
+  assign new_count = known2_q ? stored_count + 1'b1 : '0;
 
   lut_ram #(
       .Width(CountBits),
       .Depth(1 << BinBits)
   ) counts_insert (
       .clk_i(clk_i),
-      .write_i(write_q),
-      .write_address_i(bin_q),
+      .write_i(write2_q),
+      .write_address_i(bin2_q),
       .write_data_i(new_count),
-      .read_address_i(bin_q),
+      .read_address_i(bin2_q),
       .read_data_o(stored_count)
   );
   lut_ram #(
@@ -147,19 +153,20 @@ module reorder_sweep #(
       .Depth(1 << BinBits)
   ) counts_second (
       .clk_i(clk_i),
-      .write_i(write_q),
-      .write_address_i(bin_q),
+      .write_i(write2_q),
+      .write_address_i(bin2_q),
       .write_data_i(new_count),
       .read_address_i(row_q[BinBits+:BinBits]),
       .read_data_o(second_count)
   );
-  // The insertion of a cycle ago may have filled the bin in place 1, or joined it.
-  assign joined_second = write_q && ahead_q && bin_q == row_q[BinBits+:BinBits];
-  assign second_more = (joined_second && in_row_q ? '0 : second_count + CountBits'(joined_second && !in_row_q)) +
-      CountBits'(insert_i && same[1]);
+  // The last two insertions may have filled the bin in place 1, or joined it.
+  assign joined = write_q && ahead_q && bin_q == row_q[BinBits+:BinBits];
+  assign joined2 = write2_q && ahead2_q && bin2_q == row_q[BinBits+:BinBits];
+  assign second_more = ((joined && in_row_q) || (joined2 && in_row2_q) ? '0 : second_count) +
+      (CountBits'(joined && !in_row_q) + CountBits'(joined2 && !in_row2_q) + CountBits'(insert_i && same[1]));
 
   // The scan: what it does to its words, and what an insertion beyond the row does to it.
-  logic fills, in_word, before_word, behind_word, overflow, restart;
+  logic in_word, before_word, behind_word, overflow, restart;
   logic append, emit, bits_any;
   logic [WordWidth-1:0] bits, lowest;
   logic [BitBits-1:0] found_bit;
@@ -168,21 +175,23 @@ module reorder_sweep #(
   logic [WordBits-1:0] candidate;
   logic [Words-1:0] words_behind;
 
-  assign fills = beyond_q && !known;
-  assign in_word = word_valid_q && word == word_q;
-  assign before_word = word_valid_q && word < word_q;
+  assign in_word = word_valid_q && word2 == word_q;
+  assign before_word = word_valid_q && word2 < word_q;
   assign behind_word = !in_word && !before_word;
   assign overflow = in_row && !advance && valid_q[Row-1];
-  assign restart = overflow || (fills && before_word && !load_q);
+  assign restart = overflow || (fills_q && before_word);
 
-  // The bin on its way waits where an insertion of this cycle or the last one may lie before it.
-  assign append = found_valid_q && !valid_q[Row-1] && !in_row && !(beyond && insert_bin_i[BitBits+:WordBits] <= word_q) &&
-      !(beyond_q && !behind_word);
+  // The bin on its way waits where one of the last insertions may lie before it: of this cycle's only the word is looked at.
+  logic may_precede;
+  assign may_precede = insert_i && insert_bin_i[BitBits+:WordBits] <= word_q &&
+      (start_q || insert_bin_i[BitBits+:WordBits] >= current_q[BitBits+:WordBits]);
+  assign append = found_valid_q && !valid_q[Row-1] && !may_precede && !(beyond_q && word <= word_q) &&
+      !(fills_q && !behind_word);
   assign bits_any = bits_q != '0;
   assign bits = bits_any ? bits_q : next_bits_q;
   assign lowest = bits & (~bits + 1'b1);
   assign emit = !load_q && (!found_valid_q || append) && (bits_any || next_valid_q) &&
-      !(beyond_q && (in_word || !bits_any));
+      !(fills_q && (in_word || !bits_any));
 
   always_comb begin
     found_bit = '0;
@@ -216,7 +225,7 @@ module reorder_sweep #(
   // Over when nothing is left to find in this pass.
   logic exhausted, wrap;
   assign exhausted = valid_q == '0 && !found_valid_q && !bits_any && next_none_q && !load_q;
-  assign wrap = take_i && !left_any && exhausted && !write_q;
+  assign wrap = take_i && !left_any_q && exhausted && !write_q && !fills_q;
 
   always_ff @(posedge clk_i) begin
     // The packets of the current bin.
@@ -224,13 +233,21 @@ module reorder_sweep #(
       current_q <= row_q[0+:BinBits];
       start_q   <= 1'b0;
     end
-    left_q <= (pop ? more_q : left_q - CountBits'(take_i && left_any)) + CountBits'(hit);
+    left_any_q <= hit || (pop ? more_q != '0 : left_any_q && !(take_i && left_q == CountBits'(1)));
+    left_q <= (pop ? more_q : left_q - CountBits'(take_i && left_any_q)) + CountBits'(hit);
 
     write_q  <= insert_i && !hit;
     ahead_q  <= ahead;
     in_row_q <= in_row;
     beyond_q <= beyond;
     bin_q    <= insert_bin_i;
+    write2_q <= write_q;
+    ahead2_q <= ahead_q;
+    in_row2_q <= in_row_q;
+    known2_q <= known;
+    fills_q  <= beyond_q && !known;
+    bin2_q   <= bin_q;
+    set2_q   <= set;
     if (write_q) begin
       if (ahead_q) this_q[word] <= 1'b1;
       else later_q[word] <= 1'b1;
@@ -279,8 +296,8 @@ module reorder_sweep #(
         word_q <= next_q;
         word_valid_q <= 1'b1;
       end
-    end else if (fills && in_word) begin
-      bits_q <= bits_q | set | (found_valid_q ? found_q : '0);
+    end else if (fills_q && in_word) begin
+      bits_q <= bits_q | set2_q | (found_valid_q ? found_q : '0);
       found_valid_q <= 1'b0;
     end
     load_q <= 1'b0;
@@ -301,16 +318,15 @@ module reorder_sweep #(
       next_q <= candidate_q;
       next_bits_q <= loaded;
     end
-    if (emit && !bits_any) begin
-      next_valid_q <= 1'b0;
-    end else if (fills && behind_word && (next_valid_q || next_none_q)) begin
+    if (emit && !bits_any) next_valid_q <= 1'b0;
+    if (fills_q && behind_word && (next_valid_q || next_none_q)) begin
       next_valid_q <= 1'b1;
       next_none_q  <= 1'b0;
-      if (next_none_q || word < next_q) begin
-        next_q <= word;
-        next_bits_q <= set;
-      end else if (word == next_q) begin
-        next_bits_q <= next_bits_q | set;
+      if (next_none_q || word2 < next_q) begin
+        next_q <= word2;
+        next_bits_q <= set2_q;
+      end else if (word2 == next_q) begin
+        next_bits_q <= next_bits_q | set2_q;
       end
     end
 
@@ -343,6 +359,7 @@ module reorder_sweep #(
     if (rst_i || clear_i) begin
       start_q <= 1'b1;
       left_q  <= '0;
+      left_any_q <= 1'b0;
       this_q  <= '0;
       later_q <= '0;
     end
@@ -351,6 +368,8 @@ module reorder_sweep #(
       write_q  <= 1'b0;
       ahead_q  <= 1'b0;
       beyond_q <= 1'b0;
+      write2_q <= 1'b0;
+      fills_q  <= 1'b0;
     end
   end
 endmodule
