@@ -129,10 +129,15 @@ module cdf_sampler_cosine_total #(
     assign products[TotalBits*lane+:TotalBits] = product_q;
   end
 
-  logic [TotalBits-1:0] sum, lanes_q;
+  // Half of the lanes each, both halves into the total a cycle later.
+  logic [TotalBits-1:0] low_sum, high_sum, low_lanes_q, high_lanes_q;
   always_comb begin
-    sum = '0;
-    for (int unsigned i = 0; i < Lanes; i++) sum = sum + products[TotalBits*i+:TotalBits];
+    low_sum  = '0;
+    high_sum = '0;
+    for (int unsigned i = 0; i < Lanes; i++) begin
+      if (2 * i < Lanes) low_sum = low_sum + products[TotalBits*i+:TotalBits];
+      else high_sum = high_sum + products[TotalBits*i+:TotalBits];
+    end
   end
 
   always_ff @(posedge clk_i) begin
@@ -140,8 +145,9 @@ module cdf_sampler_cosine_total #(
     step_q <= start_q ? '0 : step_q + 1'b1;
     running_q <= start_q || (running_q && step_q != StepBits'(Steps - 1));
     valid_q <= {valid_q[2:0], running_q};
-    lanes_q <= sum;
-    if (valid_q[3]) total_o <= total_o + lanes_q;
+    low_lanes_q <= low_sum;
+    high_lanes_q <= high_sum;
+    if (valid_q[3]) total_o <= total_o + low_lanes_q + high_lanes_q;
     if (start_q) begin
       valid_q <= '0;
       total_o <= '0;
