@@ -192,6 +192,8 @@ PreparedFrame prepare_frame(std::unique_ptr<World> world, const FrameRequest& re
         make_plan(*frame.world, plan_request, frame.global_pass, frame.caustic_pass);
     frame.plan = planned.plan;
     frame.reasons = std::move(planned.reasons);
+    for (const std::string& w : planned.warnings)
+      frame.warnings.push_back(request.scene_file + ": " + w);
   }
   if (only_plan) return frame;
 

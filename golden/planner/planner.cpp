@@ -53,10 +53,9 @@ std::optional<Rgb> common_color(const PhotonPass& global, const PhotonPass& caus
   return color;
 }
 
-// Bits of a position beyond the default: where nearly all photons lie in a small part of the cube
-// (a room on a wide ground), its units must still be small beside the distances between them. 16
-// bits have room for a part of an eighth; each halving of it takes one more, at most 4, which a
-// photon of 16 bytes has room for.
+// Bits of a position that are wanted beyond the default: where nearly all photons lie in a small
+// part of the cube (a room on a wide ground), its units must still be small beside the distances
+// between them. 16 bits have room for a part of an eighth; each halving of it takes one more.
 int extra_position_bits(const PhotonPass& pass, double extent) {
   if (pass.photons.empty()) return 0;
   double spread = 0;
@@ -70,7 +69,7 @@ int extra_position_bits(const PhotonPass& pass, double extent) {
     spread = std::max(spread, *high - *low);
   }
   int bits = 0;
-  while (bits < 4 && std::ldexp(spread, bits + 4) <= extent) ++bits;
+  while (bits < 64 && std::ldexp(spread, bits + 4) <= extent) ++bits;
   return bits;
 }
 
@@ -203,6 +202,11 @@ void choose_pixel(Plan& plan, const World& world, const PlanRequest& request, Pl
   const int fine = request.error ? std::clamp(ceil_log2(1 / *request.error) + 31, 32, 48) : 40;
   const int wanted = fine - exponent_above(mean), least = 24 - exponent_above(most);
   plan.fraction_bits = std::clamp(std::min(wanted, 128 - sum - plan.integer_bits), -64, 96);
+  if (most < 0x1p-84)
+    throw PlanError(fmt::format(
+        "plan: pixel.fraction_bits has no value: 96 bits, the most there are, cannot hold a mean "
+        "radiance of {:.3g}; expected brighter lamps",
+        most));
   if (plan.fraction_bits < std::min(least, 96))
     throw PlanError(fmt::format(
         "plan: pixel.fraction_bits has no value: {} integer bits for the largest contribution, {} "
@@ -300,11 +304,12 @@ PlannedFrame make_plan(const World& world, const PlanRequest& request, const Pho
   // An exponent for each octave, and one because rounding may carry into the next.
   plan.exponent_bits = std::clamp(clog2(static_cast<uint64_t>(octaves) + 1), 1, 5);
   why["photon.exponent_bits"] = fmt::format("powers span {} octaves", octaves);
-  const int extra = extra_position_bits(global, plan.extent);
+  // A photon of 16 bytes has room for 4 more.
+  const int wanted = extra_position_bits(global, plan.extent), extra = std::min(wanted, 4);
   plan.position_bits += extra;
   why["photon.position_bits"] =
       extra > 0 ? fmt::format("98 % of the photons lie within 2^-{} of the cube; --error chooses",
-                              extra + 3)
+                              wanted + 3)
                 : "default; --error chooses";
   why["photon.mantissa_bits"] = "default, as RGB9E5; --error chooses";
   why["photon.direction_bits"] = why["gather.normal_bits"] = "default; --error chooses";
@@ -389,6 +394,13 @@ PlannedFrame make_plan(const World& world, const PlanRequest& request, const Pho
                                  : "about a million samples at a time in the host's memory";
   choose_pixel(plan, world, request, why);
   set_by_hand();
+  // Three bits too few still make an image.
+  if (wanted > 7 && wanted + 16 - plan.position_bits > 3)
+    result.warnings.push_back(
+        fmt::format("nearly all photons lie within 2^-{} of the scene's width, too little for "
+                    "positions of {} bits: their light is blurred or lost; smaller surroundings or "
+                    "--set photon.position_bits=24 help",
+                    wanted + 3, plan.position_bits));
   derive_plan(plan);
   check_plan(plan);
   if (plan.k == 1 && (plan.global.present || plan.caustic.present) &&

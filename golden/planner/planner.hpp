@@ -40,6 +40,7 @@ double default_radius(double share, int k, double area, uint64_t photons);
 struct PlannedFrame {
   Plan plan;
   PlanReasons reasons;
+  std::vector<std::string> warnings;
 };
 
 // The plan for rendering these photons. Throws PlanError, with the reason, where there is none.

@@ -293,9 +293,9 @@ class Loader {
         b.diffuse = p.color("diffuse_reflectance", Rgb(0.5));
         b.specular = p.color("specular_reflectance", Rgb(0.2));
         b.exponent = p.number("exponent", 30);
-        if (b.exponent < 0)
+        if (b.exponent < 0 || b.exponent > 1e15)
           fail(p.element("exponent"),
-               fmt::format("exponent is {}, expected at least 0", b.exponent));
+               fmt::format("exponent is {}, expected 0 to 1e15", b.exponent));
         conserve(p, b.diffuse, &b.specular);
       } else if (p.type() == "conductor") {
         conductor(p, b);

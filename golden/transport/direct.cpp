@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "golden/transport/direct.hpp"
 
+#include <algorithm>
+
 #include "golden/transport/sampling.hpp"
 
 namespace photonloom {
@@ -15,7 +17,12 @@ DirectLight direct_light(const World& world, const RayCaster& caster, const Hit&
   if (share.glossy > 0) out.glossy = glossy_times_cosine(surface, d);
   if (is_black(out.diffuse) && is_black(out.glossy)) return out;
   const Ray ray{hit.position, d};
-  if (caster.occluded(ray, light.distance, &hit, light.on_surface ? &light.hit : nullptr))
+  // A lamp without a surface may lie on one: the shadow ray ends before it by more than rounding.
+  const double end = light.on_surface
+                         ? light.distance
+                         : light.distance - 0x1p-44 * (max_component(glm::abs(hit.position)) +
+                                                       std::min(light.distance, world.radius()));
+  if (caster.occluded(ray, end, &hit, light.on_surface ? &light.hit : nullptr))
     return DirectLight();
   out.diffuse *= light.radiance;
   out.glossy *= light.radiance;

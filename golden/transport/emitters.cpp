@@ -289,4 +289,13 @@ Emission emit_photon(const World& world, const Random& random) {
   return out;
 }
 
+Hit first_surface(const World& world, const RayCaster& caster, const Emission& e) {
+  if (e.from.valid()) return caster.closest(e.ray, &e.from);
+  const Hit hit = caster.closest(e.ray, nullptr);
+  const bool lies_on_it =
+      hit.valid() &&
+      hit.distance <= 0x1p-44 * (max_component(glm::abs(e.ray.origin)) + world.radius());
+  return lies_on_it ? caster.closest(e.ray, &hit) : hit;
+}
+
 }  // namespace photonloom

@@ -48,4 +48,8 @@ Emission emit_photon(const World& world, const Random& random);
 // The same from one emitter; `power` is what all its photons carry together.
 Emission emit_photon_from(const World& world, uint32_t emitter, const Random& random);
 
+// The first surface that light of this emission meets. A point, spot or directional emitter has no
+// surface of its own to leave out; one that it lies on, to within rounding, it shines away from.
+Hit first_surface(const World& world, const RayCaster& caster, const Emission& e);
+
 }  // namespace photonloom

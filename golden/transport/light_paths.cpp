@@ -41,7 +41,7 @@ void LightPaths::trace(const RayCaster& caster, const Random& random,
   Ray ray = e.ray;
   if (!boxes_.met_by(ray)) return;
   Rgb throughput(cdf_.back() / world_.emitters()[emitters_[chosen]].pmf);
-  Hit hit = caster.closest(ray, nullptr);
+  Hit hit = first_surface(world_, caster, e);
   bool through_delta = false;  // since the light or the last vertex
   for (uint64_t segment = 1; hit.valid() && depth_left(segment); ++segment) {
     const Surface s = make_surface(world_, hit, ray.direction);

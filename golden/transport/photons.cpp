@@ -44,7 +44,7 @@ void trace_path(const Walk& walk, uint64_t path, int rr_depth, const DeltaBoxes*
   Emission e = emit_photon(walk.world, walk.random);
   Ray ray = e.ray;
   if (boxes && !boxes->met_by(ray)) return;
-  Hit hit = walk.caster.closest(ray, e.from.valid() ? &e.from : nullptr);
+  Hit hit = first_surface(walk.world, walk.caster, e);
   Rgb throughput(1);
   for (uint64_t segment = 1; hit.valid(); ++segment) {
     const Surface s = make_surface(walk.world, hit, ray.direction);

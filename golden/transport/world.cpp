@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "golden/transport/world.hpp"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -119,6 +121,12 @@ void World::add_primitives() {
     lower_ = glm::min(lower_, lo);
     upper_ = glm::max(upper_, hi);
   }
+  // Squares and products of lengths, some in single precision, stay far from its limits.
+  constexpr double kSmallest = 1e-12, kLargest = 1e12;
+  const double across = max_component(upper_ - lower_);
+  if (!(across >= kSmallest && across <= kLargest))
+    throw SceneError(fmt::format("{}: the scene is {:g} units across, expected {:g} to {:g}",
+                                 scene_.name, across, kSmallest, kLargest));
   centre_ = (lower_ + upper_) * 0.5;
   for (const Primitive& p : primitives_) {
     if (p.kind == PrimitiveKind::kTriangle) {

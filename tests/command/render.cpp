@@ -123,6 +123,60 @@ TEST_CASE("loaded photon maps and a plan from a file give the same bytes") {
         {"--k", "--plan"});
 }
 
+namespace {
+
+// An open box of five grey walls from -1 to 1, with what is given; scaled as a whole.
+std::string room(const std::string& more, const std::string& scale = "1") {
+  const auto wall = [&](const std::string& turn, const std::string& move) {
+    return "<shape type=\"rectangle\"><transform name=\"toWorld\">" + turn + "<translate " + move +
+           "/><scale value=\"" + scale +
+           "\"/></transform><bsdf type=\"diffuse\"><rgb name=\"reflectance\" value=\"0.7\"/></bsdf>"
+           "</shape>";
+  };
+  const std::string turn = "<rotate angle=\"";
+  return "<scene version=\"0.6.0\"><sensor type=\"perspective\"><float name=\"fov\" value=\"40\"/>"
+         "<transform name=\"toWorld\"><lookat origin=\"0,0,3.6\" target=\"0,0,0\" up=\"0,1,0\"/>"
+         "<scale value=\"1\"/></transform></sensor>" +
+         wall(turn + "-90\" x=\"1\"/>", "y=\"-1\"") + wall(turn + "90\" x=\"1\"/>", "y=\"1\"") +
+         wall("", "z=\"-1\"") + wall(turn + "90\" y=\"1\"/>", "x=\"-1\"") +
+         wall(turn + "-90\" y=\"1\"/>", "x=\"1\"") + more + "</scene>";
+}
+
+std::string point_light(const std::string& y, const std::string& intensity) {
+  return "<emitter type=\"point\"><point name=\"position\" x=\"0\" y=\"" + y +
+         "\" z=\"0\"/><rgb name=\"intensity\" value=\"" + intensity + "\"/></emitter>";
+}
+
+}  // namespace
+
+TEST_CASE("scenes at the edge of what can be: the right image, a warning, or one clear error") {
+  const Scratch scratch;
+  const std::string file = scratch / "s.xml", scene = "render" + quoted(file),
+                    out = " -o" + quoted(scratch / "x.exr");
+  const std::string sampled = " --size 16x16 --spp 16 --gather-rays 8 --photons 30000 --k 20";
+  // A lamp that lies on the floor lights the walls, not the floor below it.
+  write_file(file, room(point_light("-1", "1")));
+  good(scene + sampled + out);
+  good(scene + " --integrator path --size 16x16 --spp 128 -o" + quoted(scratch / "p.exr"));
+  good("compare" + quoted(scratch / "x.exr") + quoted(scratch / "p.exr") + "--max-mean-ratio 0.03");
+  // No pixel could hold the light.
+  write_file(file, room(point_light("0", "1e-30")));
+  fails(scene + sampled + out, 1, {"pixel.fraction_bits has no value", "expected brighter lamps"});
+  // Positions that do not resolve the room.
+  write_file(file, room(point_light("0", "1") +
+                        "<shape type=\"rectangle\"><transform name=\"toWorld\"><scale "
+                        "value=\"1e5\"/><rotate angle=\"-90\" x=\"1\"/><translate y=\"-1.01\"/>"
+                        "</transform></shape>"));
+  CHECK(good(scene + sampled + out).err.find("too little for positions of 20 bits") !=
+        std::string::npos);
+  for (const std::string scale : {"1e13", "1e-13"}) {
+    write_file(file, room(point_light("0", "1"), scale));
+    for (const std::string integrator : {"path", "photonmap"})
+      fails(scene + " --size 16x16 --integrator " + integrator + out, 1,
+            {"units across, expected 1e-12 to 1e+12"});
+  }
+}
+
 TEST_CASE("a plan is complete, says why, and reads back") {
   const Scratch scratch;
   const Outcome o = good("plan" + box() + "--photons 4000 --k 8 -o -");

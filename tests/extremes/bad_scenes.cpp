@@ -114,6 +114,8 @@ TEST_CASE("numbers that are none") {
   CHECK_THAT(
       body_error("<shape type=\"disk\"><boolean name=\"flipNormals\" value=\"yes\"/></shape>"),
       ContainsSubstring("neither true nor false"));
+  CHECK_THAT(body_error("<bsdf type=\"phong\"><float name=\"exponent\" value=\"1e30\"/></bsdf>"),
+             ContainsSubstring("exponent is 1e+30, expected 0 to 1e15"));
   for (const char* scale : {"0", "1e-200", "1e200"})
     CHECK_THAT(body_error(std::string("<shape type=\"cube\"><transform name=\"toWorld\"><scale "
                                       "value=\"") +
