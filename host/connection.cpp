@@ -19,6 +19,17 @@ constexpr double kShortest = 0.05, kLongest = 2;  // of a time-out, seconds
 
 }  // namespace
 
+LinkCounts& LinkCounts::operator+=(const LinkCounts& other) {
+  bytes_sent += other.bytes_sent;
+  bytes_received += other.bytes_received;
+  frames += other.frames;
+  repeated += other.repeated;
+  timeouts += other.timeouts;
+  bad_answers += other.bad_answers;
+  reported_bad += other.reported_bad;
+  return *this;
+}
+
 Connection::Connection(std::unique_ptr<ByteLink> link, double patience)
     : link_(std::move(link)), patience_(patience) {}
 

@@ -25,6 +25,7 @@ struct LinkCounts {
   uint64_t timeouts = 0;      // of them, for want of any answer
   uint64_t bad_answers = 0;   // frames received that were dropped
   uint64_t reported_bad = 0;  // BAD frames from the board
+  LinkCounts& operator+=(const LinkCounts& other);
 };
 
 class Connection {

@@ -122,10 +122,7 @@ void BoardPhotonGatherer::keep_trying(Step step) {
 void BoardPhotonGatherer::reconnect(const LinkLost& lost) {
   ++lost_;
   if (board_) {
-    const LinkCounts& c = board_->connection().counts();
-    ended_.bytes_sent += c.bytes_sent;
-    ended_.bytes_received += c.bytes_received;
-    ended_.repeated += c.repeated;
+    ended_ += board_->connection().counts();
     board_.reset();
   }
   options_.tell(
@@ -378,16 +375,19 @@ BoardState BoardPhotonGatherer::take_counters() {
 
 Counters BoardPhotonGatherer::counters() const {
   Counters c = total_;
-  const auto sum = [this](uint64_t LinkCounts::*member) {
-    return ended_.*member + (board_ ? board_->connection().counts().*member : 0);
-  };
+  LinkCounts link = ended_;
+  if (board_) link += board_->connection().counts();
   c["packets in"] = packets_in_;
   c["packets resumed"] = resumed_;
   c["link lost"] = lost_;
   c["link milliseconds"] = static_cast<uint64_t>(1000 * seconds_);
-  c["link bytes out"] = sum(&LinkCounts::bytes_sent);
-  c["link bytes in"] = sum(&LinkCounts::bytes_received);
-  c["link frames again"] = sum(&LinkCounts::repeated);
+  c["link bytes out"] = link.bytes_sent;
+  c["link bytes in"] = link.bytes_received;
+  c["link frames"] = link.frames;
+  c["link frames again"] = link.repeated;
+  c["link timeouts"] = link.timeouts;
+  c["link bad answers"] = link.bad_answers;
+  c["link bad frames"] = link.reported_bad;
   // As the other backends call them.
   c["cycles"] = c["busy"];
   c["stalls out"] = c["stalls results"] + c["stalls photons"];

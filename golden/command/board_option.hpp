@@ -22,7 +22,6 @@ class BoardFlags {
   // Says on stderr when the board goes away and comes back; keeps its journal in `work_dir`.
   std::unique_ptr<PhotonGatherer> photon_gatherer(const Plan& plan, const std::string& device,
                                                   const std::string& work_dir) const;
-  double wait() const { return wait_; }
 
  private:
   double wait_ = 10;
