@@ -63,6 +63,7 @@ struct ClusterCase {
   std::string name;
   GatherCase gather;
   bool reordered = false;
+  uint64_t photon_pause = 0;  // of the receiver of photons, RunOptions
 };
 struct GatherClusterBench {
   std::vector<BenchPlan> plans;

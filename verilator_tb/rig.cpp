@@ -115,12 +115,16 @@ Taker::Taker(Model& model, const std::string& name, int bits, const RunOptions& 
       data_(model.port(name + "_o")),
       stall_(options.stall_out, options.seed, unit + "." + name),
       stride_(std::max<size_t>(1, (static_cast<size_t>(bits) + 31) / 32)),
-      held_(stride_) {
+      held_(stride_),
+      pause_(name == "photon" ? options.photon_pause : 0) {
   check_width(data_, bits, unit);
   *ready_.data = 0;
 }
 
-void Taker::drive() { *ready_.data = stall_.holds_taker(was_valid_) ? 0 : 1; }
+void Taker::drive() {
+  const bool paused = pause_ && driven_++ % (pause_ + pause_ / 4) < pause_;
+  *ready_.data = stall_.holds_taker(was_valid_) || paused ? 0 : 1;
+}
 
 bool Taker::sample(uint64_t cycle) {
   was_valid_ = *valid_.data != 0;

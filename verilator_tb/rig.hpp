@@ -24,13 +24,14 @@ struct RunOptions {
   uint64_t seed = 1;          // of all stalls, latencies and initial register values
   uint64_t initial_seed = 1;  // mixed into the initial register values alone
   StallPolicy stall_in, stall_out, stall_memory;
-  int latency = 20;                     // of the line memory, cycles from request to first beat
-  bool random_latency = false;          // uniform in [1, 2 * latency], replies out of order
-  int banks = 8;                        // of the line memory, by line number
-  int bank_cycles = 0;                  // a bank takes one request in so many cycles; 0: no limit
-  double sdram_period = 1;              // of a board's SDRAM clock, in cycles
-  uint64_t watchdog = 50000;            // cycles without any handshake while something is owed
-  std::string rtl_dir;                  // empty: default_rtl_dir()
+  int latency = 20;             // of the line memory, cycles from request to first beat
+  bool random_latency = false;  // uniform in [1, 2 * latency], replies out of order
+  int banks = 8;                // of the line memory, by line number
+  int bank_cycles = 0;          // a bank takes one request in so many cycles; 0: no limit
+  uint64_t photon_pause = 0;    // so long nobody takes stream "photon", then a quarter of it
+  double sdram_period = 1;      // of a board's SDRAM clock, in cycles
+  uint64_t watchdog = 50000;    // cycles without any handshake while something is owed
+  std::string rtl_dir;          // empty: default_rtl_dir()
   std::vector<std::string> parameters;  // of the module, "Name=value", instead of the plan's
   std::string work_dir = "build/cosim";
   ModelKind kind = ModelKind::kRtl;
@@ -107,6 +108,7 @@ class Taker {
   std::vector<uint64_t> cycles_;
   size_t first_ = 0;
   bool was_valid_ = false, holding_ = false;
+  uint64_t pause_, driven_ = 0;
   uint64_t taken_ = 0, stalled_ = 0;
 };
 

@@ -285,6 +285,10 @@ std::optional<PlanProblem> find_problem(const Plan& plan) {
                 fmt::format("is {}, expected whole bytes of which a line of {} bits is a multiple",
                             plan.beat_bits, 8 * plan.line_bytes()));
   if (plan.photon_memory == PhotonMemory::kSdram) {
+    if (plan.beat_bits % (8 * plan.photon_bytes) != 0)
+      return fail("gatherer.beat_bits",
+                  fmt::format("is {}, expected whole photons of {} bytes before an SDRAM",
+                              plan.beat_bits, plan.photon_bytes));
     // Four ways, as rtl/board/photon_sdram.sv has.
     if (plan.board_cache_bytes < 4 * plan.line_bytes())
       return fail("board.cache_bytes", fmt::format("is {}, expected at least 4 lines of {} bytes",

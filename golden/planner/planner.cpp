@@ -374,6 +374,9 @@ PlannedFrame make_plan(const World& world, const PlanRequest& request, const Pho
   why["sampler.v_bits"] = "the ray is jittered below it";
   why["sampler.combine"] = "keeps every direction likely that either table finds likely";
   if (map_bytes > kBoardBlockRamBytes) plan.photon_memory = PhotonMemory::kSdram;
+  // What comes from an SDRAM comes in whole photons.
+  if (plan.photon_memory == PhotonMemory::kSdram)
+    plan.beat_bits = std::max(plan.beat_bits, 8 * plan.photon_bytes);
   why["board.gatherers"] = "one behind the dispatcher; more where a board has room";
   why["board.photon_memory"] = fmt::format("the maps have {} KiB, block RAM serves up to {}",
                                            map_bytes / 1024, kBoardBlockRamBytes / 1024);

@@ -3,8 +3,8 @@
 // (docs/photon_memory.md). Global line l lies at byte l * stride, the caustic map's lines behind the global map's; stride is
 // the power of two not under a line's bytes.
 //
-// Line ports are those of photon_gatherer, side by side, gatherer 0 lowest. A line from the cache comes 8 cycles after its
-// request where nobody else asks, one line a cycle where a beat is a whole line, else one in Beats + 3 cycles. At most
+// Line ports are those of photon_gatherer, side by side, gatherer 0 lowest; a beat holds whole photons. A line from the cache
+// comes 9 cycles after its request where nobody else asks, a beat a cycle. At most
 // Outstanding lines are on their way from the SDRAM, which delivers them in order; there is room for all of them on this side, so nothing
 // depends on the ratio of the clocks, but the rate: the SDRAM's 16 bits a cycle need a quarter of its frequency here.
 //
@@ -61,7 +61,7 @@ module photon_sdram #(
   localparam int unsigned LineWords = LineHalfwords / 2;
   localparam int unsigned WordBits = $clog2(LineWords);
   localparam int unsigned Beats = Bucket * StrideBits / BeatBits;
-  localparam int unsigned BeatNumberBits = Beats > 1 ? $clog2(Beats) : 1;
+  localparam int unsigned BeatPhotons = Bucket / Beats;
   localparam int unsigned SourceBits = Gatherers > 1 ? $clog2(Gatherers) : 1;
   localparam int unsigned ClientBits = SourceBits + TagBits;
   localparam int unsigned GlobalLines = photonloom_pkg::GlobalPresent == 0 ? 0 :
@@ -88,8 +88,8 @@ module photon_sdram #(
   if (Lines > (1 << (24 - HalfwordBits))) begin : gen_bad_lines
     photon_maps_must_fit_in_32_megabytes_of_sdram bad_lines ();
   end
-  if (BeatBits * Beats != Bucket * StrideBits) begin : gen_bad_beat
-    gatherer_beat_bits_must_divide_the_line bad_beat ();
+  if (BeatBits * Beats != Bucket * StrideBits || Bucket % Beats != 0) begin : gen_bad_beat
+    gatherer_beat_bits_must_be_whole_photons_and_divide_the_line bad_beat ();
   end
 
   logic rst, rst_sdram;
@@ -101,7 +101,7 @@ module photon_sdram #(
       .other_rst_o(rst_sdram)
   );
 
-  // ---- gatherers to cache ----
+  // ---- gatherers to cache, which takes every request ----
   logic ask_valid;
   logic [LineBits+TagBits:0] ask;
   logic [SourceBits-1:0] ask_source;
@@ -127,9 +127,9 @@ module photon_sdram #(
       .out_source_o(ask_source)
   );
 
-  logic answer_ready, issue, answer_valid;
-  logic [ClientBits-1:0] answer_client;
-  logic [Bucket*PhotonBits-1:0] answer_line;
+  logic beat_valid;
+  logic [ClientBits-1:0] beat_client;
+  logic [BeatPhotons*PhotonBits-1:0] beat_photons;
   logic line_req_valid, line_req_ready, line_rsp_valid;
   logic [LineBits:0] line_req_addr;
   logic [MissBits-1:0] line_req_tag, line_rsp_tag;
@@ -141,7 +141,7 @@ module photon_sdram #(
       .Items(Bucket),
       .ItemBytes(photonloom_pkg::PhotonBytes),
       .ItemBits(PhotonBits),
-      .Parts(1),
+      .Parts(Beats),
       .BeatBits(64),
       .Sets(Sets),
       .Ways(CacheWays),
@@ -155,14 +155,10 @@ module photon_sdram #(
       .in_valid_i(ask_valid),
       .in_client_i({ask_source, ask[TagBits-1:0]}),
       .in_address_i(ask[LineBits+TagBits:TagBits]),
-      .ready_i(answer_ready),
-      .issue_o(issue),
-      .out_valid_o(answer_valid),
-      .out_client_o(answer_client),
-      /* verilator lint_off PINCONNECTEMPTY */
-      .out_part_o(),
-      /* verilator lint_on PINCONNECTEMPTY */
-      .out_data_o(answer_line),
+      .ready_i(1'b1),
+      .out_valid_o(beat_valid),
+      .out_client_o(beat_client),
+      .out_data_o(beat_photons),
       .line_req_valid_o(line_req_valid),
       .line_req_ready_i(line_req_ready),
       .line_req_addr_o(line_req_addr),
@@ -171,44 +167,31 @@ module photon_sdram #(
       .line_rsp_tag_i(line_rsp_tag),
       .line_rsp_data_i(line_rsp_data),
       /* verilator lint_off PINCONNECTEMPTY */
+      .issue_o(),
+      .out_part_o(),
       .hit_o(),
       .miss_o()
       /* verilator lint_on PINCONNECTEMPTY */
   );
 
-  // ---- cache to gatherers: a line register, given out beat by beat ----
-  logic [Bucket*PhotonBits-1:0] line_q;
-  logic [Bucket*StrideBits-1:0] line_raw;
-  logic [ClientBits-1:0] client_q;
-  logic given_q, sending_q, last_beat;
-  logic [BeatNumberBits-1:0] beat_q;
+  // ---- a beat to its gatherer ----
+  logic beat_valid_q;
+  logic [ClientBits-1:0] beat_client_q;
+  logic [BeatPhotons*PhotonBits-1:0] beat_photons_q;
+  logic [BeatBits-1:0] beat_raw;
 
-  assign last_beat = beat_q == BeatNumberBits'(Beats - 1);
-  // With a beat a line the register is free again each cycle.
-  assign answer_ready = Beats == 1 || (!given_q && !answer_valid && !sending_q);
-  for (genvar photon = 0; photon < Bucket; photon++) begin : gen_unpack
-    assign line_raw[StrideBits*photon+:StrideBits] = StrideBits'(line_q[PhotonBits*photon+:PhotonBits]);
-  end
   always_ff @(posedge clk_i) begin
-    given_q <= issue;
-    if (answer_valid) begin
-      line_q <= answer_line;
-      client_q <= answer_client;
-      sending_q <= 1'b1;
-      beat_q <= '0;
-    end else if (sending_q) begin
-      sending_q <= !last_beat;
-      beat_q <= beat_q + 1'b1;
-    end
-    if (rst_i) begin
-      given_q <= 1'b0;
-      sending_q <= 1'b0;
-    end
+    beat_valid_q <= beat_valid && !rst_i;
+    beat_client_q <= beat_client;
+    beat_photons_q <= beat_photons;
+  end
+  for (genvar photon = 0; photon < BeatPhotons; photon++) begin : gen_unpack
+    assign beat_raw[StrideBits*photon+:StrideBits] = StrideBits'(beat_photons_q[PhotonBits*photon+:PhotonBits]);
   end
   for (genvar g = 0; g < Gatherers; g++) begin : gen_rsp
-    assign line_rsp_valid_o[g] = sending_q && client_q[TagBits+:SourceBits] == SourceBits'(g);
-    assign line_rsp_tag_o[TagBits*g+:TagBits] = client_q[TagBits-1:0];
-    assign line_rsp_data_o[BeatBits*g+:BeatBits] = line_raw[BeatBits*32'(beat_q)+:BeatBits];
+    assign line_rsp_valid_o[g] = beat_valid_q && beat_client_q[TagBits+:SourceBits] == SourceBits'(g);
+    assign line_rsp_tag_o[TagBits*g+:TagBits] = beat_client_q[TagBits-1:0];
+    assign line_rsp_data_o[BeatBits*g+:BeatBits] = beat_raw;
   end
 
   // ---- words to write ----

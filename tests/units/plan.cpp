@@ -167,6 +167,10 @@ TEST_CASE("an SDRAM holds the maps and its cache a line in each way, or the plan
   REQUIRE(find_problem(plan));
   CHECK(find_problem(plan)->line == "board.cache_bytes");
   plan.board_cache_bytes = 512;
+  plan.beat_bits = 64;
+  REQUIRE(find_problem(plan));
+  CHECK(find_problem(plan)->line == "gatherer.beat_bits");
+  plan.beat_bits = 256;
   ++plan.global.photons;
   REQUIRE(find_problem(plan));
   CHECK(find_problem(plan)->line == "board.photon_memory");

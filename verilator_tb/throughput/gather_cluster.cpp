@@ -52,10 +52,10 @@ struct PlanOfBoard {
   int k, gatherers;
 };
 constexpr PlanOfBoard kPlans[] = {
-    {"block_ram_k8", PhotonMemory::kBlockRam, 16384, 8, 4},
-    {"block_ram_k16", PhotonMemory::kBlockRam, 16384, 16, 4},
+    {"block_ram_k8", PhotonMemory::kBlockRam, 16384, 8, 5},
+    {"block_ram_k16", PhotonMemory::kBlockRam, 16384, 16, 5},
     {"block_ram_k50", PhotonMemory::kBlockRam, 16384, 50, 3},
-    {"sdram_k8", PhotonMemory::kSdram, 65536, 8, 2},
+    {"sdram_k8", PhotonMemory::kSdram, 65536, 8, 3},
     {"sdram_k16", PhotonMemory::kSdram, 65536, 16, 3},
     {"sdram_k50", PhotonMemory::kSdram, 65536, 50, 3},
 };
@@ -103,9 +103,11 @@ Plan make_plan(const PlanOfBoard& p, const Load& load, const Options& o) {
   plan.photon_memory = p.memory;
   plan.gatherers = p.gatherers;
   plan.photon_bytes = p.memory == PhotonMemory::kSdram ? 12 : 16;
-  plan.beat_bits = 4 * plan.line_bytes();
-  plan.cache_bytes = p.memory == PhotonMemory::kSdram ? 24 * 512 : 16384;
-  plan.board_cache_bytes = 96 * 1024;
+  // Caches of 32 lines, so shallow that they are made of LUTs: block RAM holds the map, or the
+  // cache before the SDRAM.
+  plan.beat_bits = (p.memory == PhotonMemory::kSdram ? 4 : 8) * plan.line_bytes();
+  plan.cache_bytes = 32 * plan.line_bytes();
+  plan.board_cache_bytes = 48 * 1024;
   plan.replay_queries = 1024;
   check_plan(plan);
   return plan;
@@ -248,11 +250,12 @@ int run(Options o) {
         const Measured m = measure(plan, map, some, through_buffer, o);
         const double per_bound = m.cycles * plan.gatherers / m.bound;
         std::optional<double> roofline, of_it, gain;
+        // In cycles of the core. Where the gatherers' own bound is more, that is the roof.
+        const double gatherers = m.bound / plan.gatherers;
         if (sdram) {
-          // In cycles of the core.
           roofline =
               m.memory_lines * plan.line_bytes() / 2 / kRefreshLeaves * o.core_mhz / kSdramMHz;
-          of_it = *roofline / m.cycles;
+          of_it = std::max(*roofline, gatherers) / m.cycles;
         }
         if (through_buffer)
           with_order = m.cycles;
@@ -268,8 +271,9 @@ int run(Options o) {
             gain ? fmt::format("  reordering gains {:.1f}", *gain) : "");
         std::fflush(stdout);
         if (sdram && through_buffer && *of_it < kRooflineGoal)
-          missed.push_back(fmt::format("{}: {:.0f} % of the SDRAM's roofline, goal {:.0f} %", name,
-                                       100 * *of_it, 100 * kRooflineGoal));
+          missed.push_back(fmt::format(
+              "{}: {:.0f} % of the roofline, which is the {}'s, goal {:.0f} %", name, 100 * *of_it,
+              *roofline > gatherers ? "SDRAM" : "gatherers", 100 * kRooflineGoal));
         if (gain && *gain < kReorderGoal)
           missed.push_back(
               fmt::format("{}: reordering gains {:.2f}, goal {:.1f}", name, *gain, kReorderGoal));
