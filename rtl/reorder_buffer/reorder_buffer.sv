@@ -210,7 +210,7 @@ module reorder_buffer #(
     );
 
     // A flush finds all bins empty: it enters one and leaves it again at once.
-    logic insert_q, take_q, flush_q;
+    logic insert_q, take_q;
     logic [BinBits-1:0] insert_bin_q, take_bin_q;
     logic [Width-1:0] insert_packet_q, leaving;
     logic leaving_valid, out_ready;
@@ -220,8 +220,7 @@ module reorder_buffer #(
       insert_bin_q <= bin;
       insert_packet_q <= packet;
       take_q <= take || flush;
-      take_bin_q <= take_bin;
-      flush_q <= flush;
+      take_bin_q <= flush ? bin : take_bin;
 
       if (insert != take) begin
         held_q <= held;
@@ -256,7 +255,7 @@ module reorder_buffer #(
         .insert_bin_i(insert_bin_q),
         .insert_packet_i(insert_packet_q),
         .remove_i(take_q),
-        .remove_bin_i(flush_q ? insert_bin_q : take_bin_q),
+        .remove_bin_i(take_bin_q),
         .out_valid_o(leaving_valid),
         .out_o(leaving)
     );
