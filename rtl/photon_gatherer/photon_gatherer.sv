@@ -690,9 +690,9 @@ module photon_gatherer #(
   );
 
   // ---- after a leaf: the stack ----
-  // The end of a leaf comes with its last token, or without one. With a token the stack reads the bound 4 cycles later
-  // or more, when it is there: leaf_done, finish_q, two stages of the stack. One end goes past an empty queue.
-  logic finish_waiting, finish_free, finish_taken, finish_valid_q, finish_stop_q;
+  // The end of a leaf comes with its last token, or without one. With a token the stack reads the bound 5 cycles later
+  // or more, when it is there: leaf_done, the queue, the register behind it, two stages of the stack.
+  logic finish_waiting, finish_free, finish_valid_q, finish_stop_q;
   logic empty_waiting;
   logic [ContextBits-1:0] finish_oldest, empty_oldest, finish_context_q;
   logic [StackBits-1:0] finish_stack_q;
@@ -705,7 +705,7 @@ module photon_gatherer #(
   ) finish_queue (
       .clk_i(clk_i),
       .rst_i(rst_i),
-      .in_valid_i(leaf_done && (finish_waiting || !finish_free)),
+      .in_valid_i(leaf_done),
       .in_ready_o(finish_ready),
       .in_i(leaf_done_context),
       .out_valid_o(finish_waiting),
@@ -722,17 +722,16 @@ module photon_gatherer #(
       .in_ready_o(empty_ready),
       .in_i(empty_leaf_context),
       .out_valid_o(empty_waiting),
-      .out_ready_i(finish_free && !finish_taken),
+      .out_ready_i(finish_free && !finish_waiting),
       .out_o(empty_oldest)
   );
 
   assign finish_free = !finish_valid_q || stack_ready;
-  assign finish_taken = finish_waiting || leaf_done;
-  assign oldest_context = finish_waiting ? finish_oldest : leaf_done ? leaf_done_context : empty_oldest;
+  assign oldest_context = finish_waiting ? finish_oldest : empty_oldest;
 
   always_ff @(posedge clk_i) begin
     if (finish_free) begin
-      finish_valid_q <= finish_taken || empty_waiting;
+      finish_valid_q <= finish_waiting || empty_waiting;
       finish_context_q <= oldest_context;
       finish_stop_q <= oldest_stop;
       finish_stack_q <= oldest_stack;

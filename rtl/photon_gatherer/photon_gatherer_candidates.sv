@@ -161,6 +161,9 @@ module photon_gatherer_candidates #(
     logic [3*D-1:0] direction, direction_q;
     logic signed [D+N-1:0] product_q[0:2];
     logic signed [D+N:0] sum_q, third_q;  // x + y, -z
+    /* verilator lint_off UNUSEDSIGNAL */  // only its sign
+    logic signed [D+N+1:0] difference;
+    /* verilator lint_on UNUSEDSIGNAL */
 
     // Lane 2 g + c of the group; the last group if the others are empty.
     always_comb begin
@@ -192,12 +195,13 @@ module photon_gatherer_candidates #(
       assign b = normal_q[N*axis+:N];
       always_ff @(posedge clk_i) product_q[axis] <= a * b;
     end
+    assign difference = (D + N + 2)'(third_q) - (D + N + 2)'(sum_q);
     assign front[c] = front_q;
     assign tested[CandidateBits*c+:CandidateBits] = candidate_q[Stages-1];
 
     always_ff @(posedge clk_i) begin
       some_q <= {some_q[Stages-3:0], some_lane};
-      front_q <= some_q[Stages-2] && sum_q > third_q;
+      front_q <= some_q[Stages-2] && difference[D+N+1];
       candidate_q[0] <= {SlotBits'(beat_q * Lanes) + SlotBits'(lane), d2};
       code_q <= code;
       for (int unsigned i = 1; i < Stages; i++) candidate_q[i] <= candidate_q[i-1];
@@ -259,7 +263,15 @@ module photon_gatherer_candidates #(
   assign wait_take = wait_valid_q && !gone && !wait_merge && hand_free && !ask;
   assign queue_ready = !wait_valid_q || gone || wait_merge || wait_take;
   for (genvar c = 0; c < 2; c++) begin : gen_near
-    assign wait_near[c] = wait_candidates_q[CandidateBits*c+:R2Bits] <= wait_bound_i;
+    logic beyond;
+    less_than #(
+        .Width(R2Bits)
+    ) compare (
+        .a_i(wait_bound_i),
+        .b_i(wait_candidates_q[CandidateBits*c+:R2Bits]),
+        .less_o(beyond)
+    );
+    assign wait_near[c] = !beyond;
   end
   assign first = next_word[2*CandidateBits+2];
 

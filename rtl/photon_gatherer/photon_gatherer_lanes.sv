@@ -95,6 +95,7 @@ module photon_gatherer_lanes #(
 
   for (genvar lane = 0; lane < Lanes; lane++) begin : gen_lane
     logic [PhotonBits-1:0] photon;
+    logic beyond;
     logic [3*(P+1)-1:0] offset_q;
     assign photon = photons_q[PhotonBits*lane+:PhotonBits];
 
@@ -105,8 +106,16 @@ module photon_gatherer_lanes #(
       // The code of an unused slot: mantissas 0, exponent all ones.
       used_q[1][lane] <= !(photon[PhotonBits-1-:ExponentBits] == '1 &&
                            photon[PhotonBits-1-ExponentBits-:MantissasBits] == '0);
-      mask_q[lane] <= used_q[Stages-2][lane] && d2[R2Bits*lane+:R2Bits] <= bound_q;
+      mask_q[lane] <= used_q[Stages-2][lane] && !beyond;
     end
+
+    less_than #(
+        .Width(R2Bits)
+    ) compare (
+        .a_i(bound_q),
+        .b_i(d2[R2Bits*lane+:R2Bits]),
+        .less_o(beyond)
+    );
 
     squared_distance #(
         .Bits(P + 1)

@@ -15,8 +15,7 @@
 //
 // A start is a token of its own. It empties the list and sets the bound.
 //
-// Bounds: r2_max of the query's map from its start, the K-th d2 once the list is full, readable 5 cycles after the token;
-// bound 0 a cycle earlier.
+// Bounds: r2_max of the query's map from its start, the K-th d2 once the list is full, readable 5 cycles after the token.
 module photon_gatherer_list #(
     parameter int unsigned K = 16,
     parameter int unsigned R2Bits = 34,
@@ -69,7 +68,7 @@ module photon_gatherer_list #(
   // ---- stage a ----
   logic [KeyBits-1:0] a_key, b_key_q, c_key_q;
   logic [K-1:0] smaller_b_q;  // a valid entry is smaller than the token
-  logic ahead_b, ahead_c, ahead_b_q, ahead_c_q;
+  logic less_b, less_c, ahead_b, ahead_c, ahead_b_q, ahead_c_q;
   logic b_candidate_q, c_enters_q, b_start_q, c_start_q, b_snapshot_q, c_snapshot_q;
   logic [ContextBits-1:0] b_context_q, c_context_q;
   logic [StateBits-1:0] a_state, c_state, c_state_next, read_state;
@@ -83,8 +82,22 @@ module photon_gatherer_list #(
 
   assign a_key = {in_d2_i, in_index_i};
   assign a_count = count_of(a_state);
-  assign ahead_b = b_candidate_q && b_context_q == in_context_i && b_key_q < a_key;
-  assign ahead_c = c_candidate_q && c_context_q == in_context_i && c_key_q < a_key;
+  less_than #(
+      .Width(KeyBits)
+  ) compare_b (
+      .a_i(b_key_q),
+      .b_i(a_key),
+      .less_o(less_b)
+  );
+  less_than #(
+      .Width(KeyBits)
+  ) compare_c (
+      .a_i(c_key_q),
+      .b_i(a_key),
+      .less_o(less_c)
+  );
+  assign ahead_b = b_candidate_q && b_context_q == in_context_i && less_b;
+  assign ahead_c = c_candidate_q && c_context_q == in_context_i && less_c;
 
   function automatic logic [CountBits-1:0] count_of(input logic [StateBits-1:0] state);
     count_of = state[StateBits-1] ? CountBits'(K) : CountBits'(state[StateBits-2:0]);
@@ -92,6 +105,7 @@ module photon_gatherer_list #(
 
   for (genvar j = 0; j < K; j++) begin : gen_place
     logic [KeyBits-1:0] word;
+    logic smaller;
     lut_ram #(
         .Width(KeyBits),
         .Depth(Contexts)
@@ -103,7 +117,14 @@ module photon_gatherer_list #(
         .read_address_i(in_context_i),
         .read_data_o(word)
     );
-    always_ff @(posedge clk_i) smaller_b_q[j] <= word < a_key && a_count > CountBits'(j);
+    less_than #(
+        .Width(KeyBits)
+    ) compare (
+        .a_i(word),
+        .b_i(a_key),
+        .less_o(smaller)
+    );
+    always_ff @(posedge clk_i) smaller_b_q[j] <= smaller && a_count > CountBits'(j);
   end
 
   // ---- stage b ----
@@ -170,7 +191,7 @@ module photon_gatherer_list #(
   logic [StateBits-1:0] state_data;
 
   assign c_state_next[IndexBits:0] = c_state[IndexBits:0] + 1'b1;
-  assign c_state_next[StateBits-1] = c_full || c_state[IndexBits:0] == (IndexBits + 1)'(K - 1);
+  assign c_state_next[StateBits-1] = c_full || CountBits'(c_state[IndexBits:0]) == CountBits'(K - 1);
   assign state_data = c_start_q ? '0 : c_state_next;
 
   for (genvar r = 0; r < 3; r++) begin : gen_state
@@ -249,7 +270,6 @@ module photon_gatherer_list #(
   assign started_o = e_start_q;
 
   for (genvar r = 0; r < Readers; r++) begin : gen_bound
-    logic [R2Bits-1:0] word;
     lut_ram #(
         .Width(R2Bits),
         .Depth(Contexts)
@@ -259,14 +279,8 @@ module photon_gatherer_list #(
         .write_address_i(e_context_q),
         .write_data_i(e_d2_q),
         .read_address_i(bound_context_i[ContextBits*r+:ContextBits]),
-        .read_data_o(word)
+        .read_data_o(bound_o[R2Bits*r+:R2Bits])
     );
-    if (r == 0) begin : gen_early
-      assign bound_o[R2Bits*r+:R2Bits] =
-          e_bound_q && e_context_q == bound_context_i[ContextBits*r+:ContextBits] ? e_d2_q : word;
-    end else begin : gen_plain
-      assign bound_o[R2Bits*r+:R2Bits] = word;
-    end
   end
 
   // ---- slot store ----

@@ -55,6 +55,7 @@ module photon_gatherer_stack #(
   logic [StackBits-1:0] stack_0_q, stack_1_q, stack_2_q, top_0, second_0, rest_1, rest_2;
   logic [R2Bits-1:0] bound_2_q;
   logic [1:0] far;  // by bank
+  logic [EntryBits-DistanceBits-1:0] next_even_q, next_odd_q;
   logic loop, odd_top, two, far_top, far_second, far_both, goes;
 
   assign top_0 = stack_0_q - StackBits'(1);
@@ -75,7 +76,13 @@ module photon_gatherer_stack #(
         .read_data_o(word)
     );
     always_ff @(posedge clk_i) word_2_q <= word;
-    assign far[bank] = CompareBits'(word_2_q[DistanceBits-1:0]) > CompareBits'(bound_2_q) << EpsilonShift;
+    less_than #(
+        .Width(CompareBits)
+    ) too_far (
+        .a_i(CompareBits'(bound_2_q) << EpsilonShift),
+        .b_i(CompareBits'(word_2_q[DistanceBits-1:0])),
+        .less_o(far[bank])
+    );
   end
 
   always_ff @(posedge clk_i) begin
@@ -114,13 +121,15 @@ module photon_gatherer_stack #(
 
   assign loop = valid_2_q && !stop_2_q && far_both && rest_1 != '0 && rest_2 != '0;
   assign in_ready_o = !loop;
+  assign {next_leaf_o, next_node_o, next_offsets_o} = next_even_q | next_odd_q;
 
   always_ff @(posedge clk_i) begin
     next_valid_o <= valid_2_q && !stop_2_q && goes;
     next_context_o <= context_2_q;
     next_stack_o <= far_top ? rest_2 : rest_1;
-    {next_leaf_o, next_node_o, next_offsets_o} <= odd_top != far_top ? gen_bank[1].word_2_q[EntryBits-1:DistanceBits] :
-                                                  gen_bank[0].word_2_q[EntryBits-1:DistanceBits];
+    // What is not chosen is cleared, so that behind the registers an OR is enough.
+    next_even_q <= odd_top != far_top ? '0 : gen_bank[0].word_2_q[EntryBits-1:DistanceBits];
+    next_odd_q <= odd_top != far_top ? gen_bank[1].word_2_q[EntryBits-1:DistanceBits] : '0;
     done_valid_o <= valid_2_q && (stop_2_q || (!goes && !loop));
     done_context_o <= context_2_q;
     drop_o <= {2{valid_2_q && !stop_2_q && far_top}} & {two && far_second, !(two && far_second)};
