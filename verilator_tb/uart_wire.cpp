@@ -5,6 +5,11 @@
 
 namespace photonloom {
 
+void UartWire::hold_low(double bits) {
+  low_until_ = static_cast<double>(clock_) + bits * bit_;
+  start_ = low_until_ + 2 * bit_;
+}
+
 bool UartWire::drive() {
   const double now = static_cast<double>(clock_);
   if (busy_ && now >= start_ + 10 * bit_) {
@@ -24,7 +29,7 @@ bool UartWire::drive() {
       busy_ = true;
     }
   }
-  if (!busy_) return true;
+  if (!busy_) return now >= low_until_;
   const int bit = std::min(9, static_cast<int>((now - start_) / bit_));
   return (frame_ >> bit & 1) != 0;
 }

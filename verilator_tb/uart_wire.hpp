@@ -18,6 +18,8 @@ class UartWire {
   void send(std::span<const uint8_t> bytes) { out_.insert(out_.end(), bytes.begin(), bytes.end()); }
   // The line rests for so many bits before the next byte. Only while nothing waits to be sent.
   void rest(double bits) { rest_ += bits * bit_; }
+  // The line is 0 for so long, then rests for two bits. Only while nothing waits to be sent.
+  void hold_low(double bits);
   bool sending() const { return !out_.empty() || busy_; }
   size_t waiting() const { return out_.size(); }
 
@@ -37,6 +39,7 @@ class UartWire {
   bool busy_ = false;
   double start_ = 0;  // of the byte being sent, or when the line is free
   double rest_ = 0;
+  double low_until_ = 0;
   uint32_t frame_ = 0;  // its ten bits, the start bit lowest
 
   std::deque<uint8_t> in_;

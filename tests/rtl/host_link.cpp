@@ -475,6 +475,32 @@ TEST_CASE("host link: other divisors, and a far end whose clock is 2 % off") {
     }
 }
 
+TEST_CASE("host link: a start bit that is none and a byte without its stop bit are no bytes") {
+  BoardRun run;
+  run.work_dir = "cosim";
+  run.module = "host_link";
+  run.clocks_per_bit = 17;
+  Bench bench(small_plan(), run);
+  bench.board().set("read_word_i", 0x12345678);
+  uint64_t received = 0;
+  const auto count = [&](uint64_t cycles) {
+    for (uint64_t i = 0; i < cycles; ++i) {
+      bench.board().cycle();
+      received += bench.board().get("byte_received_o");
+    }
+  };
+  for (const double bits : {0.1, 0.2, 0.3, 0.4, 9.8, 12.0, 50.0}) {
+    INFO("line 0 for " << bits << " bits");
+    bench.board().wire().hold_low(bits);
+    count(60 * 17);
+    CHECK(received == 0);
+    CHECK(bench.read(0, 1) == Words{0x12345678});
+  }
+  bench.board().wire().hold_low(0.7);  // as a byte of ones
+  count(20 * 17);
+  CHECK(received == 1);
+}
+
 TEST_CASE("host link: with every second frame damaged all packets are golden's") {
   soak({.work_dir = "cosim"}, small_plan(), 41, 60);
 }
