@@ -25,7 +25,8 @@ BoardModel::BoardModel(const Plan& plan, const BoardRun& run)
   tx_ = model_.port("uart_tx_o").data;
   if (model_.has_port("led_o")) leds_ = model_.port("led_o").data;
   if (plan.photon_memory == PhotonMemory::kSdram && model_.has_port("sdram_dq_i")) {
-    sdram_ = std::make_unique<SdramSocket>(model_);
+    sdram_ = std::make_unique<SdramSocket>(
+        [&](const std::string& port) { return model_.port(port).data; });
     sdram_clock_ = model_.port("clk_sdram_i").data;
   }
   if (!run.waveform.empty()) {
@@ -47,10 +48,9 @@ void BoardModel::cycle() {
   for (; sdram_ &&
          static_cast<double>(sdram_edges_) * sdram_period_ < static_cast<double>(cycles_ + 1);
        ++sdram_edges_) {
-    sdram_->before(sdram_edges_);
+    sdram_->before_edge(sdram_edges_);
     *sdram_clock_ = 1;
     model_.eval();
-    sdram_->after(sdram_edges_);
     *sdram_clock_ = 0;
     model_.eval();
   }

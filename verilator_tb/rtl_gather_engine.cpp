@@ -4,16 +4,11 @@
 #include "golden/unit/photon_gatherer_image.hpp"
 #include "verilator_tb/backends.hpp"
 #include "verilator_tb/clocked_unit.hpp"
-#include "verilator_tb/sdram_chip.hpp"
+#include "verilator_tb/sdram_socket.hpp"
 
 namespace photonloom {
 
 namespace {
-
-// The SDRAM at 100 MHz on its board, in picoseconds. Its clock is a quarter ahead of the
-// controller's; pins come out of the FPGA some time after their edge, the clock too, and go in some
-// time before theirs.
-constexpr int64_t kSdramPeriod = 10'000, kClockAhead = 2'500, kPinOut = 3'500, kPinIn = 1'000;
 
 class RtlGatherEngine final : public ClockedPhotonGatherer {
  public:
@@ -27,8 +22,10 @@ class RtlGatherEngine final : public ClockedPhotonGatherer {
     if (reordered) order_ = make_golden_reorder_buffer(plan);
     rig_.set("reorder_i", reordered);
     if (plan.photon_memory == PhotonMemory::kSdram) {
-      chip_ = std::make_unique<SdramChip>();
-      connect_sdram(options.sdram_period);
+      sdram_ = std::make_unique<SdramSocket>(
+          [this](const std::string& port) { return rig_.port(port).data; });
+      rig_.add_clock("clk_sdram_i", options.sdram_period,
+                     [this](uint64_t edge) { sdram_->before_edge(edge); });
     }
     rig_.reset();
   }
@@ -127,49 +124,17 @@ class RtlGatherEngine final : public ClockedPhotonGatherer {
     const uint64_t place = (first_line + at / line_bytes) << bits | at % line_bytes / 2;
     for (unsigned half = 0; half < 2; ++half) {
       const uint64_t low = (place + half) & ones(bits), above = place >> (bits + 2);
-      chip_->poke(static_cast<unsigned>(place >> bits & 3),
-                  static_cast<unsigned>(above >> (9 - bits)),
-                  static_cast<unsigned>((above & ones(9 - bits)) << bits | low),
-                  static_cast<uint16_t>(word >> (16 * half)));
+      sdram_->chip().poke(static_cast<unsigned>(place >> bits & 3),
+                          static_cast<unsigned>(above >> (9 - bits)),
+                          static_cast<unsigned>((above & ones(9 - bits)) << bits | low),
+                          static_cast<uint16_t>(word >> (16 * half)));
     }
-  }
-
-  void connect_sdram(double period) {
-    const auto pin = [this](const char* name) { return rig_.port(name).data; };
-    uint8_t* const data_in = pin("sdram_dq_i");
-    const uint8_t* const data_out = pin("sdram_dq_o");
-    const uint8_t* const address = pin("sdram_a_o");
-    rig_.add_clock("clk_sdram_i", period,
-                   [this, data_in, data_out, address, cke = pin("sdram_cke_o"),
-                    cs = pin("sdram_cs_no"), ras = pin("sdram_ras_no"), cas = pin("sdram_cas_no"),
-                    we = pin("sdram_we_no"), bank = pin("sdram_ba_o"), dqm = pin("sdram_dqm_o"),
-                    driven = pin("sdram_dq_oe_o")](uint64_t edge) {
-                     const int64_t time = static_cast<int64_t>(edge) * kSdramPeriod;
-                     const uint16_t data = chip_->data(time - kPinIn);
-                     std::memcpy(data_in, &data, 2);
-                     // The chip's next edge comes after this one of the controller, but sees the
-                     // pins before they change.
-                     SdramPins pins;
-                     pins.cke = *cke != 0;
-                     pins.cs_n = *cs != 0;
-                     pins.ras_n = *ras != 0;
-                     pins.cas_n = *cas != 0;
-                     pins.we_n = *we != 0;
-                     pins.bank = *bank;
-                     uint16_t word = 0;
-                     std::memcpy(&word, address, 2);
-                     pins.address = word;
-                     pins.dqm = *dqm;
-                     pins.driven = *driven != 0;
-                     std::memcpy(&pins.data, data_out, 2);
-                     chip_->edge(time - kClockAhead + kPinOut, pins);
-                   });
   }
 
   Plan plan_;
   bool back_door_;
   uint64_t load_cycles_ = 0;
-  std::unique_ptr<SdramChip> chip_;
+  std::unique_ptr<SdramSocket> sdram_;
   Rig rig_;
   PacketSource<GatherQuery> in_;
   PacketTaker<GatherResult> results_;

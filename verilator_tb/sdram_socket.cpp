@@ -6,28 +6,30 @@
 namespace photonloom {
 
 namespace {
-constexpr int64_t kPeriod = 10'000, kPinOut = 3'500, kPinIn = 1'000;  // picoseconds
-}
+// Picoseconds. The chip's clock is a quarter ahead of the controller's; pins come out of the FPGA
+// some time after their edge, the clock too, and go in some time before theirs.
+constexpr int64_t kPeriod = 10'000, kClockAhead = 2'500, kPinOut = 3'500, kPinIn = 1'000;
+}  // namespace
 
-SdramSocket::SdramSocket(const Model& model)
-    : data_in_(model.port("sdram_dq_i").data),
-      data_out_(model.port("sdram_dq_o").data),
-      driven_(model.port("sdram_dq_oe_o").data),
-      address_(model.port("sdram_a_o").data),
-      bank_(model.port("sdram_ba_o").data),
-      dqm_(model.port("sdram_dqm_o").data),
-      cke_(model.port("sdram_cke_o").data),
-      cs_(model.port("sdram_cs_no").data),
-      ras_(model.port("sdram_ras_no").data),
-      cas_(model.port("sdram_cas_no").data),
-      we_(model.port("sdram_we_no").data) {}
+SdramSocket::SdramSocket(const std::function<uint8_t*(const std::string& port)>& pin)
+    : data_in_(pin("sdram_dq_i")),
+      data_out_(pin("sdram_dq_o")),
+      driven_(pin("sdram_dq_oe_o")),
+      address_(pin("sdram_a_o")),
+      bank_(pin("sdram_ba_o")),
+      dqm_(pin("sdram_dqm_o")),
+      cke_(pin("sdram_cke_o")),
+      cs_(pin("sdram_cs_no")),
+      ras_(pin("sdram_ras_no")),
+      cas_(pin("sdram_cas_no")),
+      we_(pin("sdram_we_no")) {}
 
-void SdramSocket::before(uint64_t edge) {
-  const uint16_t data = chip_.data(static_cast<int64_t>(edge) * kPeriod - kPinIn);
+void SdramSocket::before_edge(uint64_t edge) {
+  const int64_t time = static_cast<int64_t>(edge) * kPeriod;
+  const uint16_t data = chip_.data(time - kPinIn);
   std::memcpy(data_in_, &data, 2);
-}
-
-void SdramSocket::after(uint64_t edge) {
+  // The chip's next edge comes after this one of the controller, but sees the pins before they
+  // change.
   SdramPins pins;
   pins.cke = *cke_ != 0;
   pins.cs_n = *cs_ != 0;
@@ -41,7 +43,7 @@ void SdramSocket::after(uint64_t edge) {
   pins.dqm = *dqm_;
   pins.driven = *driven_ != 0;
   std::memcpy(&pins.data, data_out_, 2);
-  chip_.edge(static_cast<int64_t>(edge) * kPeriod + kPeriod / 2 + kPinOut, pins);
+  chip_.edge(time - kClockAhead + kPinOut, pins);
 }
 
 }  // namespace photonloom

@@ -1,21 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
-// The chip on a model's SDRAM pins, as on a board: its clock is half a period behind the
-// controller's, and both directions take time.
+// The SDRAM chip on a model's pins, at 100 MHz on its board.
 #pragma once
-#include "verilator_tb/model.hpp"
+#include <cstdint>
+#include <functional>
+#include <string>
+
 #include "verilator_tb/sdram_chip.hpp"
 
 namespace photonloom {
 
 class SdramSocket {
  public:
-  // The model has the ports sdram_*; the controller's clock has a period of 10 ns.
-  explicit SdramSocket(const Model& model);
+  // `pin`: the storage of a port of the model, which has all of sdram_*.
+  explicit SdramSocket(const std::function<uint8_t*(const std::string& port)>& pin);
 
-  // Around the controller's rising edge number `edge`: its data inputs before, its outputs after.
-  void before(uint64_t edge);
-  void after(uint64_t edge);
-  const SdramChip& chip() const { return chip_; }
+  // Just before edge number `edge` of the controller's clock: the pins, both ways.
+  void before_edge(uint64_t edge);
+  SdramChip& chip() { return chip_; }
 
  private:
   SdramChip chip_;
