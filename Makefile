@@ -2,7 +2,7 @@
 # The daily workflow. Each verb first installs its own missing packages (scripts/setup), and only those.
 JOBS := $(shell nproc)
 .DEFAULT_GOAL := build
-.PHONY: help build demo test test-full gallery precision mutate bench bench-rtl asan fuzz format clean references mutate-golden fpga-tools fpga board-sim headline
+.PHONY: help build demo test test-full gallery precision mutate bench bench-rtl asan fuzz format clean references mutate-golden fpga-tools fpga board-sim headline area-check
 
 help: ## this list
 	@sed -n 's/^\([a-z-]*\):[^#]*## \(.*\)/  make \1\t\2/p' Makefile | expand -t 24
@@ -87,6 +87,10 @@ board-sim: build ## a frame through a simulated board over a pseudo-terminal, wi
 	@scripts/setup board-sim
 	@cmake --build build --target board_sim
 	@scripts/board-sim
+
+area-check: build ## whether the units grew since fpga/baseline.json
+	@scripts/setup area-check
+	@scripts/area-check
 
 format: ## clang-format on every C++ file
 	@scripts/setup format

@@ -1,0 +1,70 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the scripts of the FPGA flow decide, on made-up figures."""
+import importlib.machinery
+import importlib.util
+import json
+import os
+import sys
+import tempfile
+import unittest
+
+sys.dont_write_bytecode = True
+ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+sys.path.insert(0, os.path.join(ROOT, "fpga"))
+import flow  # noqa: E402
+
+
+def script(name):
+    loader = importlib.machinery.SourceFileLoader(name.replace("-", "_"), os.path.join(ROOT, "scripts", name))
+    module = importlib.util.module_from_spec(importlib.util.spec_from_loader(loader.name, loader))
+    loader.exec_module(module)
+    return module
+
+
+class AreaCheck(unittest.TestCase):
+    base = {"LUT4": 1000, "FF": 500, "CCU2C": 100, "DPR16X4": 40, "DP16KD": 4, "MULT18X18D": 0}
+
+    def check(self, **changes):
+        return script("area-check").compare("unit", {**self.base, **changes}, self.base)
+
+    def test_same_and_small_changes_pass(self):
+        self.assertEqual(self.check(), ([], []))
+        self.assertEqual(self.check(LUT4=1030, FF=485), ([], []))
+
+    def test_each_resource_can_fail(self):
+        for name in flow.RESOURCES:
+            grown, shrunk = self.check(**{name: self.base[name] * 104 // 100 + 1})
+            self.assertEqual((len(grown), shrunk), (1, []), name)
+            self.assertIn(f"unit: {name}", grown[0])
+
+    def test_growth_is_told_in_percent(self):
+        self.assertEqual(self.check(LUT4=1031)[0], ["unit: LUT4 1000 -> 1031 (+3.1 %)"])
+
+    def test_shrinking_is_told(self):
+        self.assertEqual(self.check(DPR16X4=30), ([], ["unit: DPR16X4 40 -> 30 (-25.0 %)"]))
+
+
+class Counts(unittest.TestCase):
+    def test_cells_are_counted_by_resource(self):
+        cells = {"LUT4": 10, "CCU2C": 3, "TRELLIS_DPR16X4": 2, "TRELLIS_FF": 7, "DP16KD": 1, "PFUMX": 5}
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, "stat.json")
+            with open(path, "w") as f:
+                json.dump({"modules": {"\\u": {"num_cells_by_type": cells}}}, f)
+            counts = flow.counts_of(path, "ulx3s-85f", "u")
+            with self.assertRaisesRegex(flow.Failure, "has no module v"):
+                flow.counts_of(path, "ulx3s-85f", "v")
+        self.assertEqual(counts, {"LUT4": 10, "FF": 7, "CCU2C": 3, "DPR16X4": 2, "DP16KD": 1, "MULT18X18D": 0,
+                                  "LUT-eq": 10 + 6 + 8})
+
+    def test_the_fullest_resource_binds(self):
+        counts = {"LUT4": 10, "FF": 7, "CCU2C": 3, "DPR16X4": 2, "DP16KD": 104, "MULT18X18D": 77, "LUT-eq": 24}
+        self.assertEqual(flow.binding(counts, "ulx3s-85f"), {"resource": "DP16KD", "used": 104, "of": 208})
+
+    def test_median(self):
+        self.assertEqual(flow.median([3, 1, 2]), 2)
+        self.assertEqual(flow.median([4, 1, 2, 3]), 2.5)
+
+
+if __name__ == "__main__":
+    unittest.main()
