@@ -133,9 +133,15 @@ module reorder_sweep #(
   );
 
   // Packets per bin less one; what stands there counts only while the bin's bit says so.
-  logic [CountBits-1:0] stored_count, second_count, new_count, second_more;
-  logic joined, joined2;
-  assign new_count = known2_q ? stored_count + 1'b1 : '0;
+  // The insertion one cycle ahead has not been written yet when a count is read.
+  logic [CountBits-1:0] stored_count, stored_count_q, last_count_q, second_count, new_count, second_more;
+  logic same_count_q, joined, joined2;
+  assign new_count = known2_q ? (same_count_q ? last_count_q : stored_count_q) + 1'b1 : '0;
+  always_ff @(posedge clk_i) begin
+    stored_count_q <= stored_count;
+    same_count_q   <= write2_q && bin2_q == bin_q;
+    last_count_q   <= new_count;
+  end
 
   lut_ram #(
       .Width(CountBits),
@@ -145,7 +151,7 @@ module reorder_sweep #(
       .write_i(write2_q),
       .write_address_i(bin2_q),
       .write_data_i(new_count),
-      .read_address_i(bin2_q),
+      .read_address_i(bin_q),
       .read_data_o(stored_count)
   );
   lut_ram #(
