@@ -48,8 +48,8 @@ module gather_dispatcher #(
   localparam int unsigned SourceBits = Gatherers > 1 ? $clog2(Gatherers) : 1;
   localparam int unsigned QueryBits = photonloom_pkg::GatherQueryPacketBits;
   localparam int unsigned OrderDepth = Pending > 2 ? 1 << $clog2(Pending) : 2;
-  // Photons of so many queries wait in a gatherer: of those that keep a context for them, and of those whose photons are in
-  // the FIFO of its photon port, 8 deep.
+  // Photons of so many queries wait in a gatherer at most: of those that keep a context for them, and of a few that gave it
+  // back but whose last photons are still at its port.
   localparam int unsigned HoldersOfPhotons = Gatherers * (photonloom_pkg::Contexts + 8);
   localparam int unsigned PhotonDepth = HoldersOfPhotons > 2 ? 1 << $clog2(HoldersOfPhotons) : 2;
 
