@@ -226,7 +226,7 @@ module reorder_sweep #(
     for (int unsigned i = 0; i < WordWidth; i++) above_last[i] = !load_q || BitBits'(i) > last[BitBits-1:0];
   end
   // The row's last bin may be the insertion of a cycle ago and the first of its word.
-  assign loaded = (this_q[load_word] ? scan_bits & above_last : '0) | (beyond_q && word == load_word ? set : '0);
+  assign loaded = this_q[load_word] ? scan_bits & above_last : '0;
 
   // Over when nothing is left to find in this pass.
   logic exhausted, wrap;
