@@ -2,7 +2,7 @@
 # The daily workflow. Each verb first installs its own missing packages (scripts/setup), and only those.
 JOBS := $(shell nproc)
 .DEFAULT_GOAL := build
-.PHONY: help build demo test test-full gallery precision mutate bench bench-rtl asan fuzz format clean references mutate-golden fpga-tools fpga board-sim headline area-check
+.PHONY: help build demo test test-full gallery precision mutate bench bench-rtl asan fuzz format clean references mutate-golden fpga-tools fpga board-sim headline fpga-plans area-check
 
 help: ## this list
 	@sed -n 's/^\([a-z-]*\):[^#]*## \(.*\)/  make \1\t\2/p' Makefile | expand -t 24
@@ -87,6 +87,11 @@ board-sim: build ## a frame through a simulated board over a pseudo-terminal, wi
 	@scripts/setup board-sim
 	@cmake --build build --target board_sim
 	@scripts/board-sim
+
+fpga-plans: build ## what several plans cost, and the fit that predicts it: docs/fpga-plans.md (an hour)
+	@scripts/setup fpga-plans
+	@scripts/fpga-tools
+	@scripts/fpga-plans
 
 area-check: build ## whether the units grew since fpga/baseline.json
 	@scripts/setup area-check

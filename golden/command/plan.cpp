@@ -2,12 +2,14 @@
 // photonloom plan SCENE -o plan.toml
 #include <fmt/core.h>
 
+#include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
 
 #include "golden/command/console.hpp"
 #include "golden/command/frame_options.hpp"
 #include "golden/numeric/output_file.hpp"
+#include "golden/planner/resources.hpp"
 #include "rtl/generate/hardware.hpp"
 
 namespace photonloom {
@@ -62,11 +64,27 @@ void describe(const Plan& plan, const std::string& file, const PlanOptions& o) {
     j["hash"] = plan_hash_text(plan);
     j["units"] = units_present(plan);
     for (const auto& [name, bits] : rows) j["memory_bits"][name] = bits;
+    for (const std::string& unit : units_present(plan)) {
+      const UnitResources r = estimate_resources(plan, unit);
+      j["resources"][unit] = {{"lut", std::lround(r.lut)},
+                              {"ff", std::lround(r.ff)},
+                              {"dsp", std::lround(r.dsp)},
+                              {"ebr", std::lround(r.ebr)}};
+      for (const char* resource : {"lut", "ff", "dsp", "ebr"})
+        for (const auto& [term, value] : resource_terms(plan, unit, resource))
+          j["resource_terms"][unit][resource][term] = value;
+    }
     fmt::print("{}\n", j.dump(2));
     return;
   }
   for (const auto& [name, bits] : rows)
     fmt::print("  {:<52} {:>12.1f} KiB\n", name, static_cast<double>(bits) / 8192);
+  fmt::print("  {:<40} {:>10} {:>8} {:>5} {:>7}\n", "predicted on an LFE5U", "LUT-eq", "FF", "DSP",
+             "EBR");
+  for (const std::string& unit : units_present(plan)) {
+    const UnitResources r = estimate_resources(plan, unit);
+    fmt::print("  {:<40} {:>10.0f} {:>8.0f} {:>5.0f} {:>7.0f}\n", unit, r.lut, r.ff, r.dsp, r.ebr);
+  }
 }
 
 // A plan that is there already, with lines changed.
@@ -127,7 +145,7 @@ void add_plan(CLI::App& app) {
   c->get_option("SCENE")->description("A Mitsuba XML scene, or a plan.toml to tell about");
   c->add_option("-o,--output", o->output, "The file to write, - for standard output")
       ->type_name("FILE");
-  c->add_flag("--json", o->json, "Print one JSON object: hash, units and memory");
+  c->add_flag("--json", o->json, "Print one JSON object: hash, units, memory, predicted resources");
   o->threads.add_to(*c);
   c->callback([o] { plan(*o); });
 }

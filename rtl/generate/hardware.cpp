@@ -13,6 +13,7 @@
 #include "golden/numeric/output_file.hpp"
 #include "golden/numeric/sha256.hpp"
 #include "golden/packet/layout.hpp"
+#include "golden/planner/resources.hpp"
 #include "rtl/generate/board.hpp"
 #include "rtl/generate/package.hpp"
 #include "rtl/generate/sources.hpp"
@@ -148,6 +149,21 @@ std::string budget_table(const Plan& plan, const std::vector<std::string>& units
     row("sampler tables",
         fmt::format("2 x {} cells x {} bits", 1 << plan.cell_index_bits(), plan.total_bits()));
   return text;
+}
+
+// What the units will take of an LFE5U, a row each.
+std::string resource_table(const Plan& plan, const std::vector<std::string>& units, bool board) {
+  std::string text =
+      "| unit, on an LFE5U | LUT-equivalents | flip-flops | MULT18X18D | DP16KD |\n"
+      "|---|---|---|---|---|\n";
+  for (const std::string& unit : units) {
+    const UnitResources r = estimate_resources(plan, unit);
+    const bool several = board && unit == "photon_gatherer" && plan.gatherers > 1;
+    text += fmt::format("| `{}`{} | {:.0f} | {:.0f} | {:.0f} | {:.0f} |\n", unit,
+                        several ? fmt::format(", each of {}", plan.gatherers) : std::string(),
+                        r.lut, r.ff, r.dsp, r.ebr);
+  }
+  return text + "\nPredicted from the plan's lines; `make fpga` measures.\n";
 }
 
 }  // namespace
@@ -375,7 +391,8 @@ std::map<std::string, std::string> generate_hardware(const HardwareRequest& requ
       "of an array lowest.\n\n{4}## Budget\n\n{5}\n## Constants\n\nOf `photonloom_pkg`, beside "
       "`PlanHash` = `{1}`; modules take theirs as parameter defaults.\n\n{6}",
       top, plan_hash_text(plan), contents, port_table(ports), packet_tables,
-      budget_table(plan, units), constants, lint, synthesis, board.readme,
+      budget_table(plan, units) + "\n" + resource_table(plan, units, core), constants, lint,
+      synthesis, board.readme,
       request.board.empty() ? std::string() : fmt::format(" of `{}`", board.inner));
   return files;
 }

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a plan's units take of an LFE5U FPGA, predicted from the plan's lines without synthesis:
+// sums of structural terms (bits of a list, of lanes, of memories in blocks) with coefficients
+// fitted to synthesized plans. docs/fpga-plans.md has the measurements and the errors.
+#pragma once
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "golden/plan/plan.hpp"
+
+namespace photonloom {
+
+// Of one unit. LUT-equivalents are LUT4 + 2 CCU2C + 4 DPR16X4.
+struct UnitResources {
+  double lut = 0, ff = 0, dsp = 0, ebr = 0;
+};
+
+// 18 Kibit block RAMs of a memory with one write and one read port, in the shape that takes fewest.
+int block_rams(int width, uint64_t depth);
+
+// The terms from which a resource ("lut", "ff", "dsp", "ebr") of `unit` is predicted, by name.
+// Throws std::runtime_error for an unknown unit or resource.
+std::vector<std::pair<std::string, double>> resource_terms(const Plan& plan,
+                                                           const std::string& unit,
+                                                           const std::string& resource);
+
+// The prediction. Meaningful only where the plan has the unit.
+UnitResources estimate_resources(const Plan& plan, const std::string& unit);
+
+// Largest relative error of the prediction over the measured plans, each predicted from the others.
+double resource_error(const std::string& unit, const std::string& resource);
+
+}  // namespace photonloom

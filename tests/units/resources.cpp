@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a plan is predicted to take of an FPGA.
+#include "golden/planner/resources.hpp"
+
+#include "golden/planner/resource_fit.hpp"
+#include "tests/catch.hpp"
+
+using namespace photonloom;
+
+TEST_CASE("block RAMs of a memory, in the best shape") {
+  CHECK(block_rams(36, 512) == 1);
+  CHECK(block_rams(18, 1024) == 1);
+  CHECK(block_rams(9, 2048) == 1);
+  CHECK(block_rams(4, 4096) == 1);
+  CHECK(block_rams(1, 16384) == 1);
+  CHECK(block_rams(1, 1) == 1);
+  CHECK(block_rams(37, 512) == 2);
+  CHECK(block_rams(36, 513) == 2);
+  CHECK(block_rams(18, 8192) == 8);    // 9 bits x 2048 would take as many, 36 x 512 twice
+  CHECK(block_rams(96, 16384) == 88);  // 11 x 8 of 9 bits x 2048
+}
+
+TEST_CASE("every term has a coefficient, every prediction an error below 15 %") {
+  Plan plan;
+  plan.global = {.present = true, .photons = 65536};
+  for (const char* unit : {"photon_gatherer", "reorder_buffer", "cdf_sampler"})
+    for (const char* resource : {"lut", "ff", "dsp", "ebr"}) {
+      INFO(unit << " " << resource);
+      CHECK(resource_error(unit, resource) < 0.15);
+      for (const auto& [term, value] : resource_terms(plan, unit, resource)) {
+        INFO(term);
+        int found = 0;
+        for (const ResourceCoefficient& c : kResourceCoefficients)
+          found +=
+              std::string(unit) == c.unit && std::string(resource) == c.resource && term == c.term;
+        CHECK(found == 1);
+      }
+    }
+  CHECK_THROWS_WITH(resource_terms(plan, "shader", "lut"), ContainsSubstring("no unit shader"));
+  CHECK_THROWS_WITH(resource_terms(plan, "cdf_sampler", "watts"),
+                    ContainsSubstring("no resource watts"));
+}
+
+TEST_CASE("more is predicted to take more") {
+  Plan plan;
+  plan.global = {.present = true, .photons = 65536};
+  plan.k = 16;
+  const UnitResources before = estimate_resources(plan, "photon_gatherer");
+  CHECK(before.lut > 1000);
+  plan.k = 50;
+  CHECK(estimate_resources(plan, "photon_gatherer").lut > before.lut);
+  plan.k = 16;
+  plan.lanes = 8;
+  CHECK(estimate_resources(plan, "photon_gatherer").dsp > before.dsp);
+  plan.lanes = 4;
+  plan.cache_bytes = 65536;
+  CHECK(estimate_resources(plan, "photon_gatherer").ebr > before.ebr);
+}
