@@ -46,7 +46,7 @@ module photon_gatherer_results #(
   localparam int unsigned FluxBits = photonloom_pkg::Channels * photonloom_pkg::FluxBits;
   localparam int unsigned NodeBits = photonloom_pkg::LineBits + 1;
   localparam int unsigned InsertBits = photonloom_pkg::IndexBits + 1;
-  localparam int unsigned HeadBits = photonloom_pkg::PixelBits + photonloom_pkg::SampleBits + photonloom_pkg::TagBits + 2;
+  localparam int unsigned HeadBits = photonloom_pkg::PixelBits + photonloom_pkg::SampleBits + photonloom_pkg::TagBits + 1;
   localparam int unsigned BodyBits = CountBits + R2Bits + FluxBits + 2 * NodeBits + InsertBits + 2;
   localparam bit HasReciprocal = photonloom_pkg::ReciprocalBits != 0;
   localparam logic [1:0] Wait = 2'd0, Look = 2'd1, Out = 2'd2;
@@ -55,6 +55,7 @@ module photon_gatherer_results #(
   logic [1:0] state_q;
   logic [HeadBits-1:0] head_word;
   logic [BodyBits-1:0] body_word;
+  logic flush_word, flush_q;
   logic ready_q, occupied_q, settled_q, sweeping_q, complete;
   logic [SlotBits-1:0] sweep_q;
 
@@ -76,17 +77,31 @@ module photon_gatherer_results #(
       .clk_i(clk_i),
       .write_i(start_i),
       .write_address_i(tail_q[SlotBits-1:0]),
-      .write_data_i({start_pixel_i, start_sample_i, start_tag_i, start_map_i, start_flush_i}),
+      .write_data_i({start_pixel_i, start_sample_i, start_tag_i, start_map_i}),
       .read_i(1'b1),
       .read_address_i(head_q[SlotBits-1:0]),
       .read_data_o(head_word)
   );
 
+  // Whether a slot is a flush's clears most of a result: it comes from LUTs and a register, for block RAM would be late.
+  lut_ram #(
+      .Width(1),
+      .Depth(Slots)
+  ) flushes (
+      .clk_i(clk_i),
+      .write_i(start_i),
+      .write_address_i(tail_q[SlotBits-1:0]),
+      .write_data_i(start_flush_i),
+      .read_address_i(head_q[SlotBits-1:0]),
+      .read_data_o(flush_word)
+  );
+  always_ff @(posedge clk_i) flush_q <= flush_word;
+
   // ---- the head slot ----
   logic [photonloom_pkg::PixelBits-1:0] pixel;
   logic [photonloom_pkg::SampleBits-1:0] sample;
   logic [photonloom_pkg::TagBits-1:0] tag;
-  logic map, flush, full, clamped;
+  logic map, full, clamped;
   logic [CountBits-1:0] count;
   logic [R2Bits-1:0] r2;
   logic [FluxBits-1:0] flux;
@@ -95,8 +110,8 @@ module photon_gatherer_results #(
   photonloom_pkg::gather_result_t result;
   logic [BodyBits-1:0] finish_body;
 
-  assign {pixel, sample, tag, map, flush} = head_word;
-  assign {count, r2, flux, nodes, leaves, insertions, full, clamped} = flush ? '0 : body_word;
+  assign {pixel, sample, tag, map} = head_word;
+  assign {count, r2, flux, nodes, leaves, insertions, full, clamped} = flush_q ? '0 : body_word;
   assign finish_body = {
     finish_count_i,
     finish_r2_i,
@@ -190,8 +205,8 @@ module photon_gatherer_results #(
     assign {done_slot_lap, done_slot} = unit_slot_q;
 
     always_comb begin
-      result.reciprocal = flush ? '0 : word[ExponentBits+:MantissaBits];
-      result.reciprocal_exponent = flush ? '0 : word[ExponentBits-1:0];
+      result.reciprocal = flush_q ? '0 : word[ExponentBits+:MantissaBits];
+      result.reciprocal_exponent = flush_q ? '0 : word[ExponentBits-1:0];
     end
   end else begin : gen_no_reciprocal
     /* verilator lint_off UNUSEDSIGNAL */  // nothing to hold places for
@@ -220,8 +235,8 @@ module photon_gatherer_results #(
     result.pixel = pixel;
     result.sample = sample;
     result.tag = tag;
-    result.map = map && !flush;
-    result.flush = flush;
+    result.map = map && !flush_q;
+    result.flush = flush_q;
     result.count = count;
     result.r2 = r2;
     result.flux = flux;
