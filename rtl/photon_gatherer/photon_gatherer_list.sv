@@ -39,7 +39,7 @@ module photon_gatherer_list #(
     input  logic [          IndexBits-1:0] in_index_i,
     input  logic [             R2Bits-1:0] in_d2_i,
     input  logic [           LoadBits-1:0] load_i,           // three cycles after its token
-    // a start is done: four cycles after its token, with r2_max of its map, given when it is asked for
+    // a start is done: four cycles after its token, with r2_max of its map, given from the token until then
     output logic                           started_o,
     input  logic [             R2Bits-1:0] r2_max_i,
     // bounds
@@ -226,7 +226,7 @@ module photon_gatherer_list #(
   // The new last is the entry before the last, unless the token itself is.
   logic d_bound_q, d_start_q, d_own_q, e_bound_q, e_start_q;
   logic [ContextBits-1:0] d_context_q, e_context_q;
-  logic [R2Bits-1:0] d_d2, d_own_d2_q, e_d2_q;
+  logic [R2Bits-1:0] d_d2, d_own_d2_q, e_d2_q;  // own: of the token, not of the list
   logic [PlaceBits-1:0] before_last;
 
   if (K == 1) begin : gen_one
@@ -251,14 +251,14 @@ module photon_gatherer_list #(
   always_ff @(posedge clk_i) begin
     d_bound_q <= c_start_q || (c_enters_q && c_state_next[StateBits-1]);
     d_start_q <= c_start_q;
-    d_own_q <= c_rank_q == RankBits'(K - 1);
+    d_own_q <= c_start_q || c_rank_q == RankBits'(K - 1);
     d_context_q <= c_context_q;
-    d_own_d2_q <= c_key_q[KeyBits-1:IndexBits];
+    d_own_d2_q <= c_start_q ? r2_max_i : c_key_q[KeyBits-1:IndexBits];
 
     e_bound_q <= d_bound_q;
     e_context_q <= d_context_q;
     e_start_q <= d_start_q;
-    e_d2_q <= d_start_q ? r2_max_i : d_own_q ? d_own_d2_q : d_d2;
+    e_d2_q <= d_own_q ? d_own_d2_q : d_d2;
     if (rst_i) begin
       d_bound_q <= 1'b0;
       d_start_q <= 1'b0;
