@@ -100,6 +100,7 @@ def generate(plan, folder, board, unit=None, clock=None, settings=()):
     aside = folder.rstrip("/") + ".built"
     shutil.rmtree(aside, ignore_errors=True)
     before = tree(folder)
+    times = {path: os.stat(os.path.join(folder, path)).st_mtime_ns for path in before}
     if os.path.isdir(kept):
         os.rename(kept, aside)  # generate replaces the folder; what was built of the same files stays good
     try:
@@ -108,6 +109,8 @@ def generate(plan, folder, board, unit=None, clock=None, settings=()):
         if os.path.isdir(aside):
             if tree(folder) == before:
                 os.rename(aside, kept)
+                for path, time in times.items():  # or make takes the files for newer than what was built of them
+                    os.utime(os.path.join(folder, path), ns=(time, time))
             else:
                 shutil.rmtree(aside)
     with open(os.path.join(folder, "package.json")) as f:
