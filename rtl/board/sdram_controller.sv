@@ -59,11 +59,14 @@ module sdram_controller #(
   localparam int unsigned Bursts = LineHalfwords / 8;
   localparam int unsigned BurstBits = $clog2(Bursts + 1);
   localparam int unsigned LineColumnBits = $clog2(LineHalfwords);
-  localparam int unsigned TimerBits = 4;
+  // Timers count up; the top bit says that the time is over, without a comparison.
+  localparam int unsigned TimerBits = 5;
+  localparam logic [TimerBits-1:0] Over = 5'b10000;
   localparam int unsigned WaitBits = $clog2(PowerUp + 1);
   localparam int unsigned RefreshBits = $clog2(RefreshEvery);
   // Burst of 8, sequential, CAS latency 3, writes of single words.
   localparam logic [12:0] Mode = 13'b0001000110011;
+  localparam logic [12:0] AllBanks = 13'h400;  // a PRECHARGE with A10
 
   if (LineHalfwords % 8 != 0 || LineHalfwords > 512) begin : gen_bad_line
     sdram_lines_must_be_whole_bursts_of_16_bytes_and_fit_in_a_row bad_line ();
@@ -107,9 +110,9 @@ module sdram_controller #(
   logic [TimerBits-1:0] row_wait_q;  // until an ACTIVATE of any bank
 
   for (genvar bank = 0; bank < 4; bank++) begin : gen_bank
-    assign may_column[bank] = column_wait_q[TimerBits*bank+:TimerBits] == '0;
-    assign may_precharge[bank] = precharge_wait_q[TimerBits*bank+:TimerBits] == '0;
-    assign may_activate[bank] = activate_wait_q[TimerBits*bank+:TimerBits] == '0;
+    assign may_column[bank] = column_wait_q[TimerBits*bank+TimerBits-1];
+    assign may_precharge[bank] = precharge_wait_q[TimerBits*bank+TimerBits-1];
+    assign may_activate[bank] = activate_wait_q[TimerBits*bank+TimerBits-1];
   end
 
   // ---- the line being read ----
@@ -140,7 +143,7 @@ module sdram_controller #(
   assign write_now = run_q && !bursting && reading_q == '0 && next_valid_q && next_write_q && row_open &&
       may_column[next_bank_q] && (!refresh_due_q || second_q);
   assign activate = run_q && !read_more && next_valid_q && !open_q[next_bank_q] && may_activate[next_bank_q] &&
-      row_wait_q == '0 && !refresh_due_q;
+      row_wait_q[TimerBits-1] && !refresh_due_q;
   assign precharge = run_q && !read_more && next_valid_q && open_q[next_bank_q] && !row_open &&
       may_precharge[next_bank_q] && !(bursting && burst_bank_q == next_bank_q) && !refresh_due_q;
   assign precharge_all = !waiting && !precharged_q && (run_q ? refresh_due_q && !bursting && !second_q && may_precharge == '1 : 1'b1);
@@ -161,32 +164,31 @@ module sdram_controller #(
   always_ff @(posedge clk_i) begin
     command_q <= Nop;
     sdram_ba_o <= read_more ? burst_bank_q : next_bank_q;
-    sdram_a_o <= '0;
+    // What the command will be is decided late; what its address must be then follows from less.
+    if (read_more) sdram_a_o <= {4'b0, burst_column_q};
+    else if (!run_q) sdram_a_o <= precharged_q ? Mode : AllBanks;
+    else if (refresh_due_q && !second_q) sdram_a_o <= AllBanks;
+    else if (open_q[next_bank_q]) sdram_a_o <= {4'b0, next_column_q[8:1], next_column_q[0] || second_q};
+    else sdram_a_o <= next_row_q;
     sdram_dq_o <= second_q ? next_data_q[31:16] : next_data_q[15:0];
     sdram_dq_oe_o <= write_now;
     if (read_more) begin
       command_q <= Read;
-      sdram_a_o <= {4'b0, burst_column_q};
     end else if (read_first) begin
       command_q <= Read;
-      sdram_a_o <= {4'b0, next_column_q};
     end else if (write_now) begin
       command_q <= Write;
-      sdram_a_o <= {4'b0, next_column_q[8:1], second_q};
     end else if (activate) begin
       command_q <= Active;
-      sdram_a_o <= next_row_q;
     end else if (precharge) begin
       command_q <= PrechargeRow;
     end else if (precharge_all) begin
       command_q <= PrechargeRow;
-      sdram_a_o[10] <= 1'b1;
     end else if (refresh) begin
       command_q <= AutoRefresh;
     end else if (load_mode) begin
       command_q <= LoadMode;
       sdram_ba_o <= '0;
-      sdram_a_o <= Mode;
     end
     sdram_cke_o <= 1'b1;
     sdram_dqm_o <= run_q ? 2'b00 : 2'b11;
@@ -211,34 +213,34 @@ module sdram_controller #(
     reading_q <= {reading_q[ReadLatency-1:0], reading};
 
     // banks
-    row_wait_q <= activate ? TimerBits'(RowToRow - 1) : row_wait_q == '0 ? '0 : row_wait_q - 1'b1;
+    row_wait_q <= activate ? Over - TimerBits'(RowToRow - 1) : row_wait_q[TimerBits-1] ? Over : row_wait_q + 1'b1;
     for (int unsigned bank = 0; bank < 4; bank++) begin
-      if (column_wait_q[TimerBits*bank+:TimerBits] != '0)
-        column_wait_q[TimerBits*bank+:TimerBits] <= column_wait_q[TimerBits*bank+:TimerBits] - 1'b1;
-      if (precharge_wait_q[TimerBits*bank+:TimerBits] != '0)
-        precharge_wait_q[TimerBits*bank+:TimerBits] <= precharge_wait_q[TimerBits*bank+:TimerBits] - 1'b1;
-      if (activate_wait_q[TimerBits*bank+:TimerBits] != '0)
-        activate_wait_q[TimerBits*bank+:TimerBits] <= activate_wait_q[TimerBits*bank+:TimerBits] - 1'b1;
+      if (!may_column[bank])
+        column_wait_q[TimerBits*bank+:TimerBits] <= column_wait_q[TimerBits*bank+:TimerBits] + 1'b1;
+      if (!may_precharge[bank])
+        precharge_wait_q[TimerBits*bank+:TimerBits] <= precharge_wait_q[TimerBits*bank+:TimerBits] + 1'b1;
+      if (!may_activate[bank])
+        activate_wait_q[TimerBits*bank+:TimerBits] <= activate_wait_q[TimerBits*bank+:TimerBits] + 1'b1;
       if (next_bank_q == 2'(bank)) begin
         if (activate) begin
           open_q[bank] <= 1'b1;
           row_q[13*bank+:13] <= next_row_q;
-          column_wait_q[TimerBits*bank+:TimerBits] <= TimerBits'(RowToColumn - 1);
-          precharge_wait_q[TimerBits*bank+:TimerBits] <= TimerBits'(RowActive - 1);
+          column_wait_q[TimerBits*bank+:TimerBits] <= Over - TimerBits'(RowToColumn - 1);
+          precharge_wait_q[TimerBits*bank+:TimerBits] <= Over - TimerBits'(RowActive - 1);
         end
         if (precharge) begin
           open_q[bank] <= 1'b0;
-          activate_wait_q[TimerBits*bank+:TimerBits] <= TimerBits'(Precharge - 1);
+          activate_wait_q[TimerBits*bank+:TimerBits] <= Over - TimerBits'(Precharge - 1);
         end
-        if (write_now && precharge_wait_q[TimerBits*bank+:TimerBits] < TimerBits'(WriteRecovery))
-          precharge_wait_q[TimerBits*bank+:TimerBits] <= TimerBits'(WriteRecovery);
+        if (write_now && precharge_wait_q[TimerBits*bank+:TimerBits] > Over - TimerBits'(WriteRecovery))
+          precharge_wait_q[TimerBits*bank+:TimerBits] <= Over - TimerBits'(WriteRecovery);
       end
       if (precharge_all) begin
         open_q[bank] <= 1'b0;
-        activate_wait_q[TimerBits*bank+:TimerBits] <= TimerBits'(Precharge - 1);
+        activate_wait_q[TimerBits*bank+:TimerBits] <= Over - TimerBits'(Precharge - 1);
       end
-      if (refresh) activate_wait_q[TimerBits*bank+:TimerBits] <= TimerBits'(RefreshTime - 1);
-      if (load_mode) activate_wait_q[TimerBits*bank+:TimerBits] <= TimerBits'(ModeTime - 1);
+      if (refresh) activate_wait_q[TimerBits*bank+:TimerBits] <= Over - TimerBits'(RefreshTime - 1);
+      if (load_mode) activate_wait_q[TimerBits*bank+:TimerBits] <= Over - TimerBits'(ModeTime - 1);
     end
 
     // initialisation and refresh
@@ -262,10 +264,10 @@ module sdram_controller #(
       bursts_q <= '0;
       second_q <= 1'b0;
       reading_q <= '0;
-      row_wait_q <= '0;
-      column_wait_q <= '0;
-      precharge_wait_q <= '0;
-      activate_wait_q <= '0;
+      row_wait_q <= Over;
+      column_wait_q <= {4{Over}};
+      precharge_wait_q <= {4{Over}};
+      activate_wait_q <= {4{Over}};
       open_q <= '0;
       wait_q <= WaitBits'(PowerUp);
       precharged_q <= 1'b0;
