@@ -3,7 +3,7 @@
 // by a sweep or fullest bin first; or a plain register (Key 0). Nothing leaves until Packets are held or a flush has come;
 // then one leaves for each that comes. Golden: golden/unit/reorder_buffer.cpp; definition: docs/reorder_buffer.md.
 //
-// Throughput, once full: sweep one packet a cycle but for 6 cycles once a pass through the bins; fullest n packets in
+// Throughput, once full: sweep one packet a cycle but for 7 cycles once a pass through the bins; fullest n packets in
 // n + 3 cycles, n the length of the bin, and no choice sooner than 2 * Levels + 2 cycles after the last; pass-through one
 // packet a cycle. Latency from the packet that lets it go to out_valid_o: key (CellBits or 3) + 14 cycles. After reset
 // no packet is processed for 4 * Bins cycles.

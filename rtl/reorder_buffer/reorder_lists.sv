@@ -3,10 +3,10 @@
 // same included; nothing ever waits. A removal may be asked for in the cycle of the insertion of the very packet that it
 // takes. out_valid_o comes 8 cycles after remove_i.
 //
-// A bin is four lists used in turn, so that a bin's list is touched again four operations later at the earliest and no
-// result has to be forwarded. A list always ends in an empty node that waits for its next packet: an insertion fills it
-// and links a new one, so it never looks at the head, a removal never at the tail, and neither asks whether a list is
-// empty (who removes knows that there is a packet).
+// A bin is four lists used in turn, so that a bin's list is touched again four operations later at the earliest: only a
+// head can then be read while it is written, and is forwarded. A list always ends in an empty node that waits for its next
+// packet: an insertion fills it and links a new one, so it never looks at the head, a removal never at the tail, and
+// neither asks whether a list is empty (who removes knows that there is a packet).
 //
 //   cycle  insertion                    removal
 //     0    which of the four lists      which of the four lists
@@ -14,8 +14,7 @@
 //     2    -                            read head
 //     3    write link, packet, tail     -
 //     4                                 read link of head (the packet's own insertion wrote it in cycle 3)
-//     5                                 write head
-//     6                                 read packet, give node and slot back
+//     6                                 write head, read packet, give node and slot back
 //     8                                 packet at out_o
 module reorder_lists #(
     parameter int unsigned Width = 64,
@@ -137,8 +136,9 @@ module reorder_lists #(
 
   // Removal. Bit n of the shift registers is cycle n + 1.
   logic [6:0] remove_q;
-  logic [ListBits-1:0] remove_list1_q, remove_list2_q, remove_list3_q, remove_list4_q, remove_list5_q;
-  logic [NodeBits-1:0] head_read, head4_q, head5_q, head6_q, next_read;
+  logic [ListBits-1:0] remove_list1_q, remove_list2_q, remove_list3_q, remove_list4_q, remove_list5_q, remove_list6_q;
+  logic [NodeBits-1:0] head_read, head4_q, head5_q, head6_q, next_read, next6_q, next7_q;
+  logic head_known_q;  // the list is the one whose head was written meanwhile
   logic [SlotBits-1:0] slot_read, slot6_q;
   logic [Width-1:0] packet_read;
 
@@ -149,10 +149,14 @@ module reorder_lists #(
     remove_list3_q <= remove_list2_q;
     remove_list4_q <= remove_list3_q;
     remove_list5_q <= remove_list4_q;
-    head4_q <= head_read;
+    remove_list6_q <= remove_list5_q;
+    head_known_q <= remove_q[5] && remove_list6_q == remove_list2_q;
+    head4_q <= head_known_q ? next7_q : head_read;
     head5_q <= head4_q;
     head6_q <= head5_q;
     slot6_q <= slot_read;
+    next6_q <= next_read;
+    next7_q <= next6_q;
     out_valid_o <= remove_q[6];
     out_o <= packet_read;
     if (rst_i) begin
@@ -166,9 +170,9 @@ module reorder_lists #(
       .Depth(Lists * Bins)
   ) heads (
       .clk_i(clk_i),
-      .write_i(walking || remove_q[4]),
-      .write_address_i(walking ? walk_q[ListBits-1:0] : remove_list5_q),
-      .write_data_i(walking ? NodeBits'(walk_q) : next_read),
+      .write_i(walking || remove_q[5]),
+      .write_address_i(walking ? walk_q[ListBits-1:0] : remove_list6_q),
+      .write_data_i(walking ? NodeBits'(walk_q) : next6_q),
       .read_i(1'b1),
       .read_address_i(remove_list2_q),
       .read_data_o(head_read)

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Which bin the next packet leaves: sweep. Stays on a bin until it is empty, packets that join meanwhile included, then
 // takes the next non-empty bin in cyclic order. One insertion and one choice a cycle, the choice first: it does not see the
-// insertion of its cycle. Passing from the last bin to the first takes 6 cycles in which take_ready_o is 0; where bins of
+// insertion of its cycle. Passing from the last bin to the first takes 7 cycles in which take_ready_o is 0; where bins of
 // one packet follow each other, each in another word of the bitmap, a choice takes 3. Mirrors the sweep of
 // golden/unit/reorder_buffer.cpp.
 //
@@ -40,14 +40,16 @@ module reorder_sweep #(
   logic [CountBits-1:0] left_q;  // packets of the current bin
   logic [Words-1:0] this_q, later_q;
   // The row: place 0 is the next bin, with its number of packets less one. Places in use follow each other; place 0 may
-  // be empty for a cycle while place 1 moves up, so that the number has been read.
+  // be empty while place 1 waits for its number, which has to be read before it moves up.
   logic [Row-1:0] valid_q;
   logic [Row*BinBits-1:0] row_q;
   logic [CountBits-1:0] more_q;
+  logic known1_q;  // the number of the bin in place 1 has been read, or there is none
   // The scan.
+  logic overflow_q;  // a bin fell out of the row
   logic load_q;  // starts again after the last bin of the row
   logic last_valid_q;  // a bin has entered the row in this pass
-  logic [BinBits-1:0] last_q;  // the last bin that did
+  logic [BinBits-1:0] last_q;  // the last bin of the row a cycle ago, or the last that was there
   logic word_valid_q, next_valid_q, next_none_q, search_q, stale_q, candidate_any_q, found_valid_q;
   logic [WordBits-1:0] word_q, next_q, candidate_q;
   logic [WordWidth-1:0] bits_q, next_bits_q;  // what the scan has still to do in its word; all of the next word
@@ -56,22 +58,22 @@ module reorder_sweep #(
   assign ready_o = 1'b1;
 
   // The choice.
-  logic left_any_q, pop, advance;  // left_q is not 0
+  logic left_any_q, pop, move;  // left_q is not 0; the row moves up
   assign take_ready_o = left_any_q || valid_q[0];
   assign take_alone_o = 1'b0;
   assign bin_o = left_any_q ? current_q : row_q[0+:BinBits];
   assign pop = take_i && !left_any_q && valid_q[0];
-  assign advance = pop || !valid_q[0];
+  assign move = (pop || !valid_q[0]) && known1_q;
 
   // Where the new packet's bin lies once the choice is made.
   logic [Row-1:0] below, same;
-  logic [Row:0] up;  // belongs at this place or before it
+  logic [Row:0] up;  // belongs at this place or before it, at place 0 only before its bin
   logic above_current, above_first, at_current, hit, ahead, in_row, beyond;
   assign up[Row] = 1'b1;
   for (genvar i = 0; i < Row; i++) begin : gen_compare
     assign below[i] = valid_q[i] && insert_bin_i < row_q[BinBits*i+:BinBits];
     assign same[i]  = valid_q[i] && insert_bin_i == row_q[BinBits*i+:BinBits];
-    assign up[i]    = !valid_q[i] || below[i];
+    assign up[i]    = below[i] || (i > 0 && !valid_q[i]);
   end
   assign above_current = start_q || insert_bin_i > current_q;
   assign at_current = !start_q && insert_bin_i == current_q;
@@ -134,8 +136,8 @@ module reorder_sweep #(
 
   // Packets per bin less one; what stands there counts only while the bin's bit says so.
   // The insertion one cycle ahead has not been written yet when a count is read.
-  logic [CountBits-1:0] stored_count, stored_count_q, last_count_q, second_count, new_count, second_more;
-  logic same_count_q, joined, joined2;
+  logic [CountBits-1:0] stored_count, stored_count_q, last_count_q, second_count, new_count;
+  logic same_count_q;
   assign new_count = known2_q ? (same_count_q ? last_count_q : stored_count_q) + 1'b1 : '0;
   always_ff @(posedge clk_i) begin
     stored_count_q <= stored_count;
@@ -154,6 +156,31 @@ module reorder_sweep #(
       .read_address_i(bin_q),
       .read_data_o(stored_count)
   );
+
+  // The number of the bin in place 1: kept from cycle to cycle, or, where it is another bin in the next cycle or not known,
+  // read in this one, of place 2 where 1 is known. What the insertions of this cycle and of the last two add to what is
+  // read is added then; one that put the bin there makes it void.
+  logic [BinBits-1:0] read_bin;
+  logic joined, joined2, read_used;
+  logic [1:0] joins_q;
+  logic [CountBits-1:0] second_count_q, second_more;
+  logic unused_carry;
+  assign read_bin = known1_q ? row_q[2*BinBits+:BinBits] : row_q[BinBits+:BinBits];
+  assign read_used = move || !known1_q;
+  assign joined = write_q && ahead_q && bin_q == read_bin;
+  assign joined2 = write2_q && ahead2_q && bin2_q == read_bin;
+  // One carry chain, the insertion of this cycle its carry in.
+  assign {second_more, unused_carry} = {second_count_q, 1'b1} + {CountBits'(joins_q), insert_i && same[1]};
+  always_ff @(posedge clk_i) begin
+    if (!read_used) begin
+      second_count_q <= second_more;
+      joins_q <= '0;
+    end else begin
+      second_count_q <= (joined && in_row_q) || (joined2 && in_row2_q) ? '0 : second_count;
+      joins_q <= 2'(joined && !in_row_q) + 2'(joined2 && !in_row2_q) + 2'(insert_i && (known1_q ? same[2] : same[1]));
+    end
+  end
+
   lut_ram #(
       .Width(CountBits),
       .Depth(1 << BinBits)
@@ -162,17 +189,12 @@ module reorder_sweep #(
       .write_i(write2_q),
       .write_address_i(bin2_q),
       .write_data_i(new_count),
-      .read_address_i(row_q[BinBits+:BinBits]),
+      .read_address_i(read_bin),
       .read_data_o(second_count)
   );
-  // The last two insertions may have filled the bin in place 1, or joined it.
-  assign joined = write_q && ahead_q && bin_q == row_q[BinBits+:BinBits];
-  assign joined2 = write2_q && ahead2_q && bin2_q == row_q[BinBits+:BinBits];
-  assign second_more = ((joined && in_row_q) || (joined2 && in_row2_q) ? '0 : second_count) +
-      (CountBits'(joined && !in_row_q) + CountBits'(joined2 && !in_row2_q) + CountBits'(insert_i && same[1]));
 
   // The scan: what it does to its words, and what an insertion beyond the row does to it.
-  logic in_word, before_word, behind_word, overflow, restart;
+  logic in_word, before_word, behind_word, restart;
   logic append, emit, bits_any;
   logic [WordWidth-1:0] bits, lowest;
   logic [BitBits-1:0] found_bit;
@@ -184,8 +206,7 @@ module reorder_sweep #(
   assign in_word = word_valid_q && word2 == word_q;
   assign before_word = word_valid_q && word2 < word_q;
   assign behind_word = !in_word && !before_word;
-  assign overflow = in_row && !advance && valid_q[Row-1];
-  assign restart = overflow || (fills_q && before_word);
+  assign restart = overflow_q || (fills_q && before_word);
 
   // The bin on its way waits where one of the last insertions may lie before it: of this cycle's only the word is looked at.
   logic may_precede;
@@ -195,8 +216,9 @@ module reorder_sweep #(
       !(fills_q && !behind_word);
   assign bits_any = bits_q != '0;
   assign bits = bits_any ? bits_q : next_bits_q;
-  assign lowest = bits & (~bits + 1'b1);
-  assign emit = !load_q && (!found_valid_q || append) && (bits_any || next_valid_q) &&
+  // A carry chain for each word, beside the question which of them it is.
+  assign lowest = bits_any ? bits_q & (~bits_q + 1'b1) : next_bits_q & (~next_bits_q + 1'b1);
+  assign emit = (!found_valid_q || append) && (bits_any || next_valid_q) &&
       !(fills_q && (in_word || !bits_any));
 
   always_comb begin
@@ -221,16 +243,19 @@ module reorder_sweep #(
   );
 
   assign last = valid_q[Row-1] ? row_q[BinBits*(Row-1)+:BinBits] : last_q;
-  assign load_word = load_q ? last[BitBits+:WordBits] : candidate_q;
+  assign load_word = load_q ? last_q[BitBits+:WordBits] : candidate_q;
   always_comb begin
-    for (int unsigned i = 0; i < WordWidth; i++) above_last[i] = !load_q || BitBits'(i) > last[BitBits-1:0];
+    for (int unsigned i = 0; i < WordWidth; i++) above_last[i] = !load_q || BitBits'(i) > last_q[BitBits-1:0];
   end
-  // The row's last bin may be the insertion of a cycle ago and the first of its word.
-  assign loaded = this_q[load_word] ? scan_bits & above_last : '0;
+  // In use, what the row's last bin put there included: it came two cycles ago at least.
+  assign loaded = scan_bits & above_last;
+`ifndef SYNTHESIS
+  always_ff @(posedge clk_i) if (!rst_i && (load_q || (search_q && candidate_any_q))) assert (this_q[load_word]);
+`endif
 
   // Over when nothing is left to find in this pass.
   logic exhausted, wrap;
-  assign exhausted = valid_q == '0 && !found_valid_q && !bits_any && next_none_q && !load_q;
+  assign exhausted = valid_q == '0 && !found_valid_q && !bits_any && next_none_q;
   assign wrap = take_i && !left_any_q && exhausted && !write_q && !fills_q;
 
   always_ff @(posedge clk_i) begin
@@ -260,7 +285,8 @@ module reorder_sweep #(
     end
 
     // The row.
-    if (advance) begin
+    known1_q <= !(in_row && up[2]) && !(append && !valid_q[2]);
+    if (move) begin
       more_q <= in_row && up[1] ? '0 : second_more;
     end else if (in_row && below[0]) begin
       more_q <= '0;
@@ -268,7 +294,7 @@ module reorder_sweep #(
       more_q <= more_q + CountBits'(insert_i && same[0]);
     end
     for (int unsigned i = 0; i < Row; i++) begin
-      if (advance) begin
+      if (move) begin
         if (append && i > 0 && (i + 1 == Row || !valid_q[(i+1)%Row]) && (i == 1 || valid_q[i])) begin
           row_q[BinBits*i+:BinBits] <= found;
           valid_q[i] <= 1'b1;
@@ -282,13 +308,14 @@ module reorder_sweep #(
       end else if (in_row) begin
         if (up[i]) begin
           row_q[BinBits*i+:BinBits] <= i == 0 || !up[(i+Row-1)%Row] ? insert_bin_i : row_q[BinBits*((i+Row-1)%Row)+:BinBits];
-          valid_q[i] <= i == 0 || valid_q[(i+Row-1)%Row];
+          valid_q[i] <= i <= 1 || valid_q[(i+Row-1)%Row];
         end
       end else if (append && i > 0 && !valid_q[i] && valid_q[(i+Row-1)%Row]) begin
         row_q[BinBits*i+:BinBits] <= found;
         valid_q[i] <= 1'b1;
       end
     end
+    if (pop && !move) valid_q[0] <= 1'b0;
     last_q <= append ? found : last;
     if (append) last_valid_q <= 1'b1;
 
@@ -306,6 +333,7 @@ module reorder_sweep #(
       bits_q <= bits_q | set2_q | (found_valid_q ? found_q : '0);
       found_valid_q <= 1'b0;
     end
+    overflow_q <= in_row && !move && valid_q[Row-1];
     load_q <= 1'b0;
     if (load_q) begin
       bits_q <= loaded;
@@ -353,6 +381,8 @@ module reorder_sweep #(
     end
     if (wrap || rst_i || clear_i) begin
       valid_q <= '0;
+      known1_q <= 1'b1;
+      overflow_q <= 1'b0;
       load_q <= 1'b0;
       last_valid_q <= 1'b0;
       found_valid_q <= 1'b0;
