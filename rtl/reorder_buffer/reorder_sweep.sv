@@ -162,7 +162,9 @@ module reorder_sweep #(
   // read is added then; one that put the bin there makes it void.
   logic [BinBits-1:0] read_bin;
   logic joined, joined2, read_used;
+  /* verilator lint_off UNUSEDSIGNAL */  // of a pool of one packet no two
   logic [1:0] joins_q;
+  /* verilator lint_on UNUSEDSIGNAL */
   logic [CountBits-1:0] second_count_q, second_more;
   logic unused_carry;
   assign read_bin = known1_q ? row_q[2*BinBits+:BinBits] : row_q[BinBits+:BinBits];
