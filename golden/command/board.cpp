@@ -29,7 +29,7 @@ struct DeviceOptions {
                      std::to_string(kDefaultBaud))
         ->required();
     c.add_option("--board-wait", wait, "Seconds without an answer before giving up (default 10)")
-        ->check(CLI::Range(0.1, 86400.0))
+        ->check(number_range(0.1, 86400))
         ->type_name("S");
     c.add_flag("--json", json, "Print one JSON object");
   }
@@ -237,9 +237,11 @@ void add_board(CLI::App& app) {
       ->check(CLI::Range(1u, 1u << 30))
       ->type_name("N");
   c->add_option("--queries", o->queries, "How many (default: as many as the replayer holds)")
-      ->check(CLI::PositiveNumber)
+      ->check(CLI::Range(uint64_t{1}, uint64_t{1} << 32))
       ->type_name("N");
-  c->add_option("--skip", o->skip, "Leaves out the frame's first queries")->type_name("N");
+  c->add_option("--skip", o->skip, "Leaves out the frame's first queries")
+      ->check(CLI::Range(uint64_t{0}, uint64_t{1} << 48))
+      ->type_name("N");
   c->add_flag("--reorder", o->reorder, "Through the board's reorder buffer");
   c->add_flag("--cold", o->cold, "With caches that have forgotten everything");
   o->threads.add_to(*c);

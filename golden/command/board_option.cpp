@@ -21,7 +21,7 @@ void BoardFlags::add_to(CLI::App& command) {
   command
       .add_option("--board-wait", wait_,
                   "Seconds for a board that is silent or went away to come back (default 10)")
-      ->check(CLI::Range(0.1, 86400.0))
+      ->check(number_range(0.1, 86400))
       ->type_name("S");
   command.add_flag("--no-resume", no_resume_,
                    "Ask a board everything, also what an interrupted run has answers to");

@@ -387,6 +387,7 @@ void add_cosim(CLI::App& app) {
                 "Folder for images, timeline and summary (default: WORK/SCENE)")
       ->type_name("DIR");
   c->add_option("--timeline", o->timeline, "Packets of each unit in timeline.json (default 5000)")
+      ->check(CLI::Range(uint64_t{0}, uint64_t{1} << 48))
       ->type_name("N");
   c->add_flag("--json", o->json, "Print the summary as one JSON object");
   o->rig.add_to(*c, "--rig-seed");

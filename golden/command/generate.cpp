@@ -129,7 +129,7 @@ void add_generate(CLI::App& app) {
   c->add_option("--board", o->board, "For this board: " + boards)->type_name("NAME");
   c->add_option("--clock", o->clock_mhz, "The board's clock, if not its default")
       ->type_name("MHZ")
-      ->check(CLI::Range(1.0, 400.0));
+      ->check(number_range(1, 400));
   c->add_flag("--check", o->check, "Only tell whether the package in a folder is stale");
   c->add_option("--rtl", o->rtl, "Folder of the RTL sources, if not those of this build")
       ->type_name("DIR");

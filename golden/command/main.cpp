@@ -49,6 +49,15 @@ void require_suffix(const std::string& option, const std::string& path, const st
         fmt::format("{}: '{}', expected a name that ends in {}", option, path, suffix));
 }
 
+CLI::Validator number_range(double low, double high) {
+  const auto within = [low, high](std::string& text) -> std::string {
+    double value = 0;
+    if (CLI::detail::lexical_cast(text, value) && value >= low && value <= high) return {};
+    return fmt::format("'{}', expected a number from {} to {}", text, low, high);
+  };
+  return CLI::Validator(within, fmt::format("FLOAT in [{} - {}]", low, high));
+}
+
 CLI::Option* add_seed_option(CLI::App& command, uint64_t& seed, const std::string& description) {
   // CLI11 alone takes -1 for 2^64 - 1 and, in some versions, 010 for 8.
   const auto canonical = [](std::string& text) -> std::string {
