@@ -13,16 +13,13 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <chrono>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <optional>
 
 #include "golden/numeric/output_file.hpp"
 #include "golden/plan/plan_file.hpp"
-#include "golden/unit/pack_photons.hpp"
-#include "verilator_tb/backends.hpp"
-#include "verilator_tb/throughput/final_gathers.hpp"
+#include "verilator_tb/throughput/gather_load.hpp"
 
 namespace photonloom {
 namespace {
@@ -38,11 +35,10 @@ constexpr double kRefreshLeaves = 1 - 12.0 / 780;
 constexpr double kRooflineGoal = 0.85, kGatherersGoal = 0.8, kReorderGoal = 4;
 
 struct Options {
+  LoadOptions load;
   std::vector<std::string> plans;
-  std::string scene = PHOTONLOOM_SOURCE_DIR "/scenes/cornell.xml", json, dump, write_plans,
-              work = "build/cosim";
-  uint64_t queries = 0, seed = 1;
-  int size = 48, rays = 16;
+  std::string dump, write_plans;
+  uint64_t queries = 0;
   double core_mhz = 60;
   bool radius = false;
 };
@@ -63,44 +59,16 @@ constexpr PlanOfBoard kPlans[] = {
     {"sdram_k50", PhotonMemory::kSdram, 65536, 50, 3},
 };
 
-class Load {
- public:
-  explicit Load(const Options& o)
-      : options_(o), world_(scene(o)), caster_(make_double_bvh(world_)) {}
+// The photons of a plan; a path that would overfill the map is cut.
+std::vector<Photon> stored_photons(const GatherLoad& load, uint64_t count) {
+  std::vector<Photon> photons = load.photons(count);
+  if (photons.size() > count) photons.resize(count);
+  return photons;
+}
 
-  // The photons of a plan; a path that would overfill the map is cut.
-  std::vector<Photon> photons(uint64_t count) const {
-    auto list = trace_global_photons(world_, *caster_, count, options_.seed).photons;
-    if (list.size() > count) list.resize(count);
-    return list;
-  }
-  const World& world() const { return world_; }
-  std::vector<GatherQuery> queries(const Plan& plan) const {
-    return final_gather_queries(world_, *caster_, plan, options_.size, options_.rays,
-                                options_.seed);
-  }
-
- private:
-  static Scene scene(const Options& o) {
-    Scene scene = load_scene(o.scene);
-    scene.film.width = scene.film.height = o.size;
-    return scene;
-  }
-  Options options_;
-  World world_;
-  std::unique_ptr<RayCaster> caster_;
-};
-
-Plan make_plan(const PlanOfBoard& p, const Load& load, const Options& o) {
-  Plan plan;
+Plan make_plan(const PlanOfBoard& p, const GatherLoad& load) {
+  Plan plan = load.plan(stored_photons(load, p.photons), p.photons);
   plan.scene = "";
-  const World& world = load.world();
-  plan.origin = {world.cube_origin().x, world.cube_origin().y, world.cube_origin().z};
-  plan.extent = world.cube_extent();
-  plan.global = {.present = true, .photons = p.photons};
-  plan.global.power_exponent = choose_power_exponent(load.photons(p.photons), plan);
-  plan.width = plan.height = o.size;
-  plan.gather_rays = o.rays;
   plan.k = p.k;
   plan.reorder_packets = p.memory == PhotonMemory::kSdram ? 8192 : 512;
   plan.photon_memory = p.memory;
@@ -116,17 +84,8 @@ Plan make_plan(const PlanOfBoard& p, const Load& load, const Options& o) {
   return plan;
 }
 
-struct Measured {
-  double nodes = 0, leaves = 0, insertions = 0, bound = 0, cycles = 0, kcycles_per_second = 0;
-  double lines = 0, memory_lines = 0, memory_busy = 0;
-  size_t queries = 0;
-  Counters counters;
-};
-
-Measured measure(const Plan& plan, const PhotonMap& map, const std::vector<GatherQuery>& queries,
-                 bool through_buffer, const Options& o) {
-  PhotonMap none;
-  none.bucket = plan.bucket;
+GatherRun measure(const Plan& plan, const PhotonMap& map, const std::vector<GatherQuery>& queries,
+                  bool through_buffer, const Options& o) {
   std::vector<GatherQuery> in = queries;
   std::vector<GatherQuery> order = queries;
   if (through_buffer) {
@@ -135,46 +94,12 @@ Measured measure(const Plan& plan, const PhotonMap& map, const std::vector<Gathe
     order = reordered(plan, queries);
     order.push_back(in.back());
   }
-  std::vector<GatherResult> expected, results;
-  std::vector<GatherPhoton> expected_photons, photons;
-  const auto golden = make_golden_photon_gatherer(plan);
-  golden->load(map, none);
-  golden->process(order, expected, expected_photons);
-
   RunOptions options;
-  options.seed = o.seed;
-  options.work_dir = o.work;
+  options.seed = o.load.seed;
+  options.work_dir = o.load.work;
   options.sdram_period = o.core_mhz / kSdramMHz;
   const auto rtl = make_rtl_gather_engine(plan, options, through_buffer, true);
-  rtl->load(map, none);
-  const Counters before = rtl->counters();
-  const uint64_t first = rtl->cycles();
-  const auto start = std::chrono::steady_clock::now();
-  rtl->process(in, results, photons);
-  const double seconds =
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  if (results != expected) throw std::runtime_error("RTL and golden differ");
-
-  Measured m;
-  m.queries = queries.size();
-  const double n = static_cast<double>(queries.size());
-  for (const GatherResult& r : expected) {
-    m.nodes += r.nodes / n;
-    m.leaves += r.leaves / n;
-    m.insertions += r.insertions / n;
-  }
-  m.bound = std::max({m.nodes, m.leaves * plan.bucket / plan.lanes, m.insertions});
-  const uint64_t cycles = rtl->cycles() - first;
-  m.cycles = static_cast<double>(cycles) / n;
-  m.kcycles_per_second = static_cast<double>(cycles) / seconds / 1000;
-  m.counters = rtl->counters();
-  const auto counted = [&](const char* name) {
-    return static_cast<double>(m.counters.at(name) - before.at(name));
-  };
-  m.lines = counted("lines") / n;
-  m.memory_lines = counted("memory lines") / n;
-  m.memory_busy = counted("memory busy") / static_cast<double>(cycles);
-  return m;
+  return run_gathers(*rtl, plan, map, in, order, queries.size());
 }
 
 // Cycles of the core per gather that one gather needs of what it shares, and the share of the
@@ -189,8 +114,8 @@ struct Verdict {
   std::string text;
 };
 
-Verdict judge(const Plan& plan, const Measured& m, const Roof& gatherers, const Roof& roofline,
-              double core_mhz) {
+Verdict judge(const Plan& plan, const GatherRun& m, double memory_lines, const Roof& gatherers,
+              const Roof& roofline, double core_mhz) {
   const bool bound_by_gatherers =
       roofline.reached < kRooflineGoal && gatherers.cycles > roofline.cycles;
   const bool met =
@@ -199,8 +124,8 @@ Verdict judge(const Plan& plan, const Measured& m, const Roof& gatherers, const 
           fmt::format("SDRAM: {:.3f} lines * {} cycles / {:.4f} * {:g} / {:g} MHz = {:.2f} cycles; "
                       "gatherers: {:.2f} / {} = {:.2f} cycles; {}{:.1f} % of the SDRAM's roofline, "
                       "goal {:.0f} %{}",
-                      m.memory_lines, plan.line_bytes() / 2, kRefreshLeaves, core_mhz, kSdramMHz,
-                      roofline.cycles, m.bound, plan.gatherers, gatherers.cycles,
+                      memory_lines, plan.line_bytes() / 2, kRefreshLeaves, core_mhz, kSdramMHz,
+                      roofline.cycles, m.cost.bound, plan.gatherers, gatherers.cycles,
                       bound_by_gatherers
                           ? fmt::format("bound by the gatherers: {:.1f} % of their bound, goal "
                                         "{:.0f} %; ",
@@ -220,11 +145,12 @@ void dump(const std::string& path, const std::vector<UVec3>& points) {
 }
 
 int run(Options o) {
-  const Load load(o);
+  if (!(o.core_mhz > 0 && o.core_mhz <= 1000))
+    throw std::runtime_error(fmt::format("--core-mhz: {}, expected up to 1000", o.core_mhz));
+  const GatherLoad load(o.load);
   if (!o.write_plans.empty()) {
     for (const PlanOfBoard& p : kPlans)
-      write_file(fmt::format("{}/{}.toml", o.write_plans, p.name),
-                 plan_text(make_plan(p, load, o)));
+      write_file(fmt::format("{}/{}.toml", o.write_plans, p.name), plan_text(make_plan(p, load)));
     return 0;
   }
   if (o.plans.empty())
@@ -243,11 +169,11 @@ int run(Options o) {
   for (const std::string& file : o.plans) {
     Plan plan = read_plan(file);
     const std::string name = fs::path(file).stem().string();
-    const std::vector<Photon> photons = load.photons(plan.global.photons);
+    const std::vector<Photon> photons = stored_photons(load, plan.global.photons);
     const std::vector<PackedPhoton> packed = pack_photons(photons, plan, plan.global, nullptr);
     const PhotonMap map = build_photon_map(packed, plan);
     std::vector<GatherQuery> queries = load.queries(plan);
-    if (queries.empty()) throw std::runtime_error(o.scene + ": no final-gather query");
+    if (queries.empty()) throw std::runtime_error(o.load.scene + ": no final-gather query");
     if (o.queries && queries.size() > o.queries) queries.resize(o.queries);
 
     // Without a radius, then within the mean r^2 of the queries.
@@ -255,13 +181,7 @@ int run(Options o) {
     if (o.radius) {
       Plan open = plan;
       open.global.r2_max = open.caustic.r2_max = plan.r2_limit();
-      std::vector<GatherResult> results;
-      std::vector<GatherPhoton> none_wanted;
-      PhotonMap none;
-      none.bucket = plan.bucket;
-      const auto golden = make_golden_photon_gatherer(open);
-      golden->load(map, none);
-      golden->process(queries, results, none_wanted);
+      const std::vector<GatherResult> results = golden_gathers(open, map, queries);
       double sum = 0;
       for (const GatherResult& r : results) sum += static_cast<double>(r.r2);
       radii.push_back(static_cast<uint64_t>(sum / static_cast<double>(results.size())));
@@ -280,18 +200,20 @@ int run(Options o) {
       double with_order = 0;
       for (const bool through_buffer : {true, false}) {
         if (!through_buffer && !sdram) continue;
-        const Measured m = measure(plan, map, queries, through_buffer, o);
+        const GatherRun m = measure(plan, map, queries, through_buffer, o);
+        const auto n = static_cast<double>(m.queries);
+        const double lines = m.counted("lines") / n, memory_lines = m.counted("memory lines") / n;
         const auto roof = [&](double cycles) { return Roof{cycles, cycles / m.cycles}; };
-        const Roof gatherers = roof(m.bound / plan.gatherers);
+        const Roof gatherers = roof(m.cost.bound / plan.gatherers);
         std::optional<Roof> roofline;
         std::optional<Verdict> verdict;
         std::optional<double> gain;
         if (sdram)
-          roofline = roof(m.memory_lines * plan.line_bytes() / 2 / kRefreshLeaves * o.core_mhz /
-                          kSdramMHz);
+          roofline =
+              roof(memory_lines * plan.line_bytes() / 2 / kRefreshLeaves * o.core_mhz / kSdramMHz);
         if (through_buffer) {
           with_order = m.cycles;
-          if (sdram) verdict = judge(plan, m, gatherers, *roofline, o.core_mhz);
+          if (sdram) verdict = judge(plan, m, memory_lines, gatherers, *roofline, o.core_mhz);
         } else {
           gain = m.cycles / with_order;
         }
@@ -299,10 +221,11 @@ int run(Options o) {
             "{:<16} {:>3} {:>2} {:>6} {:<9} {:>6.1f} {:>6.1f} {:>13.2f} {:>7.2f} {:>6} {:>6.2f} "
             "{:>9.3f} {:>8} {:>6} {:>9.0f}\n",
             name, plan.k, plan.gatherers, r2_max == plan.r2_limit() ? "none" : "mean",
-            through_buffer ? "reordered" : "pixels", m.bound, m.leaves, m.cycles, gatherers.cycles,
-            fmt::format("{:.0f} %", 100 * gatherers.reached), m.lines, m.memory_lines,
+            through_buffer ? "reordered" : "pixels", m.cost.bound, m.cost.leaves, m.cycles,
+            gatherers.cycles, fmt::format("{:.0f} %", 100 * gatherers.reached), lines, memory_lines,
             roofline ? fmt::format("{:.2f}", roofline->cycles) : "",
-            roofline ? fmt::format("{:.0f} %", 100 * roofline->reached) : "", m.kcycles_per_second);
+            roofline ? fmt::format("{:.0f} %", 100 * roofline->reached) : "",
+            m.cycles_per_second / 1000);
         if (verdict) fmt::print("  {}\n", verdict->text);
         if (gain)
           fmt::print("  reordering gains {:.2f}, goal {:g}{}\n", *gain, kReorderGoal,
@@ -312,7 +235,8 @@ int run(Options o) {
         if (gain && *gain < kReorderGoal)
           missed.push_back(
               fmt::format("{}: reordering gains {:.2f}, goal {:g}", name, *gain, kReorderGoal));
-        rows.push_back(
+        nlohmann::json row = m.row();
+        row.update(
             {{"plan", name},
              {"plan_hash", plan_hash_text(plan)},
              {"memory", sdram ? "sdram" : "block_ram"},
@@ -323,15 +247,9 @@ int run(Options o) {
              {"order", through_buffer ? "reordered" : "pixels"},
              {"core_mhz", o.core_mhz},
              {"sdram_mhz", kSdramMHz},
-             {"queries", m.queries},
-             {"bound", m.bound},
-             {"nodes", m.nodes},
-             {"leaves", m.leaves},
-             {"insertions", m.insertions},
-             {"cycles_per_gather", m.cycles},
-             {"lines_per_gather", m.lines},
-             {"memory_lines_per_gather", m.memory_lines},
-             {"memory_busy", m.memory_busy},
+             {"lines_per_gather", lines},
+             {"memory_lines_per_gather", memory_lines},
+             {"memory_busy", m.counted("memory busy") / (m.cycles * n)},
              {"gatherers_cycles", gatherers.cycles},
              {"of_gatherers", gatherers.reached},
              {"roofline_cycles", roofline ? nlohmann::json(roofline->cycles) : nlohmann::json()},
@@ -345,13 +263,11 @@ int run(Options o) {
              {"reorder_gain", gain ? nlohmann::json(*gain) : nlohmann::json()},
              {"reorder_goal", kReorderGoal},
              {"line_bytes", plan.line_bytes()}});
+        rows.push_back(row);
       }
     }
   }
-  if (!o.json.empty()) write_file(o.json, nlohmann::json{{"gather_cluster", rows}}.dump(2) + "\n");
-  for (const std::string& miss : missed)
-    fmt::print(stderr, "gather_cluster: goal missed: {}\n", miss);
-  return missed.empty() ? 0 : 1;
+  return report("gather_cluster", o.load, rows, missed);
 }
 
 }  // namespace
@@ -363,11 +279,8 @@ int main(int argc, char** argv) {
       "Cycles per gather of all gatherers of a plan on their photon memory, with photons and "
       "final-gather queries of a scene; exit status 1 where a goal is missed."};
   app.add_option("plans", o.plans, "Plan files. Default: those of fpga/headline.");
-  app.add_option("--scene", o.scene, "Scene file.");
+  o.load.add_to(app, "--scene");
   app.add_option("--queries", o.queries, "Queries at most; 0: all of the pixels.");
-  app.add_option("--size", o.size, "Pixels along each edge.");
-  app.add_option("--gather-rays", o.rays, "Final gather rays a pixel.");
-  app.add_option("--seed", o.seed, "Seed.");
   app.add_option("--core-mhz", o.core_mhz,
                  "Frequency of the core: what a cycle is beside the SDRAM's clock.");
   app.add_flag("--radius", o.radius, "Once more within the mean r^2 of the queries.");
@@ -375,17 +288,5 @@ int main(int argc, char** argv) {
                  "Folder for positions of photons and queries, PLAN.photons, ...");
   app.add_option("--write-plans", o.write_plans,
                  "Write the plans to this folder, do nothing else.");
-  app.add_option("--json", o.json, "Write the table here too.");
-  app.add_option("--work", o.work, "Folder of Verilated models.");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
-  }
-  try {
-    return photonloom::run(o);
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "{}\n", error.what());
-    return 1;
-  }
+  return photonloom::bench_program(app, argc, argv, [&] { return photonloom::run(o); });
 }
