@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the three RTL backends share: a rig, typed packets in and out, counters.
+// What the RTL backends share: a rig, typed packets in and out, counters.
 #pragma once
 #include <fmt/core.h>
 

@@ -1,24 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cstring>
 
-#include "golden/unit/photon_gatherer_image.hpp"
-#include "verilator_tb/backends.hpp"
-#include "verilator_tb/clocked_unit.hpp"
+#include "verilator_tb/gatherer_unit.hpp"
 #include "verilator_tb/sdram_socket.hpp"
 
 namespace photonloom {
 
 namespace {
 
-class RtlGatherEngine final : public ClockedPhotonGatherer {
+class RtlGatherEngine final : public GathererUnit {
  public:
   RtlGatherEngine(const Plan& plan, const RunOptions& options, bool reordered, bool back_door)
-      : plan_(plan),
-        back_door_(back_door && plan.photon_memory == PhotonMemory::kSdram),
-        rig_(plan, "gather_engine", options),
-        in_(rig_, plan, "in"),
-        results_(rig_, plan, "result"),
-        photons_(rig_, plan, "photon") {
+      : GathererUnit(plan, "gather_engine", options, 60),
+        back_door_(back_door && plan.photon_memory == PhotonMemory::kSdram) {
     if (reordered) order_ = make_golden_reorder_buffer(plan);
     rig_.set("reorder_i", reordered);
     if (plan.photon_memory == PhotonMemory::kSdram) {
@@ -30,9 +24,15 @@ class RtlGatherEngine final : public ClockedPhotonGatherer {
     rig_.reset();
   }
 
-  void load(const PhotonMap& global, const PhotonMap& caustic) override {
+  void finish() override {
+    GathererUnit::finish();
+    if (rig_.get("busy_o"))
+      throw RigError("gather_engine", ", port busy_o: is 1 although every packet has come out");
+  }
+
+ private:
+  void load_lines(PhotonGathererImage image) override {
     while (!rig_.get("memory_ready_o")) rig_.cycle();
-    const PhotonGathererImage image = photon_gatherer_image(plan_, global, caustic);
     uint64_t first_line = 0;
     for (const bool is_caustic : {false, true}) {
       const std::vector<uint8_t>& bytes = image.lines[is_caustic];
@@ -56,67 +56,17 @@ class RtlGatherEngine final : public ClockedPhotonGatherer {
       }
       first_line = plan_.lines(plan_.global);
     }
-    for (const CfgWrite& w : image.cfg) {
-      rig_.set("cfg_valid_i", 1);
-      rig_.set("cfg_addr_i", w.address);
-      rig_.set("cfg_data_i", w.data);
-      rig_.cycle();
-    }
-    rig_.set("cfg_valid_i", 0);
+    configure(image.cfg);
     // The last word is on its way into the memory for a while.
     for (int i = 0; i < 100; ++i) rig_.cycle();
-    load_cycles_ = rig_.cycles();
   }
-
-  void process(std::span<const GatherQuery> in, std::vector<GatherResult>& results,
-               std::vector<GatherPhoton>& photons) override {
-    result_cycles_.clear();
-    photon_cycles_.clear();
+  std::vector<GatherQuery> take_due(std::span<const GatherQuery> in) override {
+    if (!order_) return GathererUnit::take_due(in);
     std::vector<GatherQuery> due;
-    if (order_)
-      order_->process(in, due);
-    else
-      due.assign(in.begin(), in.end());
-    for (const GatherQuery& q : in) in_.push(q);
-    size_t got = 0;
-    int64_t photons_owed = 0;  // negative while photons are ahead of their result
-    rig_.run_until([&] {
-      while (results_.waiting()) {
-        const GatherResult r = results_.pop(result_cycles_);
-        if (got < due.size() && due[got].want_photons && !due[got].flush) photons_owed += r.count;
-        ++got;
-        results.push_back(r);
-      }
-      while (photons_.waiting()) {
-        photons.push_back(photons_.pop(photon_cycles_));
-        --photons_owed;
-      }
-      return in_.stream().empty() && got >= due.size() && photons_owed <= 0;
-    });
-    in_cycles_ = in_.stream().take_cycles();
+    order_->process(in, due);
+    return due;
   }
 
-  Counters counters() const override {
-    Counters c{{"packets in", in_.stream().accepted()},
-               {"cycles", rig_.cycles() - load_cycles_},
-               {"stalls in", in_.stream().stalled()},
-               {"stalls out", results_.stream().stalled() + photons_.stream().stalled()}};
-    add_port_counters(rig_, c);
-    return c;
-  }
-  uint64_t cycles() const override { return rig_.cycles(); }
-  std::span<const uint64_t> in_cycles() const override { return in_cycles_; }
-  std::span<const uint64_t> out_cycles(int stream) const override {
-    return stream == 0 ? result_cycles_ : photon_cycles_;
-  }
-  void finish() override {
-    expect_silence(rig_, "gather_engine", results_.stream(), 60);
-    expect_silence(rig_, "gather_engine", photons_.stream(), 60);
-    if (rig_.get("busy_o"))
-      throw RigError("gather_engine", ", port busy_o: is 1 although every packet has come out");
-  }
-
- private:
   // Byte `at` of the lines from `first_line` on, where docs/photon_memory.md puts it.
   void poke(uint64_t first_line, size_t at, uint32_t word) {
     const size_t line_bytes = static_cast<size_t>(plan_.line_bytes());
@@ -131,16 +81,9 @@ class RtlGatherEngine final : public ClockedPhotonGatherer {
     }
   }
 
-  Plan plan_;
   bool back_door_;
-  uint64_t load_cycles_ = 0;
-  std::unique_ptr<SdramSocket> sdram_;
-  Rig rig_;
-  PacketSource<GatherQuery> in_;
-  PacketTaker<GatherResult> results_;
-  PacketTaker<GatherPhoton> photons_;
+  std::unique_ptr<SdramSocket> sdram_;  // on the pins of rig_
   std::unique_ptr<ReorderBuffer> order_;
-  std::vector<uint64_t> in_cycles_, result_cycles_, photon_cycles_;
 };
 
 }  // namespace

@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "golden/numeric/octahedral.hpp"
+#include "golden/numeric/output_file.hpp"
 #include "golden/plan/quantiser.hpp"
 #include "golden/transport/world.hpp"
 #include "golden/unit/backend.hpp"
