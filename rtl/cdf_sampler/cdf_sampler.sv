@@ -4,7 +4,7 @@
 // before the first header. Golden: golden/unit/cdf_sampler.cpp; definition: docs/cdf_sampler.md.
 //
 // Two tables alternate: while one is sampled, a sample a cycle, the next one's photons add up and its prefix sums are
-// made. A table takes max(photons, T) + 4^CellBits + 11 cycles from its header, T = ceil((2^(CellBits-1) + 1) / 2); a sample
+// made. A table takes max(photons, T - 1) + 4^CellBits + 12 cycles from its header, T = ceil((2^(CellBits-1) + 1) / 2); a sample
 // takes 4 * CellBits + 6 cycles from its waiting request, and comes in order. Requests wait in a FIFO of RequestDepth
 // while their table is built; where a table has more of them, the next one begins when they have found place. No packet
 // is processed for 4^CellBits cycles after reset.
@@ -75,6 +75,7 @@ module cdf_sampler #(
     Drain  // the last weights are on their way
   } state_t;
   state_t state_q;
+  logic fresh_q;  // a header may come: the state is Idle, or Add and no photon has come
   logic open_q;  // a header has come
   logic table_q;  // which of the two tables
   logic [PixelBits-1:0] header_pixel_q;
@@ -94,8 +95,7 @@ module cdf_sampler #(
   // What becomes of the packet.
   logic request_push, request_ready, old_samples_out;
   assign old_samples_out = !owing[table_q];
-  assign begin_table = valid && packet.kind == Header && power_ready &&
-      (state_q == Idle || (state_q == Add && photons_q == '0));
+  assign begin_table = valid && packet.kind == Header && power_ready && fresh_q;
   assign add_photon = valid && packet.kind == Photon && state_q == Add && photons_q != CountBits'(K);
   // The first request, or a header with no request before it, ends the photons.
   assign end_photons = valid && state_q == Add && old_samples_out && cosine_last &&
@@ -103,7 +103,7 @@ module cdf_sampler #(
   assign request_push = valid && packet.kind == Request && open_q && state_q != Add;
   always_comb begin
     unique case (packet.kind)
-      Header:  ready = begin_table;
+      Header:  ready = power_ready && fresh_q;
       Request: ready = power_ready && (!open_q || (state_q != Add && request_ready));
       default: ready = power_ready;
     endcase
@@ -119,6 +119,7 @@ module cdf_sampler #(
   always_ff @(posedge clk_i) begin
     if (begin_table) begin
       state_q <= Add;
+      fresh_q <= 1'b1;
       open_q <= 1'b1;
       table_q <= !table_q;
       header_pixel_q <= packet.pixel;
@@ -127,6 +128,7 @@ module cdf_sampler #(
       photons_q <= '0;
     end
     if (add_photon) photons_q <= photons_q + 1'b1;
+    if (add_photon || end_photons) fresh_q <= 1'b0;
     if (end_photons) begin
       state_q <= Walk;
       walk_cell_q <= '0;
@@ -135,9 +137,13 @@ module cdf_sampler #(
       walk_cell_q <= walk_cell_q + 1'b1;
       if (walk_cell_q == '1) state_q <= Drain;
     end
-    if (last_weight) state_q <= Idle;
+    if (last_weight) begin
+      state_q <= Idle;
+      fresh_q <= 1'b1;
+    end
     if (rst_i) begin
       state_q <= Idle;
+      fresh_q <= 1'b1;
       open_q  <= 1'b0;
       table_q <= 1'b0;
     end
@@ -348,7 +354,9 @@ module cdf_sampler #(
   logic unused_weight;
   assign unused_weight = &{1'b0, found_weight[TotalBits-1:ProbabilityBits]};
 
-  // What a request carries waits beside the search.
+  // What a request carries waits beside the search, from the cycle after its issue.
+  logic [SideBits-1:0] side1_q;
+  always_ff @(posedge clk_i) side1_q <= head_side;
   logic side_ready, side_valid, side_table;
   logic [TagBits-1:0] side_tag;
   logic [2*VBits-1:0] side_v;
@@ -360,9 +368,9 @@ module cdf_sampler #(
   ) sides (
       .clk_i(clk_i),
       .rst_i(rst_i),
-      .in_valid_i(issue),
+      .in_valid_i(under_way_q[1]),
       .in_ready_o(side_ready),
-      .in_i(head_side),
+      .in_i(side1_q),
       .out_valid_o(side_valid),
       .out_ready_i(found),
       .out_o({side_table, side_tag, side_v})
@@ -443,7 +451,7 @@ module cdf_sampler #(
   assign unused_checks = &{1'b0, side_ready, side_valid, out_ready};
 `else
   always_ff @(posedge clk_i) begin
-    if (!rst_i) assert (!issue || side_ready);
+    if (!rst_i) assert (!under_way_q[1] || side_ready);
     if (!rst_i) assert (!found || (side_valid && out_ready));
     if (!rst_i) assert (!weight_valid || finished_q[table_q] == 1'b0);
   end

@@ -2,8 +2,8 @@
 // TB, the sum of B(c) = max(0, o(c) . o(n)) J(c) over all cells, in ceil((2^(CellBits-1) + 1) / 2) steps instead of
 // 4^CellBits: the cells whose centres differ in signs only share J, and with a, b, c = |x nx|, |y ny|, |z nz| the eight of
 // them add up to max(2 (a + b + c), 4 max(a, b, c)); the four of a centre on the octahedron's equator to half of that.
-// Step 0 comes 2 cycles after start_i, last_o with the last step, the total 5 cycles after it; start_i begins anew at any
-// time.
+// Step 0 comes 2 cycles after start_i, last_o a cycle before the last step, the total 6 cycles after last_o; start_i begins
+// anew at any time.
 module cdf_sampler_cosine_total #(
     parameter int unsigned CellBits = 4,
     parameter int unsigned NormalBits = 8,
@@ -31,7 +31,8 @@ module cdf_sampler_cosine_total #(
   logic [StepBits-1:0] step_q;
   logic start_q, running_q;
   logic [3:0] valid_q;
-  assign last_o = !start_q && (!running_q || step_q == StepBits'(Steps - 1));
+  assign last_o = Steps == 1 ||
+      (!start_q && (!running_q || step_q == StepBits'(Steps - 2) || step_q == StepBits'(Steps - 1)));
 
   // value * factor by additions and subtractions, the factors being small constants: 15 is 16 - 1.
   function automatic [TermBits-1:0] times(input [NormalBits:0] value, input integer factor);
@@ -76,7 +77,7 @@ module cdf_sampler_cosine_total #(
     localparam int unsigned FirstRow = First <= Turn ? Track : Other;
     localparam int unsigned FirstColumn = First <= Turn ? First : First - Turn - 1;
 
-    logic [TermBits-1:0] a_q, b_q, c_q, largest_q;
+    logic [TermBits-1:0] a_q, b_q, c_q, turned_b_q, largest_q;
     logic [TermBits+1:0] sum_q;
     logic [TermBits+2:0] octants_q;
     logic [PlaceBits-1:0] place;
@@ -101,13 +102,14 @@ module cdf_sampler_cosine_total #(
     );
 
     always_ff @(posedge clk_i) begin
+      turned_b_q <= times(y_q, 2 * Other + 1);  // stands before the first step
       if (start_q) begin
         a_q <= times(x_q, 2 * FirstColumn + 1);
         b_q <= times(y_q, 2 * FirstRow + 1);
         c_q <= times(z_q, 2 * Half - 2 - 2 * FirstRow - 2 * FirstColumn);
       end else if (turning) begin
         a_q <= TermBits'(x_q);
-        b_q <= times(y_q, 2 * Other + 1);
+        b_q <= turned_b_q;
         c_q <= times(z_q, 2 * Half - 2 - 2 * Other);
       end else begin
         a_q <= a_q + (TermBits'(x_q) << 1);

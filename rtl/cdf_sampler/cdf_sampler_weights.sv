@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // Weights of the cells, one a cycle in the order of their numbers: exact sum P TB + B max(TP, 1), or product P' B,
-// narrowed once by a shift, at least 1 where the cell touches the open upper hemisphere, else 0. Latency 10 from walk_i
-// to weight_valid_o. TB must be there 4 cycles after the first walk_i, TP 3 cycles, and both stay until the last weight. Mirrors build_sample_table of golden/unit/cdf_sampler.cpp.
+// narrowed once by a shift, at least 1 where the cell touches the open upper hemisphere, else 0. Latency 11 from walk_i
+// to weight_valid_o. TB must be there 5 cycles after the first walk_i, TP 4 cycles, and both stay until the last weight.
+// Mirrors build_sample_table of golden/unit/cdf_sampler.cpp.
 //
-//   cycle 0  number -> centre                          4-6  products, limb by limb; 4: is the highest corner above
-//         1  centre x normal                                the horizon
-//         2  dot product, J; the cell's power is read  7    sum
-//         3  B; how far the highest corner lies above  8    shift, coarse
-//            the centre                                9    shift, fine; floor
+//   cycle 0  number -> centre                             5-7  products, limb by limb
+//         1  centre x normal                              8    sum
+//         2  dot product, J                               9    shift, coarse
+//         3  B; how far the highest corner lies above     10   shift, fine; floor
+//            the centre; the cell's power is read
+//         4  is the highest corner above the horizon
 module cdf_sampler_weights #(
     parameter int unsigned CellBits = 4,
     parameter int unsigned NormalBits = 8,
@@ -39,17 +41,17 @@ module cdf_sampler_weights #(
   localparam int unsigned WidthBits = $clog2(PowerBits + CosineBits + BBits + ProbabilityBits + 2);  // of a number of bits
 
   // What goes along: number and validity of the cell in each cycle.
-  logic [10:1] valid_q;
-  logic [10*IndexBits-1:0] cells_q;
+  logic [11:1] valid_q;
+  logic [11*IndexBits-1:0] cells_q;
   always_ff @(posedge clk_i) begin
-    valid_q <= {valid_q[9:1], walk_i};
-    cells_q <= (10 * IndexBits)'({cells_q, cell_i});
+    valid_q <= {valid_q[10:1], walk_i};
+    cells_q <= (11 * IndexBits)'({cells_q, cell_i});
     if (rst_i) valid_q <= '0;
   end
-  assign power_read_o = valid_q[2];
-  assign power_cell_o = cells_q[IndexBits+:IndexBits];
-  assign weight_valid_o = valid_q[10];
-  assign weight_cell_o = cells_q[9*IndexBits+:IndexBits];
+  assign power_read_o = valid_q[3];
+  assign power_cell_o = cells_q[2*IndexBits+:IndexBits];
+  assign weight_valid_o = valid_q[11];
+  assign weight_cell_o = cells_q[10*IndexBits+:IndexBits];
 
   // 0: the centre.
   logic [CellBits-1:0] column, row;
@@ -135,21 +137,22 @@ module cdf_sampler_weights #(
     jacobian3_q <= jacobian;
   end
 
-  // 3 and 4: B, and whether the highest corner is above the horizon.
+  // 3 and 4: B, on its way from one multiplier to others for a cycle, and whether the highest corner is above the horizon.
   logic signed [DotBits-1:0] margin4_q, dot4_q, highest;
-  logic [BBits-1:0] b4_q;
+  logic [BBits-1:0] b4_q, b5_q;
   assign highest = dot4_q + margin4_q;
   always_ff @(posedge clk_i) begin
     b4_q <= dot3_q[DotBits-1] ? '0 : BBits'(unsigned'(dot3_q)) * BBits'(jacobian3_q);
+    b5_q <= b4_q;
     dot4_q <= dot3_q;
     margin4_q <= equator3_q ? (first3_q >= second3_q ? DotBits'(first3_q) : DotBits'(second3_q)) :
         DotBits'(first3_q) + DotBits'(second3_q);
   end
 
-  // 4 to 8: the exact weight.
+  // 5 to 8: the exact weight.
   localparam int unsigned ExactBits = Combine == 0 ? PowerBits + CosineBits + 1 : PowerBits + BBits;
   logic [PowerBits-1:0] power_weight;  // max(TP, 1)
-  logic [ExactBits-1:0] exact8_q;
+  logic [ExactBits-1:0] exact9_q;
   logic no_power_q, power_low_q;
   always_ff @(posedge clk_i) begin
     no_power_q  <= power_total_i == '0;
@@ -179,10 +182,10 @@ module cdf_sampler_weights #(
     ) cosine_times_total (
         .clk_i(clk_i),
         .a_i(power_weight),
-        .b_i(b4_q),
+        .b_i(b5_q),
         .product_o(cosine_product)
     );
-    always_ff @(posedge clk_i) exact8_q <= ExactBits'(power_product) + ExactBits'(cosine_product);
+    always_ff @(posedge clk_i) exact9_q <= ExactBits'(power_product) + ExactBits'(cosine_product);
     logic unused_power;
     assign unused_power = &{1'b0, no_power_q};
   end else begin : gen_product
@@ -193,10 +196,10 @@ module cdf_sampler_weights #(
     ) power_times_cosine (
         .clk_i(clk_i),
         .a_i(no_power_q ? PowerBits'(1) : power_i),
-        .b_i(b4_q),
+        .b_i(b5_q),
         .product_o(product)
     );
-    always_ff @(posedge clk_i) exact8_q <= product;
+    always_ff @(posedge clk_i) exact9_q <= product;
   end
 
   // The shift: bits of an upper bound of the table's exact total less those of a weight, at least 0. Leading zeros of the
@@ -243,15 +246,15 @@ module cdf_sampler_weights #(
         WidthBits'(BoundBits) - WidthBits'(ProbabilityBits) - zeros : '0;
   end
 
-  // 8 and 9: shifted by its multiples of 8, then by the rest; what is left fits. The floor.
+  // 9 and 10: shifted by its multiples of 8, then by the rest; what is left fits. The floor.
   localparam int unsigned FineBits = ProbabilityBits + 7;
-  logic [FineBits-1:0] coarse9_q;
+  logic [FineBits-1:0] coarse10_q;
   logic [ProbabilityBits-1:0] narrow;
-  logic [9:5] touches_q;
-  assign narrow = ProbabilityBits'(coarse9_q >> narrow_q[2:0]);
+  logic [10:5] touches_q;
+  assign narrow = ProbabilityBits'(coarse10_q >> narrow_q[2:0]);
   always_ff @(posedge clk_i) begin
-    coarse9_q <= FineBits'(exact8_q >> {narrow_q[WidthBits-1:3], 3'b000});
-    touches_q <= {touches_q[8:5], !highest[DotBits-1] && highest != '0};
-    weight_o  <= !touches_q[9] ? '0 : narrow == '0 ? ProbabilityBits'(1) : narrow;
+    coarse10_q <= FineBits'(exact9_q >> {narrow_q[WidthBits-1:3], 3'b000});
+    touches_q <= {touches_q[9:5], !highest[DotBits-1] && highest != '0};
+    weight_o  <= !touches_q[10] ? '0 : narrow == '0 ? ProbabilityBits'(1) : narrow;
   end
 endmodule

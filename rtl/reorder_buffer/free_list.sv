@@ -20,9 +20,9 @@ module free_list #(
 );
   localparam logic [SlotBits-1:0] Last = SlotBits'(Count - 1);
 
-  logic [SlotBits-1:0] head_q, tail_q, fresh_slot_q, returned_slot;
-  logic [NodeBits-1:0] fresh_node_q, returned_node;
-  logic first_round_q, fresh_q;
+  logic [SlotBits-1:0] head_q, tail_q, fresh_slot_q, fresh_slot2_q, returned_slot;
+  logic [NodeBits-1:0] fresh_node_q, fresh_node2_q, returned_node;
+  logic first_round_q, fresh_q, fresh2_q;
 
   pool_ram #(
       .Width(NodeBits + SlotBits),
@@ -36,12 +36,16 @@ module free_list #(
       .read_data_o({returned_node, returned_slot})
   );
 
+  assign node_o = fresh2_q ? fresh_node2_q : returned_node;
+  assign slot_o = fresh2_q ? fresh_slot2_q : returned_slot;
+
   always_ff @(posedge clk_i) begin
     fresh_node_q <= NodeBits'(First) + NodeBits'(head_q);
     fresh_slot_q <= head_q;
     fresh_q <= first_round_q;
-    node_o <= fresh_q ? fresh_node_q : returned_node;
-    slot_o <= fresh_q ? fresh_slot_q : returned_slot;
+    fresh_node2_q <= fresh_node_q;
+    fresh_slot2_q <= fresh_slot_q;
+    fresh2_q <= fresh_q;
     if (take_i) begin
       head_q <= head_q == Last ? '0 : head_q + 1'b1;
       if (head_q == Last) first_round_q <= 1'b0;

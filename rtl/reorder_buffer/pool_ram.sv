@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // A block_ram of any depth, its rule for collisions included, whose depth is little more than a power of two: block RAM up
 // to the power of two, the few words beyond it in LUT RAM (block RAM where they are more than 64). One memory of such a
-// depth would take half as many blocks again and a multiplexer behind each bit. A read takes one cycle.
+// depth would take half as many blocks again and a multiplexer behind each bit. A read takes two cycles: each part has a
+// register behind it, and the choice between them comes after that.
 module pool_ram #(
     parameter int unsigned Width = 8,
     parameter int unsigned Depth = 528,
@@ -18,6 +19,8 @@ module pool_ram #(
   localparam int unsigned Rest = Depth - Main;
 
   if (Main < 512 || Rest == 0) begin : gen_plain
+    logic [Width-1:0] data;
+    always_ff @(posedge clk_i) read_data_o <= data;
     block_ram #(
         .Width(Width),
         .Depth(Depth)
@@ -28,15 +31,20 @@ module pool_ram #(
         .write_data_i(write_data_i),
         .read_i(1'b1),
         .read_address_i(read_address_i),
-        .read_data_o(read_data_o)
+        .read_data_o(data)
     );
   end else begin : gen_split
     localparam int unsigned RestBits = Rest > 1 ? $clog2(Rest) : 1;
-    logic write_rest, read_rest_q;
-    logic [Width-1:0] main_data, rest_data;
+    logic write_rest, read_rest_q, read_rest2_q;
+    logic [Width-1:0] main_data, rest_data, main_q, rest_q;
     assign write_rest = write_address_i[AddressBits-1];
-    assign read_data_o = read_rest_q ? rest_data : main_data;
-    always_ff @(posedge clk_i) read_rest_q <= read_address_i[AddressBits-1];
+    assign read_data_o = read_rest2_q ? rest_q : main_q;
+    always_ff @(posedge clk_i) begin
+      read_rest_q <= read_address_i[AddressBits-1];
+      read_rest2_q <= read_rest_q;
+      main_q <= main_data;
+      rest_q <= rest_data;
+    end
 
     block_ram #(
         .Width(Width),

@@ -6,7 +6,7 @@
 // Throughput, once full: sweep one packet a cycle but for 7 cycles once a pass through the bins; fullest n packets in
 // n + 3 cycles, n the length of the bin, and no choice sooner than 2 * Levels + 2 cycles after the last; pass-through one
 // packet a cycle. Latency from the packet that lets it go to out_valid_o: key (CellBits or 3) + 14 cycles. After reset
-// no packet is processed for 4 * Bins cycles.
+// no packet is processed for 4 * Bins + 2 cycles.
 module reorder_buffer #(
     parameter int unsigned Key = photonloom_pkg::ReorderKey,  // 0 pass-through, 1 Hilbert, 2 hash
     parameter int unsigned Drain = photonloom_pkg::ReorderDrain,  // 0 sweep, 1 fullest
@@ -84,7 +84,7 @@ module reorder_buffer #(
     // Packets wait in one FIFO while the key pipeline, which never stalls, fills another.
     logic [BinBits-1:0] key_bin, head_bin, bin;
     logic [KeyLatency-1:0] key_valid_q;
-    logic wait_ready, wait_valid, head_valid, key_valid, key_ready, join_ready, join_ok;
+    logic wait_ready, wait_valid, head_valid, key_valid, key_ready, join_ready, join_ok, lists_ready, lists_ready_q;
     logic [Width:0] wait_packet;  // the flush bit on top
     logic [Width-1:0] packet;
     logic packet_valid, packet_ready, packet_flush;
@@ -135,14 +135,14 @@ module reorder_buffer #(
         .out_ready_i(join_ok),
         .out_o(head_bin)
     );
-    assign join_ok = head_valid && wait_valid && join_ready;
+    assign join_ok = head_valid && wait_valid && lists_ready_q && join_ready;
 
     skid_buffer #(
         .Width(BinBits + 1 + Width)
     ) joined (
         .clk_i(clk_i),
         .rst_i(rst_i),
-        .in_valid_i(head_valid && wait_valid),
+        .in_valid_i(head_valid && wait_valid && lists_ready_q),
         .in_ready_o(join_ready),
         .in_i({head_bin, wait_packet}),
         .out_valid_o(packet_valid),
@@ -157,13 +157,15 @@ module reorder_buffer #(
     logic none_held_q, full_q;  // held_q is 0; is Packets
     logic [CreditBits-1:0] credit_q, credit;  // places in the output FIFO that no removal has claimed
     logic credit_any_q;
-    logic insert, take_wanted, take_ready, take_alone, take, flush, lists_ready, choice_ready;
+    logic insert, take_wanted, take_ready, take_alone, take, flush, choice_ready;
     logic [BinBits-1:0] take_bin;
 
     assign take_wanted = credit_any_q && (full_q || (packet_valid && packet_flush && !none_held_q));
     assign take = take_wanted && take_ready;
-    assign insert = lists_ready && choice_ready && packet_valid && !packet_flush && (!full_q || (take && !take_alone));
-    assign flush = lists_ready && choice_ready && credit_any_q && packet_valid && packet_flush && none_held_q;
+    // When full, as a packet that is no flush comes, a take is wanted iff there is credit.
+    assign insert = choice_ready && packet_valid && !packet_flush &&
+        (!full_q || (credit_any_q && take_ready && !take_alone));
+    assign flush = choice_ready && credit_any_q && packet_valid && packet_flush && none_held_q;
     assign packet_ready = insert || flush;
     assign held = insert ? held_q + 1'b1 : held_q - 1'b1;
     assign credit = out_taken ? credit_q + 1'b1 : credit_q - 1'b1;
@@ -179,6 +181,7 @@ module reorder_buffer #(
           .ready_o(choice_ready),
           .insert_i(insert),
           .insert_bin_i(bin),
+          .full_i(full_q),
           .take_i(take_wanted),
           .take_ready_o(take_ready),
           .take_alone_o(take_alone),
@@ -221,6 +224,7 @@ module reorder_buffer #(
       insert_packet_q <= packet;
       take_q <= take || flush;
       take_bin_q <= flush ? bin : take_bin;
+      lists_ready_q <= lists_ready;
 
       if (insert != take) begin
         held_q <= held;
@@ -234,6 +238,7 @@ module reorder_buffer #(
       if (rst_i) begin
         insert_q <= 1'b0;
         take_q <= 1'b0;
+        lists_ready_q <= 1'b0;
         held_q <= '0;
         none_held_q <= 1'b1;
         full_q <= 1'b0;

@@ -10,7 +10,7 @@
 //
 //   cycle  insertion                    removal
 //     0    which of the four lists      which of the four lists
-//     1    read tail                    -
+//     1    read tail, write whose turn  write whose turn
 //     2    -                            read head
 //     3    write link, packet, tail     -
 //     4                                 read link of head (the packet's own insertion wrote it in cycle 3)
@@ -54,13 +54,23 @@ module reorder_lists #(
     if (rst_i) walk_q <= '0;
   end
 
-  // Turns: which of its lists a bin fills and empties next.
-  logic [1:0] insert_turn, remove_turn;
-  logic [IndexBits-1:0] insert_index, remove_index;
+  // Turns: which of its lists a bin fills and empties next; written a cycle after they were read.
+  logic [1:0] insert_stored, remove_stored, insert_turn, remove_turn, insert_next, remove_next;
+  logic [IndexBits-1:0] insert_index, remove_index, insert_index1, remove_index1;
   logic [ListBits-1:0] insert_list, remove_list;
+  logic insert1_q, insert2_q, insert3_q;
+  logic [ListBits-1:0] insert_list1_q, insert_list2_q, insert_list3_q;
+  logic [6:0] remove_q;  // bit n is cycle n + 1
+  logic [ListBits-1:0] remove_list1_q, remove_list2_q, remove_list3_q, remove_list4_q, remove_list5_q, remove_list6_q;
 
   assign insert_index = IndexBits'(insert_bin_i);
   assign remove_index = IndexBits'(remove_bin_i);
+  assign insert_index1 = IndexBits'(insert_list1_q >> 2);
+  assign remove_index1 = IndexBits'(remove_list1_q >> 2);
+  assign insert_next = insert_list1_q[1:0] + 2'd1;
+  assign remove_next = remove_list1_q[1:0] + 2'd1;
+  assign insert_turn = insert1_q && insert_index1 == insert_index ? insert_next : insert_stored;
+  assign remove_turn = remove_q[0] && remove_index1 == remove_index ? remove_next : remove_stored;
   if (Bins > 1) begin : gen_lists
     assign insert_list = {insert_index, insert_turn};
     assign remove_list = {remove_index, remove_turn};
@@ -78,27 +88,25 @@ module reorder_lists #(
       .Depth(Bins)
   ) insert_turns (
       .clk_i(clk_i),
-      .write_i(walking || insert_i),
-      .write_address_i(walking ? walk_q[IndexBits-1:0] : insert_index),
-      .write_data_i(walking ? 2'd0 : insert_turn + 2'd1),
+      .write_i(walking || insert1_q),
+      .write_address_i(walking ? walk_q[IndexBits-1:0] : insert_index1),
+      .write_data_i(walking ? 2'd0 : insert_next),
       .read_address_i(insert_index),
-      .read_data_o(insert_turn)
+      .read_data_o(insert_stored)
   );
   lut_ram #(
       .Width(2),
       .Depth(Bins)
   ) remove_turns (
       .clk_i(clk_i),
-      .write_i(walking || remove_i),
-      .write_address_i(walking ? walk_q[IndexBits-1:0] : remove_index),
-      .write_data_i(walking ? 2'd0 : remove_turn + 2'd1),
+      .write_i(walking || remove_q[0]),
+      .write_address_i(walking ? walk_q[IndexBits-1:0] : remove_index1),
+      .write_data_i(walking ? 2'd0 : remove_next),
       .read_address_i(remove_index),
-      .read_data_o(remove_turn)
+      .read_data_o(remove_stored)
   );
 
   // Insertion.
-  logic insert1_q, insert2_q, insert3_q;
-  logic [ListBits-1:0] insert_list1_q, insert_list2_q, insert_list3_q;
   logic [Width-1:0] packet1_q, packet2_q, packet3_q;
   logic [NodeBits-1:0] tail_read, tail_q, new_node;
   logic [SlotBits-1:0] new_slot;
@@ -134,13 +142,10 @@ module reorder_lists #(
       .read_data_o(tail_read)
   );
 
-  // Removal. Bit n of the shift registers is cycle n + 1.
-  logic [6:0] remove_q;
-  logic [ListBits-1:0] remove_list1_q, remove_list2_q, remove_list3_q, remove_list4_q, remove_list5_q, remove_list6_q;
-  logic [NodeBits-1:0] head_read, head4_q, head5_q, head6_q, next_read, next6_q, next7_q;
+  // Removal.
+  logic [NodeBits-1:0] head_read, head4_q, head5_q, head6_q, next6, next7_q;
   logic head_known_q;  // the list is the one whose head was written meanwhile
-  logic [SlotBits-1:0] slot_read, slot6_q;
-  logic [Width-1:0] packet_read;
+  logic [SlotBits-1:0] slot6;
 
   always_ff @(posedge clk_i) begin
     remove_q <= {remove_q[5:0], remove_i};
@@ -154,11 +159,8 @@ module reorder_lists #(
     head4_q <= head_known_q ? next7_q : head_read;
     head5_q <= head4_q;
     head6_q <= head5_q;
-    slot6_q <= slot_read;
-    next6_q <= next_read;
-    next7_q <= next6_q;
+    next7_q <= next6;
     out_valid_o <= remove_q[6];
-    out_o <= packet_read;
     if (rst_i) begin
       remove_q <= '0;
       out_valid_o <= 1'b0;
@@ -172,7 +174,7 @@ module reorder_lists #(
       .clk_i(clk_i),
       .write_i(walking || remove_q[5]),
       .write_address_i(walking ? walk_q[ListBits-1:0] : remove_list6_q),
-      .write_data_i(walking ? NodeBits'(walk_q) : next6_q),
+      .write_data_i(walking ? NodeBits'(walk_q) : next6),
       .read_i(1'b1),
       .read_address_i(remove_list2_q),
       .read_data_o(head_read)
@@ -187,7 +189,7 @@ module reorder_lists #(
       .write_address_i(tail_q),
       .write_data_i({new_slot, new_node}),
       .read_address_i(head4_q),
-      .read_data_o({slot_read, next_read})
+      .read_data_o({slot6, next6})
   );
 
   pool_ram #(
@@ -198,8 +200,8 @@ module reorder_lists #(
       .write_i(insert3_q),
       .write_address_i(new_slot),
       .write_data_i(packet3_q),
-      .read_address_i(slot6_q),
-      .read_data_o(packet_read)
+      .read_address_i(slot6),
+      .read_data_o(out_o)
   );
 
   free_list #(
@@ -213,6 +215,6 @@ module reorder_lists #(
       .slot_o(new_slot),
       .give_i(remove_q[5]),
       .node_i(head6_q),
-      .slot_i(slot6_q)
+      .slot_i(slot6)
   );
 endmodule
