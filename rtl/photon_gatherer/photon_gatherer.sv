@@ -544,7 +544,7 @@ module photon_gatherer #(
   localparam int unsigned Behind = 24;
   localparam int unsigned RowBits = $clog2((2 * Beats > 16 ? 1 << $clog2(2 * Beats) : 16) + Behind);
   logic beat_valid, beat_ready, beat_last, direction_read, empty_leaf;
-  logic [ContextBits-1:0] beat_context, empty_leaf_context, lane_bound_context, stack_bound_context;
+  logic [ContextBits-1:0] beat_context, empty_leaf_context, lane_bound_context, wait_bound_context, stack_bound_context;
   logic [BeatBits-1:0] beat_number;
   logic [RowBits-1:0] beat_row, load_row;
   logic [Lanes-1:0] beat_mask;
@@ -625,7 +625,8 @@ module photon_gatherer #(
       .normal_i(candidate_normal),
       .wait_context_o(wait_context),
       .wait_line_i(wait_line),
-      .wait_bound_i(wait_bound),
+      .bound_context_o(wait_bound_context),
+      .bound_i(wait_bound),
       .start_i(init_ask),
       .start_taken_o(init_taken),
       .start_context_i(init_context_q),
@@ -674,7 +675,7 @@ module photon_gatherer #(
       .load_i(token_load),
       .started_o(init_done),
       .r2_max_i(query_r2_map_q ? r2_max_q[R2Bits+:R2Bits] : r2_max_q[0+:R2Bits]),
-      .bound_context_i({done_context, wait_context, lane_bound_context, stack_bound_context}),
+      .bound_context_i({done_context, wait_bound_context, lane_bound_context, stack_bound_context}),
       .bound_o({done_r2, wait_bound, lane_bound, stack_bound}),
       .read_context_i(done_context),
       .count_o(done_count),

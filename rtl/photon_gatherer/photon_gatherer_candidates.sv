@@ -7,7 +7,7 @@
 // What comes out, without stall, in the order of slots: tokens {a candidate, the last of its leaf, a start, a
 // snapshot}. Starts and snapshots carry only a context and go before the next pair, within two cycles. leaf_done_o follows the last token of a leaf by a
 // cycle. Where all candidates went before it was known that they were the last, the end takes a token of its own.
-// Latency 9 from a beat to its first token.
+// Latency 10 from a beat to its first token.
 module photon_gatherer_candidates #(
     parameter int unsigned R2Bits = 34,
     parameter int unsigned LineBits = 13,
@@ -41,7 +41,8 @@ module photon_gatherer_candidates #(
     input  logic [     3*(NormalBits+2)-1:0] normal_i,            // decoded, z negated
     output logic [          ContextBits-1:0] wait_context_o,
     input  logic [             LineBits-1:0] wait_line_i,
-    input  logic [               R2Bits-1:0] wait_bound_i,
+    output logic [          ContextBits-1:0] bound_context_o,     // of the pair that waits in the next cycle
+    input  logic [               R2Bits-1:0] bound_i,
     // starts of queries, and snapshots behind them
     input  logic                             start_i,
     output logic                             start_taken_o,
@@ -126,16 +127,18 @@ module photon_gatherer_candidates #(
     end
   end
 
-  // ---- select | decode | multiply | x + y, -z | compare | into the FIFO ----
-  localparam int unsigned Stages = 5;
+  // ---- register | select | decode | multiply | x + y, -z | compare | into the FIFO ----
+  localparam int unsigned Stages = 6;
   logic [Stages-1:0] valid_q, leaf_last_q;
   logic [ContextBits-1:0] context_s_q[0:Stages-1];
   logic [RowBits-1:0] row_s_q[0:Stages-1];
+  logic [Groups-1:0] group_q;
+  logic [2*Lanes*DirectionBits-1:0] directions_q;  // nothing between block RAM and its register
   logic [3*N-1:0] normal_q;
   logic [1:0] front;
   logic [2*CandidateBits-1:0] tested;
 
-  assign normal_context_o = context_s_q[0];
+  assign normal_context_o = context_s_q[1];
 
   always_ff @(posedge clk_i) begin
     valid_q <= {valid_q[Stages-2:0], test};
@@ -146,6 +149,8 @@ module photon_gatherer_candidates #(
       context_s_q[i] <= context_s_q[i-1];
       row_s_q[i] <= row_s_q[i-1];
     end
+    group_q <= group;
+    directions_q <= directions_i;
     normal_q <= normal_i;
     if (rst_i) valid_q <= '0;
   end
@@ -170,13 +175,13 @@ module photon_gatherer_candidates #(
       some_lane = 1'b0;
       lane = LaneBits'(2 * (Groups - 1) + c);
       d2 = d2_q[R2Bits*((2*(Groups-1)+c)%Lanes)+:R2Bits];
-      code = directions_i[2*DirectionBits*((2*(Groups-1)+c)%Lanes)+:2*DirectionBits];
+      code = '0;
       for (int unsigned g = Groups; g > 0; g--) begin
+        if (group_q[g-1]) code = directions_q[2*DirectionBits*((2*(g-1)+c)%Lanes)+:2*DirectionBits];
         if (some[g-1]) begin
           some_lane = 2 * (g - 1) + c < Lanes && mask_q[(2*(g-1)+c)%Lanes];
           lane = LaneBits'(2 * (g - 1) + c);
           d2 = d2_q[R2Bits*((2*(g-1)+c)%Lanes)+:R2Bits];
-          code = directions_i[2*DirectionBits*((2*(g-1)+c)%Lanes)+:2*DirectionBits];
         end
       end
     end
@@ -248,10 +253,11 @@ module photon_gatherer_candidates #(
 
   // ---- the oldest pair loses what the bound leaves behind while it waits ----
   // When nothing is left of it, it goes without being taken, unless it ends its leaf; an end is merged with the pair in
-  // hand if that is of the same leaf.
+  // hand if that is of the same leaf. The bound is that of a cycle ago: it only shrinks, so what is beyond it stays so.
   logic wait_valid_q, wait_last_q, wait_first_q, gone, first_gone_q, wait_merge, wait_take;
   logic [RowBits-1:0] wait_row_q;
   logic [1:0] wait_mask_q, wait_near;
+  logic [R2Bits-1:0] wait_bound_q;
   logic [2*CandidateBits-1:0] wait_candidates_q;
   logic hand_q, hand_last_q, hand_other_q, ask, hand_two, hand_free, first;
   logic [LineBits-1:0] hand_line_q;
@@ -267,15 +273,17 @@ module photon_gatherer_candidates #(
     less_than #(
         .Width(R2Bits)
     ) compare (
-        .a_i(wait_bound_i),
+        .a_i(wait_bound_q),
         .b_i(wait_candidates_q[CandidateBits*c+:R2Bits]),
         .less_o(beyond)
     );
     assign wait_near[c] = !beyond;
   end
   assign first = next_word[2*CandidateBits+2];
+  assign bound_context_o = queue_ready ? next_word[PairBits-1-:ContextBits] : wait_context_o;
 
   always_ff @(posedge clk_i) begin
+    wait_bound_q <= bound_i;
     if (queue_ready) begin
       wait_valid_q <= next_valid;
       {wait_context_o, wait_row_q, wait_last_q} <= next_word[PairBits-1:2*CandidateBits+3];

@@ -67,15 +67,19 @@ module photon_gatherer_lanes #(
     lanes_must_divide_bucket bad_lanes ();
   end
 
-  // ---- room: a line is let in when its beats have a place in the FIFO ----
+  // ---- room: a line is let in when its beats have a place in the FIFO. That of the last cycle is counted now. ----
   logic [RoomBits-1:0] room_q;
-  logic pop, drop;
+  logic issue_q, pop, drop;
 
-  assign ready_o = room_q >= RoomBits'(Beats);
+  assign ready_o = room_q >= (issue_q ? RoomBits'(2 * Beats) : RoomBits'(Beats));
 
   always_ff @(posedge clk_i) begin
-    room_q <= room_q - (issue_i ? RoomBits'(Beats) : '0) + RoomBits'(pop) + RoomBits'(drop);
-    if (rst_i) room_q <= RoomBits'(FifoDepth);
+    issue_q <= issue_i;
+    room_q <= room_q - (issue_q ? RoomBits'(Beats) : '0) + RoomBits'(pop) + RoomBits'(drop);
+    if (rst_i) begin
+      issue_q <= 1'b0;
+      room_q  <= RoomBits'(FifoDepth);
+    end
   end
 
   // ---- register | differences | squares | sum | compare ----

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Exact flux of finished queries: reads the n loads of a context from the slot store, one a cycle, decodes
 // mantissa * 2^exponent (a multiplier by a power of two, then one step of 16) and adds. Queries follow each other
-// without a gap but the cycle in which the next is taken, in which the sum is cleared too. Latency n + 7. What
+// without a gap but the cycle in which the next is taken, in which the sum is cleared too. Latency n + 8. What
 // else is to go with the sum rides along, so the query's context is free when its last load is read.
 module photon_gatherer_sum #(
     parameter int unsigned K = 16,
@@ -74,8 +74,8 @@ module photon_gatherer_sum #(
     if (rst_i) active_q <= 1'b0;
   end
 
-  // ---- data | register | multiply | step of 16 | add ----
-  localparam int unsigned Stages = 5;
+  // ---- data | register | decode | multiply | step of 16 | add ----
+  localparam int unsigned Stages = 6;
   logic [Stages-1:0] active_s_q, read_s_q, last_q;
   logic [CountBits-1:0] count_s_q[0:Stages-1];
   logic [RideBits-1:0] ride_s_q[0:Stages-1];
@@ -84,9 +84,10 @@ module photon_gatherer_sum #(
   logic step_q, step_2_q;
   logic [Channels*ProductBits-1:0] product_q;
   logic [Channels*FluxBits-1:0] value_q, flux_q;
+  logic [PowerBits-1:0] power_q;  // nothing between block RAM and its register
   logic [ExponentBits-1:0] exponent;
 
-  assign exponent = read_power_i[PowerBits-1-:ExponentBits];
+  assign exponent = power_q[PowerBits-1-:ExponentBits];
 
   always_ff @(posedge clk_i) begin
     active_s_q <= {active_s_q[Stages-2:0], active_q};
@@ -98,7 +99,8 @@ module photon_gatherer_sum #(
       count_s_q[i] <= count_s_q[i-1];
       ride_s_q[i] <= ride_s_q[i-1];
     end
-    mantissas_q <= read_power_i[Channels*MantissaBits-1:0];
+    power_q <= read_power_i;
+    mantissas_q <= power_q[Channels*MantissaBits-1:0];
     for (int unsigned i = 0; i < FactorBits; i++) factor_q[i] <= exponent[StepBits-1:0] == StepBits'(i);
     step_q <= ExponentBits > 4 && exponent[ExponentBits-1];
     step_2_q <= step_q;
