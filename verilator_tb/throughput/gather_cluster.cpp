@@ -48,15 +48,15 @@ struct PlanOfBoard {
   const char* name;
   PhotonMemory memory;
   uint64_t photons;
-  int k, gatherers;
+  int k, gatherers, bucket;
 };
 constexpr PlanOfBoard kPlans[] = {
-    {"block_ram_k8", PhotonMemory::kBlockRam, 16384, 8, 5},
-    {"block_ram_k16", PhotonMemory::kBlockRam, 16384, 16, 5},
-    {"block_ram_k50", PhotonMemory::kBlockRam, 16384, 50, 3},
-    {"sdram_k8", PhotonMemory::kSdram, 65536, 8, 3},
-    {"sdram_k16", PhotonMemory::kSdram, 65536, 16, 3},
-    {"sdram_k50", PhotonMemory::kSdram, 65536, 50, 3},
+    {"block_ram_k8", PhotonMemory::kBlockRam, 16384, 8, 4, 8},
+    {"block_ram_k16", PhotonMemory::kBlockRam, 16384, 16, 4, 16},
+    {"block_ram_k50", PhotonMemory::kBlockRam, 16384, 50, 3, 8},
+    {"sdram_k8", PhotonMemory::kSdram, 65536, 8, 3, 8},
+    {"sdram_k16", PhotonMemory::kSdram, 65536, 16, 3, 8},
+    {"sdram_k50", PhotonMemory::kSdram, 65536, 50, 3, 8},
 };
 
 // The photons of a plan; a path that would overfill the map is cut.
@@ -70,14 +70,15 @@ Plan make_plan(const PlanOfBoard& p, const GatherLoad& load) {
   Plan plan = load.plan(stored_photons(load, p.photons), p.photons);
   plan.scene = "";
   plan.k = p.k;
+  plan.bucket = p.bucket;
   plan.reorder_packets = p.memory == PhotonMemory::kSdram ? 8192 : 512;
   plan.photon_memory = p.memory;
   plan.gatherers = p.gatherers;
   plan.photon_bytes = p.memory == PhotonMemory::kSdram ? 12 : 16;
-  // Caches of 32 lines, so shallow that they are made of LUTs: block RAM holds the map, or the
+  // Caches of 256 photons, so shallow that they are made of LUTs: block RAM holds the map, or the
   // cache before the SDRAM.
-  plan.beat_bits = (p.memory == PhotonMemory::kSdram ? 4 : 8) * plan.line_bytes();
-  plan.cache_bytes = 32 * plan.line_bytes();
+  plan.beat_bits = (p.memory == PhotonMemory::kSdram ? 4 : 8) * 8 * plan.photon_bytes;
+  plan.cache_bytes = 256 * plan.photon_bytes;
   plan.board_cache_bytes = 48 * 1024;
   plan.replay_queries = 1024;
   check_plan(plan);
