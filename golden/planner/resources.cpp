@@ -86,8 +86,10 @@ Terms reorder_terms(const Plan& p, const std::string& resource) {
     };
     const uint64_t slots = packets + 16, nodes = 4 * bins + slots;
     const int slot = clog2(slots), node = clog2(nodes);
+    // The sweep reads the number of a bin at three places.
+    const uint64_t counts = sweep ? 3 * block_rams(count, bins) : 0;
     return {{"memories", pool(query, slots) + pool(slot + node, nodes) + pool(slot + node, slots) +
-                             2 * block_rams(node, 4 * bins)}};
+                             2 * block_rams(node, 4 * bins) + counts}};
   }
   const int levels = (std::max(2, clog2(bins)) + 1) / 2;
   if (resource == "ff")
