@@ -178,9 +178,10 @@ def synthesise(folder, board, top, module, tools):
     return counts_of(os.path.join(folder, "build", top + ".stat.json"), board, module)
 
 
-def place(folder, board, top, seed, tools):
+def place(folder, board, top, seed, tools, route_speed=None):
     """Fmax in MHz of each clock and the placed use, with one seed; `.bit` beside it."""
-    run(["make", "-C", folder, f"SEED={seed}", "NEXTPNR_FLAGS=--timing-allow-fail"] + flow_variables(board, tools),
+    run(["make", "-C", folder, f"SEED={seed}", "NEXTPNR_FLAGS=--timing-allow-fail"] +
+        ([f"ROUTE_SPEED={route_speed}"] if route_speed else []) + flow_variables(board, tools),
         log=f"{folder.rstrip('/')}.seed{seed}.log")
     with open(os.path.join(folder, "build", f"{top}_seed{seed}.json")) as f:
         report = json.load(f)

@@ -239,7 +239,9 @@ std::string synthesis_script(const Board& b, const std::string& top, const std::
   return text + fmt::format("write_json build/{}.json\n", top);
 }
 
-std::string makefile(const Board& b, const std::string& top, int clock_khz) {
+constexpr int kSdramKhz = 100000;
+
+std::string makefile(const Board& b, const std::string& top, bool sdram, int clock_khz) {
   const std::string head = fmt::format(
       "# SPDX-License-Identifier: Apache-2.0\n"
       "# {0} for {1}: `make` leaves build/{0}_seed$(SEED).bit; SEED=n places it anew,\n"
@@ -257,19 +259,42 @@ std::string makefile(const Board& b, const std::string& top, int clock_khz) {
       "\t@mkdir -p build\n"
       "\t$(YOSYS) -q -l build/yosys.log board/synth.ys\n\n",
       top);
-  if (b.flow == Flow::kEcp5)
+  if (b.flow == Flow::kEcp5) {
+    std::string clocks = fmt::format("'$$glbnet$$clk' {:.3f}", clock_khz / 1000.0);
+    if (sdram) clocks += fmt::format(" '$$glbnet$$clk_sdram' {:.3f}", kSdramKhz / 1000.0);
     return head + "NEXTPNR ?= nextpnr-ecp5\nECPPACK ?= ecppack\n" + synthesis +
            fmt::format(
+               "# The router of nextpnr searches longer the slower the delays that it is given, "
+               "without end\n"
+               "# where wires are scarce. ROUTE_SPEED=8 has it route by those of the fastest "
+               "grade; what it\n"
+               "# leaves is analysed at grade 6 all the same. The clocks behind the PLL have to be "
+               "told again.\n"
+               "ROUTE_SPEED ?= 6\n"
+               "PLACE = $(NEXTPNR) -q --85k --package CABGA381 --freq {2:.3f} --lpf board/{1}.lpf\n"
+               "ROUTE = $(PLACE) --lpf $(ROUTED).clocks.lpf --no-pack --no-place\n"
+               "RESULT = --report $(ROUTED).json --log $(ROUTED).log --textcfg $@ "
+               "$(NEXTPNR_FLAGS)\n\n"
                "$(ROUTED).config: build/{0}.json board/{1}.lpf\n"
-               "\t$(NEXTPNR) -q --85k --package CABGA381 --speed 6 --freq {2:.3f} --seed $(SEED) "
-               "--json build/{0}.json --lpf board/{1}.lpf \\\n"
-               "\t  --report $(ROUTED).json --log $(ROUTED).log --textcfg $@ $(NEXTPNR_FLAGS)\n\n"
+               "ifeq ($(ROUTE_SPEED),6)\n"
+               "\t$(PLACE) --speed 6 --seed $(SEED) --json build/{0}.json $(RESULT)\n"
+               "else\n"
+               "\t@printf 'FREQUENCY NET \"%s\" %s MHZ;\\n' {3} >$(ROUTED).clocks.lpf\n"
+               "\t$(PLACE) --speed 6 --seed $(SEED) --json build/{0}.json --no-route "
+               "--timing-allow-fail \\\n"
+               "\t  --write $(ROUTED).placed.json --log $(ROUTED).placed.log\n"
+               "\t$(ROUTE) --speed $(ROUTE_SPEED) --json $(ROUTED).placed.json --timing-allow-fail "
+               "\\\n"
+               "\t  --write $(ROUTED).routed.json --log $(ROUTED).routed.log\n"
+               "\t$(ROUTE) --speed 6 --json $(ROUTED).routed.json $(RESULT)\n"
+               "endif\n\n"
                "$(ROUTED).bit: $(ROUTED).config\n"
                "\t$(ECPPACK) --compress $< $@\n\n"
                "flash: $(ROUTED).bit\n"
                "\topenFPGALoader -b ulx3s $<\n\n"
                "clean:\n\trm -rf build\n",
-               top, b.top, clock_khz / 1000.0);
+               top, b.top, clock_khz / 1000.0, clocks);
+  }
   return head + "NEXTPNR ?= nextpnr-ice40\nICEPACK ?= icepack\n" + synthesis +
          fmt::format(
              "$(ROUTED).config: build/{0}.json board/{1}.pcf\n"
@@ -355,7 +380,6 @@ int uart_baud(const Board& b, int clock_khz) {
 
 // The SDRAM's own clock; its pin is ahead of it by a quarter, so that what the chip answers is
 // stable when it is taken, and what it is told is stable when it looks.
-constexpr int kSdramKhz = 100000;
 
 std::string ulx3s_top(const Board& b, bool sdram, int clock_khz, int baud) {
   const Pll pll = ecp5_pll(b.oscillator_khz, clock_khz);
@@ -711,7 +735,7 @@ BoardFiles board_files(const Plan& plan, const BoardRequest& request, const std:
   }
   if (b.flow != Flow::kVivado) {
     out.files["board/synth.ys"] = synthesis_script(b, out.top, request.unit, all);
-    out.files["Makefile"] = makefile(b, out.top, out.clock_khz);
+    out.files["Makefile"] = makefile(b, out.top, sdram, out.clock_khz);
   }
   out.readme = board_readme(b, out);
   return out;
