@@ -97,14 +97,17 @@ Terms reorder_terms(const Plan& p, const std::string& resource) {
             {"numbers", count + clog2(bins)},
             {"query", query},
             {"unit", 1}};
-  // The tournament of reorder_fullest: at each level four players a word in LUT RAM, six compared.
+  // The sweep holds two words of the bitmap and a bit for each word. The tournament of
+  // reorder_fullest: at each level four players a word in LUT RAM, six compared.
+  const int bin = clog2(bins), word = 1 << ((bin + 1) / 2), words = 1 << (bin / 2);
   double tree = 0;
   for (int l = 0; l < levels; ++l) {
     const int depth = 1 << (2 * levels - 2 * l - 2);
     tree += 4 * (count + 2 * l) * ((depth + 15) / 16) + 6 * count;
   }
-  return {{"counts", sweep ? static_cast<double>(bins) * count : 0},
-          {"choice", std::sqrt(static_cast<double>(bins))},
+  return {{"turns", static_cast<double>(bins)},
+          {"word", sweep ? word : 0},
+          {"words", sweep ? words : 0},
           {"tournament", sweep ? 0 : tree},
           {"unit", 1}};
 }
