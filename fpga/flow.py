@@ -183,12 +183,14 @@ def place(folder, board, top, seed, tools, route_speed=None):
     run(["make", "-C", folder, f"SEED={seed}", "NEXTPNR_FLAGS=--timing-allow-fail"] +
         ([f"ROUTE_SPEED={route_speed}"] if route_speed else []) + flow_variables(board, tools),
         log=f"{folder.rstrip('/')}.seed{seed}.log")
-    with open(os.path.join(folder, "build", f"{top}_seed{seed}.json")) as f:
+    routed = f"{top}_seed{seed}" + (f"_route{route_speed}" if route_speed not in (None, 6) else "")  # as in the Makefile
+    with open(os.path.join(folder, "build", routed + ".json")) as f:
         report = json.load(f)
     clocks = {name: {"achieved": c["achieved"], "constraint": c["constraint"]} for name, c in report["fmax"].items()}
     if not clocks:
         raise Failure(f"{folder}: nextpnr reports no clock")
-    return {"seed": seed, "clocks": clocks, "utilization": report["utilization"]}
+    return {"seed": seed, "clocks": clocks, "utilization": report["utilization"],
+            "bitstream": os.path.relpath(os.path.join(folder, "build", routed + ".bit"), ROOT)}
 
 
 def median(values):

@@ -250,7 +250,7 @@ std::string makefile(const Board& b, const std::string& top, bool sdram, int clo
   const std::string synthesis = fmt::format(
       "SEED ?= 1\n"
       "YOSYS ?= yosys\n"
-      "ROUTED := build/{0}_seed$(SEED)\n\n"
+      "ROUTED := build/{0}_seed$(SEED){1}\n\n"
       ".PHONY: all synth route flash clean\n"
       "all: $(ROUTED).bit\n"
       "synth: build/{0}.json\n"
@@ -258,11 +258,12 @@ std::string makefile(const Board& b, const std::string& top, bool sdram, int clo
       "build/{0}.json: files.f board/synth.ys $(shell cat files.f)\n"
       "\t@mkdir -p build\n"
       "\t$(YOSYS) -q -l build/yosys.log board/synth.ys\n\n",
-      top);
+      top,
+      b.flow == Flow::kEcp5 ? "$(if $(filter-out 6,$(ROUTE_SPEED)),_route$(ROUTE_SPEED))" : "");
   if (b.flow == Flow::kEcp5) {
     std::string clocks = fmt::format("'$$glbnet$$clk' {:.3f}", clock_khz / 1000.0);
     if (sdram) clocks += fmt::format(" '$$glbnet$$clk_sdram' {:.3f}", kSdramKhz / 1000.0);
-    return head + "NEXTPNR ?= nextpnr-ecp5\nECPPACK ?= ecppack\n" + synthesis +
+    return head + "NEXTPNR ?= nextpnr-ecp5\nECPPACK ?= ecppack\nROUTE_SPEED ?= 6\n" + synthesis +
            fmt::format(
                "# The router of nextpnr searches longer the slower the delays that it is given, "
                "without end\n"
@@ -270,7 +271,6 @@ std::string makefile(const Board& b, const std::string& top, bool sdram, int clo
                "grade; what it\n"
                "# leaves is analysed at grade 6 all the same. The clocks behind the PLL have to be "
                "told again.\n"
-               "ROUTE_SPEED ?= 6\n"
                "PLACE = $(NEXTPNR) -q --85k --package CABGA381 --freq {2:.3f} --lpf board/{1}.lpf\n"
                "ROUTE = $(PLACE) --lpf $(ROUTED).clocks.lpf --no-pack --no-place\n"
                "RESULT = --report $(ROUTED).json --log $(ROUTED).log --textcfg $@ "
