@@ -178,12 +178,14 @@ def synthesise(folder, board, top, module, tools):
     return counts_of(os.path.join(folder, "build", top + ".stat.json"), board, module)
 
 
-def place(folder, board, top, seed, tools, route_speed=None):
+def place(folder, board, top, seed, tools, route_speed=None, placer="heap"):
     """Fmax in MHz of each clock and the placed use, with one seed; `.bit` beside it."""
     run(["make", "-C", folder, f"SEED={seed}", "NEXTPNR_FLAGS=--timing-allow-fail"] +
-        ([f"ROUTE_SPEED={route_speed}"] if route_speed else []) + flow_variables(board, tools),
+        ([f"ROUTE_SPEED={route_speed}"] if route_speed else []) +
+        ([f"PLACER={placer}"] if placer != "heap" else []) + flow_variables(board, tools),
         log=f"{folder.rstrip('/')}.seed{seed}.log")
-    routed = f"{top}_seed{seed}" + (f"_route{route_speed}" if route_speed not in (None, 6) else "")  # as in the Makefile
+    routed = (f"{top}_seed{seed}" + (f"_{placer}" if placer != "heap" else "") +
+              (f"_route{route_speed}" if route_speed not in (None, 6) else ""))  # as in the Makefile
     with open(os.path.join(folder, "build", routed + ".json")) as f:
         report = json.load(f)
     clocks = {name: {"achieved": c["achieved"], "constraint": c["constraint"]} for name, c in report["fmax"].items()}

@@ -89,6 +89,7 @@ struct Plan {
   PhotonMemory photon_memory = PhotonMemory::kBlockRam;
   int board_cache_bytes = 65536;  // of photon lines, before an SDRAM
   int replay_queries = 1024;      // block RAM of the query replayer
+  int lut_ram_words = 0;          // memories of so many words at most are made of LUTs
   // [frame]
   int width = 256, height = 256;
   int spp = 16;
@@ -201,6 +202,8 @@ struct Plan {
       "lines that all gatherers share before an SDRAM");
     v("board", "replay_queries", p.replay_queries, 2, 65536,
       "queries that a board's replayer holds, a power of two");
+    v("board", "lut_ram_words", p.lut_ram_words, 0, 1024,
+      "memories of so many words at most are made of LUTs, not of block RAM");
     v("frame", "width", p.width, 1, 16384, "pixels");
     v("frame", "height", p.height, 1, 16384, "pixels");
     v("frame", "spp", p.spp, 1, 1 << 20, "samples per pixel");

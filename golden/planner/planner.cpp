@@ -382,6 +382,7 @@ PlannedFrame make_plan(const World& world, const PlanRequest& request, const Pho
                                            map_bytes / 1024, kBoardBlockRamBytes / 1024);
   why["board.cache_bytes"] = "used before an SDRAM: some 26 block RAMs of an LFE5U-85F";
   why["board.replay_queries"] = "the rate of a board without its link";
+  why["board.lut_ram_words"] = "block RAM is short where several gatherers share it";
 
   // The frame.
   why["frame.tile"] = "rays of a tile are made together";

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // Block RAM: one write port, one read port, one clock; a read takes one cycle (put a register behind it where the path
 // matters). Not reset. Collision rule: a read of the word being written in the same cycle gives a word nobody may use;
-// simulation returns the complement of the old one, so that whoever uses it fails. A memory of at most LutDepth words is
+// simulation returns the complement of the old one, so that whoever uses it fails. A memory of at most LutWords words is
 // made of LUTs, with a register behind it: the same from outside, for parts whose block RAM is short.
 module block_ram #(
     parameter int unsigned Width = 8,
     parameter int unsigned Depth = 512,
     /* verilator lint_off UNUSEDPARAM */  // what a memory is made of does not show in simulation
-    parameter int unsigned LutDepth = photonloom_pkg::LutRamDepth,
+    parameter int unsigned LutWords = photonloom_pkg::LutRamWords,
     /* verilator lint_on UNUSEDPARAM */
     localparam int unsigned AddressBits = Depth > 1 ? $clog2(Depth) : 1
 ) (
@@ -20,7 +20,7 @@ module block_ram #(
     output logic [      Width-1:0] read_data_o
 );
 `ifdef SYNTHESIS
-  if (Depth <= LutDepth) begin : gen_luts
+  if (Depth <= LutWords) begin : gen_luts
     (* no_rw_check, ram_style = "distributed" *) logic [Width-1:0] memory[0:Depth-1];
     always_ff @(posedge clk_i) if (write_i) memory[write_address_i] <= write_data_i;
     always_ff @(posedge clk_i) if (read_i) read_data_o <= memory[read_address_i];

@@ -259,20 +259,29 @@ std::string makefile(const Board& b, const std::string& top, bool sdram, int clo
       "\t@mkdir -p build\n"
       "\t$(YOSYS) -q -l build/yosys.log board/synth.ys\n\n",
       top,
-      b.flow == Flow::kEcp5 ? "$(if $(filter-out 6,$(ROUTE_SPEED)),_route$(ROUTE_SPEED))" : "");
+      b.flow == Flow::kEcp5 ? "$(if $(filter-out heap,$(PLACER)),_$(PLACER))"
+                              "$(if $(filter-out 6,$(ROUTE_SPEED)),_route$(ROUTE_SPEED))"
+                            : "");
   if (b.flow == Flow::kEcp5) {
     std::string clocks = fmt::format("'$$glbnet$$clk' {:.3f}", clock_khz / 1000.0);
     if (sdram) clocks += fmt::format(" '$$glbnet$$clk_sdram' {:.3f}", kSdramKhz / 1000.0);
-    return head + "NEXTPNR ?= nextpnr-ecp5\nECPPACK ?= ecppack\nROUTE_SPEED ?= 6\n" + synthesis +
+    return head +
+           "NEXTPNR ?= nextpnr-ecp5\nECPPACK ?= ecppack\nPLACER ?= heap\nROUTE_SPEED ?= 6\n" +
+           synthesis +
            fmt::format(
-               "# The router of nextpnr searches longer the slower the delays that it is given, "
+               "# PLACER=static leaves shorter wires than nextpnr's default, and so a router less "
+               "to do on a "
+               "wide top.\n"
+               "# The router of nextpnr 0.7 searches longer the slower the delays that it is "
+               "given, "
                "without end\n"
                "# where wires are scarce. ROUTE_SPEED=8 has it route by those of the fastest "
                "grade; what it\n"
                "# leaves is analysed at grade 6 all the same. The clocks behind the PLL have to be "
                "told again.\n"
-               "PLACE = $(NEXTPNR) -q --85k --package CABGA381 --freq {2:.3f} --lpf board/{1}.lpf\n"
-               "ROUTE = $(PLACE) --lpf $(ROUTED).clocks.lpf --no-pack --no-place\n"
+               "PART = $(NEXTPNR) -q --85k --package CABGA381 --freq {2:.3f} --lpf board/{1}.lpf\n"
+               "PLACE = $(PART) --placer $(PLACER)\n"
+               "ROUTE = $(PART) --lpf $(ROUTED).clocks.lpf --no-pack --no-place\n"
                "RESULT = --report $(ROUTED).json --log $(ROUTED).log --textcfg $@ "
                "$(NEXTPNR_FLAGS)\n\n"
                "$(ROUTED).config: build/{0}.json board/{1}.lpf\n"

@@ -73,10 +73,7 @@ std::vector<PackageConstant> package_constants(const Plan& plan) {
   LINE(photon_memory, "of a board: 0 block RAM, 1 SDRAM");
   LINE(board_cache_bytes, "lines that a board's gatherers share before an SDRAM");
   LINE(replay_queries, "queries that a board's replayer holds");
-  // A gatherer's memories are many and shallow: beside others on one part they run out of block RAM
-  // long before they run out of LUTs.
-  number("lut_ram_depth", plan.gatherers > 1 ? 64 : 0,
-         "memories of so many words at most are made of LUTs");
+  LINE(lut_ram_words, "memories of so many words at most are made of LUTs");
   number("line_tag_bits",
          static_cast<uint64_t>(std::max(1, clog2(static_cast<uint64_t>(plan.cache_misses)))),
          "tag of a line request");
