@@ -43,24 +43,23 @@ struct Options {
   bool radius = false;
 };
 
-// What the command line's plans are: a memory and a k each, with as many gatherers as the part has
-// block RAM, logic and wires for. Those on block RAM leave none of it to a fourth; their shallow
-// memories of more than 32 words are block RAM all the same, which saves a quarter of the LUTs and
-// most of the wires that nextpnr fights for. Before an SDRAM the pool is what block RAM is best
-// spent on: each sweep over it takes every line once or twice, however many queries it serves.
+// What the command line's plans are: a memory and a k each, with as many gatherers as nextpnr finds
+// wires for. Where the map lies in block RAM, shallow memories of more than 32 words are block RAM
+// too: it costs none of the wires that LUT RAM does. Before an SDRAM the pool is what block RAM is
+// best spent on: each sweep over it takes every line once or twice, however many queries it serves.
 struct PlanOfBoard {
   const char* name;
   PhotonMemory memory;
   uint64_t photons;
-  int k, gatherers, bucket, leaf_cache, pool, cache_kb, lut_ram_words;  // caches in photons, KiB
+  int k, gatherers, bucket, pool, bins, cache_kb, lut_ram_words;
 };
 constexpr PlanOfBoard kPlans[] = {
-    {"block_ram_k8", PhotonMemory::kBlockRam, 16384, 8, 3, 8, 128, 512, 48, 32},
-    {"block_ram_k16", PhotonMemory::kBlockRam, 16384, 16, 3, 16, 128, 512, 48, 32},
-    {"block_ram_k50", PhotonMemory::kBlockRam, 16384, 50, 2, 8, 128, 512, 48, 32},
-    {"sdram_k8", PhotonMemory::kSdram, 65536, 8, 3, 8, 128, 9216, 96, 64},
-    {"sdram_k16", PhotonMemory::kSdram, 65536, 16, 3, 8, 128, 8192, 48, 64},
-    {"sdram_k50", PhotonMemory::kSdram, 65536, 50, 2, 8, 256, 10240, 96, 64},
+    {"block_ram_k8", PhotonMemory::kBlockRam, 16384, 8, 2, 8, 512, 512, 48, 32},
+    {"block_ram_k16", PhotonMemory::kBlockRam, 16384, 16, 2, 16, 512, 512, 48, 32},
+    {"block_ram_k50", PhotonMemory::kBlockRam, 16384, 50, 2, 8, 512, 512, 48, 32},
+    {"sdram_k8", PhotonMemory::kSdram, 65536, 8, 2, 8, 9216, 2048, 96, 64},
+    {"sdram_k16", PhotonMemory::kSdram, 65536, 16, 2, 8, 8192, 4096, 48, 64},
+    {"sdram_k50", PhotonMemory::kSdram, 65536, 50, 2, 8, 10240, 512, 96, 64},
 };
 
 // The photons of a plan; a path that would overfill the map is cut.
@@ -76,13 +75,14 @@ Plan make_plan(const PlanOfBoard& p, const GatherLoad& load) {
   plan.k = p.k;
   plan.bucket = p.bucket;
   plan.reorder_packets = p.pool;
+  plan.reorder_bins = p.bins;
+  plan.reorder_cell_bits = p.bins > 512 ? 4 : 3;
   plan.photon_memory = p.memory;
   plan.gatherers = p.gatherers;
   plan.photon_bytes = p.memory == PhotonMemory::kSdram ? 12 : 16;
-  plan.beat_bits = (p.memory == PhotonMemory::kSdram ? 4 : 8) * 8 * plan.photon_bytes;
-  // Caches so shallow that they are made of LUTs: block RAM holds the map, or the cache before the
-  // SDRAM. Twice as large gains 1 % and takes 1,500 LUTs a gatherer.
-  plan.cache_bytes = p.leaf_cache * plan.photon_bytes;
+  // Half a line a beat keeps two gatherers busy; leaf caches of 256 photons, in 64 words.
+  plan.beat_bits = 4 * 8 * plan.photon_bytes;
+  plan.cache_bytes = 256 * plan.photon_bytes;
   plan.board_cache_bytes = p.cache_kb * 1024;
   plan.lut_ram_words = p.lut_ram_words;
   plan.replay_queries = 1024;
