@@ -9,8 +9,10 @@ import json
 import os
 import re
 import shutil
+import signal
 import subprocess
 import sys
+import time
 
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 PHOTONLOOM = os.environ.get("PHOTONLOOM", os.path.join(ROOT, "build", "photonloom"))
@@ -33,6 +35,7 @@ ICE40 = {
 }
 BOARDS = {"ulx3s-85f": ECP5, "up5k": ICE40}
 RESOURCES = list(ECP5)
+STATIC_ROUNDS = 900  # of nextpnr's static placer; see watch_static
 
 
 class Failure(Exception):
@@ -178,20 +181,54 @@ def synthesise(folder, board, top, module, tools):
     return counts_of(os.path.join(folder, "build", top + ".stat.json"), board, module)
 
 
+def watch_static(command, log, placer_log):
+    """Runs a placement by nextpnr's static placer. False where it does not come to an end: it has been seen to go round with
+    the same overlap of block RAMs for ever; a placement that ended took some 600 rounds."""
+    with open(log, "w") as out:
+        running = subprocess.Popen(command, stdout=out, stderr=subprocess.STDOUT, start_new_session=True)
+        try:
+            while running.poll() is None:
+                time.sleep(2)
+                if os.path.isfile(placer_log):
+                    with open(placer_log) as f:
+                        rounds = re.findall(r"^Info: iter=(\d+) ", f.read(), re.M)
+                    if rounds and int(rounds[-1]) > STATIC_ROUNDS:
+                        return False
+        finally:
+            if running.poll() is None:
+                os.killpg(running.pid, signal.SIGTERM)
+                running.wait()
+    if running.returncode != 0:
+        raise Failure(f"{' '.join(command[:2])} failed (all of it: {log})")
+    return True
+
+
 def place(folder, board, top, seed, tools, route_speed=None, placer="heap"):
     """Fmax in MHz of each clock and the placed use, with one seed; `.bit` beside it."""
-    run(["make", "-C", folder, f"SEED={seed}", "NEXTPNR_FLAGS=--timing-allow-fail"] +
-        ([f"ROUTE_SPEED={route_speed}"] if route_speed else []) +
-        ([f"PLACER={placer}"] if placer != "heap" else []) + flow_variables(board, tools),
-        log=f"{folder.rstrip('/')}.seed{seed}.log")
-    routed = (f"{top}_seed{seed}" + (f"_{placer}" if placer != "heap" else "") +
-              (f"_route{route_speed}" if route_speed not in (None, 6) else ""))  # as in the Makefile
+    log = f"{folder.rstrip('/')}.seed{seed}.log"
+    command = (["make", "-C", folder, f"SEED={seed}", "NEXTPNR_FLAGS=--timing-allow-fail"] +
+               ([f"ROUTE_SPEED={route_speed}"] if route_speed else []) + flow_variables(board, tools))
+
+    def routed_name(placer):  # as in the Makefile
+        return (f"{top}_seed{seed}" + (f"_{placer}" if placer != "heap" else "") +
+                (f"_route{route_speed}" if route_speed not in (None, 6) else ""))
+
+    if placer == "static":
+        placer_log = os.path.join(folder, "build", routed_name(placer) + (".placed" if route_speed not in (None, 6) else "") + ".log")
+        if os.path.isfile(placer_log) and not os.path.isfile(os.path.join(folder, "build", routed_name(placer) + ".config")):
+            os.remove(placer_log)  # of a run that was cut short
+        if not watch_static(command + ["PLACER=static"], log, placer_log):
+            print(f"fpga: {top}: seed {seed}: nextpnr's static placer does not end; takes the other", flush=True)
+            placer = "heap"
+    if placer == "heap":
+        run(command, log=log)
+    routed = routed_name(placer)
     with open(os.path.join(folder, "build", routed + ".json")) as f:
         report = json.load(f)
     clocks = {name: {"achieved": c["achieved"], "constraint": c["constraint"]} for name, c in report["fmax"].items()}
     if not clocks:
         raise Failure(f"{folder}: nextpnr reports no clock")
-    return {"seed": seed, "clocks": clocks, "utilization": report["utilization"],
+    return {"seed": seed, "placer": placer, "clocks": clocks, "utilization": report["utilization"],
             "bitstream": os.path.relpath(os.path.join(folder, "build", routed + ".bit"), ROOT)}
 
 
