@@ -44,9 +44,10 @@ struct Options {
 };
 
 // What the command line's plans are: a memory and a k each, with as many gatherers as nextpnr finds
-// wires for. Where the map lies in block RAM, shallow memories of more than 32 words are block RAM
-// too: it costs none of the wires that LUT RAM does. Before an SDRAM the pool is what block RAM is
-// best spent on: each sweep over it takes every line once or twice, however many queries it serves.
+// wires and block RAM for. Where the map lies in block RAM, shallow memories of more than 32 words
+// are block RAM too: it costs none of the wires that LUT RAM does. Before an SDRAM the pool is what
+// block RAM is best spent on: each sweep over it takes every line once or twice, however many
+// queries it serves.
 struct PlanOfBoard {
   const char* name;
   PhotonMemory memory;
@@ -56,7 +57,7 @@ struct PlanOfBoard {
 constexpr PlanOfBoard kPlans[] = {
     {"block_ram_k8", PhotonMemory::kBlockRam, 16384, 8, 2, 8, 512, 512, 48, 32},
     {"block_ram_k16", PhotonMemory::kBlockRam, 16384, 16, 2, 16, 512, 512, 48, 32},
-    {"block_ram_k50", PhotonMemory::kBlockRam, 16384, 50, 2, 8, 512, 512, 48, 32},
+    {"block_ram_k50", PhotonMemory::kBlockRam, 16384, 50, 1, 8, 512, 512, 48, 32},
     {"sdram_k8", PhotonMemory::kSdram, 65536, 8, 2, 8, 9216, 1024, 96, 64},
     {"sdram_k16", PhotonMemory::kSdram, 65536, 16, 2, 8, 8192, 2048, 48, 64},
     {"sdram_k50", PhotonMemory::kSdram, 65536, 50, 1, 8, 10240, 512, 96, 32},
