@@ -60,7 +60,7 @@ constexpr PlanOfBoard kPlans[] = {
     {"block_ram_k50", PhotonMemory::kBlockRam, 16384, 50, 1, 8, 512, 512, 48, 32},
     {"sdram_k8", PhotonMemory::kSdram, 65536, 8, 2, 8, 9216, 1024, 96, 64},
     {"sdram_k16", PhotonMemory::kSdram, 65536, 16, 2, 8, 8192, 2048, 48, 64},
-    {"sdram_k50", PhotonMemory::kSdram, 65536, 50, 1, 8, 10240, 512, 96, 32},
+    {"sdram_k50", PhotonMemory::kSdram, 65536, 50, 2, 8, 10240, 512, 96, 64},
 };
 
 // The photons of a plan; a path that would overfill the map is cut.
