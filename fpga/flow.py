@@ -47,6 +47,13 @@ def fail(text, status=1):
     sys.exit(status)
 
 
+def complaint(command, output, log):
+    """What a command that failed said, in one sentence."""
+    words = [line for line in output.splitlines() if line.strip()]
+    said = next((line for line in words if "ERROR" in line), words[-1] if words else "it said nothing")
+    return Failure(f"{' '.join(command[:2])} failed: {said}" + (f" (all of it: {log})" if log else ""))
+
+
 def run(command, log=None, **options):
     """Runs a command; a Failure names its log, or carries its last words."""
     done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, **options)
@@ -54,9 +61,7 @@ def run(command, log=None, **options):
         with open(log, "w") as f:
             f.write(done.stdout)
     if done.returncode != 0:
-        words = [line for line in done.stdout.splitlines() if line.strip()]
-        said = next((line for line in words if "ERROR" in line), words[-1] if words else "it said nothing")
-        raise Failure(f"{' '.join(command[:2])} failed: {said}" + (f" (all of it: {log})" if log else ""))
+        raise complaint(command, done.stdout, log)
     return done.stdout
 
 
@@ -199,7 +204,8 @@ def watch_static(command, log, placer_log):
                 os.killpg(running.pid, signal.SIGTERM)
                 running.wait()
     if running.returncode != 0:
-        raise Failure(f"{' '.join(command[:2])} failed (all of it: {log})")
+        with open(log) as f:
+            raise complaint(command, f.read(), log)
     return True
 
 

@@ -81,7 +81,7 @@ Plan make_plan(const PlanOfBoard& p, const GatherLoad& load) {
   plan.photon_memory = p.memory;
   plan.gatherers = p.gatherers;
   plan.photon_bytes = p.memory == PhotonMemory::kSdram ? 12 : 16;
-  // Half a line a beat keeps two gatherers busy; leaf caches of 256 photons, in 64 words.
+  // Four photons a beat keep two gatherers busy; leaf caches of 256 photons, in 64 words.
   plan.beat_bits = 4 * 8 * plan.photon_bytes;
   plan.cache_bytes = 256 * plan.photon_bytes;
   plan.board_cache_bytes = p.cache_kb * 1024;
