@@ -46,11 +46,14 @@ void run_tool(const std::string& command, const std::string& log, const std::str
   std::istringstream in(read_file(log));
   std::vector<std::string> lines;
   for (std::string line; std::getline(in, line);) lines.push_back(line);
-  // From the first line that speaks of an error, which warnings may stand before.
+  // From the first line that speaks of an error, which warnings may stand before; Verilator stops
+  // for its warnings too.
+  const auto speaks = [](const std::string& line) {
+    return line.find("rror") != std::string::npos || line.find("ERROR") != std::string::npos ||
+           line.starts_with("%Warning");
+  };
   size_t first = 0;
-  while (first < lines.size() && lines[first].find("rror") == std::string::npos &&
-         lines[first].find("ERROR") == std::string::npos)
-    ++first;
+  while (first < lines.size() && !speaks(lines[first])) ++first;
   if (first == lines.size()) first = 0;
   std::string said;
   for (size_t i = first; i < std::min(lines.size(), first + 12); ++i) said += "\n  " + lines[i];

@@ -192,6 +192,14 @@ TEST_CASE("a bad policy and RTL that does not elaborate are clear errors") {
   write_file("rig_test_bad/reorder_buffer/reorder_buffer.sv", broken);
   CHECK_THROWS_WITH(make_rtl_reorder_buffer(plan(), o),
                     ContainsSubstring("verilator on reorder_buffer") && ContainsSubstring("ful_q"));
+  // Verilator stops for warnings too; its last line counts them and names none.
+  std::string careless = kUnit;
+  const size_t at = careless.find("  assign in_ready_o");
+  careless.insert(at, "  logic nobody_reads_it;\n  assign nobody_reads_it = full_q;\n");
+  write_file("rig_test_bad/reorder_buffer/reorder_buffer.sv", careless);
+  CHECK_THROWS_WITH(
+      make_rtl_reorder_buffer(plan(), o),
+      ContainsSubstring("verilator on reorder_buffer") && ContainsSubstring("nobody_reads_it"));
   o.rtl_dir = "rig_test_nowhere";
   CHECK_THROWS_WITH(make_rtl_reorder_buffer(plan(), o),
                     ContainsSubstring("is no folder, expected the RTL sources"));
