@@ -84,32 +84,31 @@ Terms reorder_terms(const Plan& p, const std::string& resource) {
       if (main < 512 || rest == 0) return block_rams(width, depth);
       return block_rams(width, main) + (rest > 64 ? block_rams(width, rest) : 0);
     };
-    const uint64_t slots = packets + 16, nodes = 4 * bins + slots;
-    const int slot = clog2(slots), node = clog2(nodes);
-    // The sweep reads the number of a bin at three places.
+    const uint64_t nodes = packets + 16;
+    const int node = clog2(nodes);
+    // Links and free list; tails, firsts, and heads, which have a bit more; how often a bin was
+    // filled and emptied, each read at two places; and the sweep reads the number of a bin at
+    // three.
+    const uint64_t lists = 2 * pool(node, nodes) + 2 * block_rams(node, 4 * bins) +
+                           block_rams(node + 1, 4 * bins) +
+                           4 * block_rams(std::max(3, clog2(packets + 2)), bins);
     const uint64_t counts = sweep ? 3 * block_rams(count, bins) : 0;
-    return {{"memories", pool(query, slots) + pool(slot + node, nodes) + pool(slot + node, slots) +
-                             2 * block_rams(node, 4 * bins) + counts}};
+    return {{"memories", pool(query, nodes) + lists + counts}};
   }
-  const int levels = (std::max(2, clog2(bins)) + 1) / 2;
-  if (resource == "ff")
-    return {{"levels", sweep ? 0 : levels * count},
-            {"numbers", count + clog2(bins)},
-            {"query", query},
-            {"unit", 1}};
-  // The sweep holds two words of the bitmap and a bit for each word. The tournament of
-  // reorder_fullest: at each level four players a word in LUT RAM, six compared.
-  const int bin = clog2(bins), word = 1 << ((bin + 1) / 2), words = 1 << (bin / 2);
+  // Numbers of packets and of bins go through every stage.
+  const int bin = clog2(bins), levels = (std::max(2, bin) + 1) / 2;
+  const double numbers = count + bin;
+  if (resource == "ff") return {{"levels", sweep ? 0 : levels * count}, {"numbers", numbers}};
+  // The sweep searches words of its bitmap. The tournament of reorder_fullest: at each level four
+  // players a word in LUT RAM, six compared.
   double tree = 0;
   for (int l = 0; l < levels; ++l) {
     const int depth = 1 << (2 * levels - 2 * l - 2);
     tree += 4 * (count + 2 * l) * ((depth + 15) / 16) + 6 * count;
   }
-  return {{"turns", static_cast<double>(bins)},
-          {"word", sweep ? word : 0},
-          {"words", sweep ? words : 0},
+  return {{"word", sweep ? 1 << ((bin + 1) / 2) : 0},
           {"tournament", sweep ? 0 : tree},
-          {"unit", 1}};
+          {"numbers", numbers}};
 }
 
 Terms sampler_terms(const Plan& p, const std::string& resource) {

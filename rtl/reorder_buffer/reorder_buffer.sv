@@ -5,7 +5,7 @@
 //
 // Throughput, once full: sweep one packet a cycle but for 7 cycles once a pass through the bins; fullest n packets in
 // n + 3 cycles, n the length of the bin, and no choice sooner than 2 * Levels + 2 cycles after the last; pass-through one
-// packet a cycle. Latency from the packet that lets it go to out_valid_o: key (CellBits or 3) + 14 cycles. After reset
+// packet a cycle. Latency from the packet that lets it go to out_valid_o: key (CellBits or 3) + 15 cycles. After reset
 // no packet is processed for 4 * Bins + 2 cycles.
 module reorder_buffer #(
     parameter int unsigned Key = photonloom_pkg::ReorderKey,  // 0 pass-through, 1 Hilbert, 2 hash
