@@ -210,7 +210,8 @@ def watch_static(command, log, placer_log):
 
 
 def place(folder, board, top, seed, tools, route_speed=None, placer="heap"):
-    """Fmax in MHz of each clock and the placed use, with one seed; `.bit` beside it."""
+    """Fmax in MHz of each clock and the placed use, with one seed; `.bit` beside it. None where the static placer does not
+    end."""
     log = f"{folder.rstrip('/')}.seed{seed}.log"
     command = (["make", "-C", folder, f"SEED={seed}", "NEXTPNR_FLAGS=--timing-allow-fail"] +
                ([f"ROUTE_SPEED={route_speed}"] if route_speed else []) + flow_variables(board, tools))
@@ -224,9 +225,8 @@ def place(folder, board, top, seed, tools, route_speed=None, placer="heap"):
         if os.path.isfile(placer_log) and not os.path.isfile(os.path.join(folder, "build", routed_name(placer) + ".config")):
             os.remove(placer_log)  # of a run that was cut short
         if not watch_static(command + ["PLACER=static"], log, placer_log):
-            print(f"fpga: {top}: seed {seed}: nextpnr's static placer does not end; takes the other", flush=True)
-            placer = "heap"
-    if placer == "heap":
+            return None
+    else:
         run(command, log=log)
     routed = routed_name(placer)
     with open(os.path.join(folder, "build", routed + ".json")) as f:

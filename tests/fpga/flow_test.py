@@ -1,7 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """What the scripts of the FPGA flow decide, on made-up figures."""
+import argparse
+import contextlib
 import importlib.machinery
 import importlib.util
+import io
 import json
 import os
 import sys
@@ -42,6 +45,43 @@ class AreaCheck(unittest.TestCase):
 
     def test_shrinking_is_told(self):
         self.assertEqual(self.check(DPR16X4=30), ([], ["unit: DPR16X4 40 -> 30 (-25.0 %)"]))
+
+
+class Placements(unittest.TestCase):
+    def place(self, seeds, endless):
+        """The (seed, placer) that are kept where the static placer does not end with some seeds."""
+        o = argparse.Namespace(first_seed=1, seeds=seeds, placer="static")
+        with contextlib.redirect_stdout(io.StringIO()):
+            return script("fpga").placements(o, "board", lambda seed, placer: None if placer == "static" and seed in endless
+                                             else (seed, placer))
+
+    def test_a_further_seed_stands_in(self):
+        self.assertEqual(self.place(2, []), [(1, "static"), (2, "static")])
+        self.assertEqual(self.place(2, [1]), [(2, "static"), (3, "static")])
+        self.assertEqual(self.place(1, [1, 2]), [(3, "static")])
+
+    def test_then_the_default_placer(self):
+        self.assertEqual(self.place(2, range(1, 9)), [(3, "heap"), (4, "heap")])
+
+
+class MeasuredAgain(unittest.TestCase):
+    old = {"plan": "p", "unit": "u", "resources": 1}
+
+    def merge(self, yosys):
+        data = {"versions": {"yosys": "a", "nextpnr-ecp5": "b"}, "measurements": [self.old, {**self.old, "unit": "v"}]}
+        script("fpga-plans").merge(data, [{**self.old, "resources": 2}, {**self.old, "plan": "q"}],
+                                   {"yosys": yosys, "nextpnr-ecp5": "c"})
+        return data
+
+    def test_new_takes_the_place_of_old(self):
+        data = self.merge("a")
+        self.assertEqual([(m["plan"], m["unit"], m["resources"]) for m in data["measurements"]],
+                         [("p", "u", 2), ("p", "v", 1), ("q", "u", 1)])
+        self.assertEqual(data["versions"]["nextpnr-ecp5"], "c")
+
+    def test_counts_of_two_yosys_do_not_mix(self):
+        with self.assertRaisesRegex(flow.Failure, "was measured with a, expected that of b"):
+            self.merge("b")
 
 
 class Counts(unittest.TestCase):
