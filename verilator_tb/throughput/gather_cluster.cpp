@@ -47,7 +47,7 @@ struct Options {
 // wires and block RAM for. Where the map lies in block RAM, shallow memories of more than 32 words
 // are block RAM too: it costs none of the wires that LUT RAM does. Before an SDRAM the pool is what
 // block RAM is best spent on: each sweep over it takes every line once or twice, however many
-// queries it serves.
+// queries it serves. A pool of 16 places less than its memories have words wastes none of them.
 struct PlanOfBoard {
   const char* name;
   PhotonMemory memory;
@@ -58,9 +58,9 @@ constexpr PlanOfBoard kPlans[] = {
     {"block_ram_k8", PhotonMemory::kBlockRam, 16384, 8, 2, 8, 512, 512, 48, 32},
     {"block_ram_k16", PhotonMemory::kBlockRam, 16384, 16, 2, 16, 512, 512, 48, 32},
     {"block_ram_k50", PhotonMemory::kBlockRam, 16384, 50, 1, 8, 512, 512, 48, 32},
-    {"sdram_k8", PhotonMemory::kSdram, 65536, 8, 2, 8, 9216, 1024, 96, 64},
-    {"sdram_k16", PhotonMemory::kSdram, 65536, 16, 2, 8, 8192, 2048, 48, 64},
-    {"sdram_k50", PhotonMemory::kSdram, 65536, 50, 2, 8, 10240, 512, 96, 64},
+    {"sdram_k8", PhotonMemory::kSdram, 65536, 8, 3, 8, 10224, 1024, 96, 64},
+    {"sdram_k16", PhotonMemory::kSdram, 65536, 16, 3, 8, 8176, 2048, 48, 64},
+    {"sdram_k50", PhotonMemory::kSdram, 65536, 50, 2, 8, 10224, 512, 96, 64},
 };
 
 // The photons of a plan; a path that would overfill the map is cut.
