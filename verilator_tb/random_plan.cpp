@@ -39,7 +39,7 @@ Plan draw(RoleRandom& random) {
   }
   p.leaf_limit = random.below(3) == 0 ? static_cast<uint32_t>(between(1, 12)) : 0;
   p.reciprocal_bits = random.below(4) == 0 ? 0 : between(8, 24);
-  p.contexts = between(1, 16);
+  p.contexts = between(1, 32);
   p.lanes = 1 << between(0, 3);
   const int line_bytes = p.bucket * p.photon_bytes;
   p.cache_ways = 1 << between(0, 2);

@@ -67,6 +67,10 @@ class RtlGatherEngine final : public GathererUnit {
     return due;
   }
 
+  void add_own_counters(Counters& counters) const override {
+    if (sdram_) counters["memory row changes"] = sdram_->chip().row_changes();
+  }
+
   // Byte `at` of the lines from `first_line` on, where docs/photon_memory.md puts it.
   void poke(uint64_t first_line, size_t at, uint32_t word) {
     const size_t line_bytes = static_cast<size_t>(plan_.line_bytes());

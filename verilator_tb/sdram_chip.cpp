@@ -68,6 +68,7 @@ void SdramChip::read(unsigned bank, unsigned column) {
     beats_.push_back({first + i, cell(bank, b.row, place)});
   }
   ++reads_;
+  last_read_bank_ = bank;
 }
 
 void SdramChip::write(unsigned bank, unsigned column, const SdramPins& pins) {
@@ -79,6 +80,7 @@ void SdramChip::write(unsigned bank, unsigned column, const SdramPins& pins) {
   if (!(pins.dqm & 1)) c = static_cast<uint16_t>((c & 0xff00) | (pins.data & 0x00ff));
   if (!(pins.dqm & 2)) c = static_cast<uint16_t>((c & 0x00ff) | (pins.data & 0xff00));
   b.written = now_;
+  last_read_bank_ = kNoBank;
 }
 
 void SdramChip::load_mode(unsigned mode) {
@@ -153,7 +155,12 @@ void SdramChip::edge(int64_t time, const SdramPins& pins) {
       if (pins.address & 0x400) {
         for (unsigned b = 0; b < 4; ++b) precharge(b);
         all_precharged_ = true;
+        last_read_bank_ = kNoBank;
       } else {
+        if (pins.bank == last_read_bank_) {
+          ++row_changes_;
+          last_read_bank_ = kNoBank;
+        }
         precharge(pins.bank);
       }
       break;

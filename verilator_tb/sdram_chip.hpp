@@ -63,6 +63,9 @@ class SdramChip {
   bool initialised() const { return initialised_; }
   uint64_t refreshes() const { return refreshes_; }
   uint64_t reads() const { return reads_; }
+  // Times that the bank of the last READ was told to close its row, for another one: no data of
+  // another bank can hide its PRECHARGE and the ACTIVATE after it.
+  uint64_t row_changes() const { return row_changes_; }
 
  private:
   struct Bank {
@@ -75,6 +78,7 @@ class SdramChip {
     uint16_t data;
   };
   static constexpr int64_t kLongAgo = -(int64_t{1} << 50);
+  static constexpr unsigned kNoBank = 4;
 
   void fail(const std::string& rule, const std::string& what) const;
   void need(int64_t since, int64_t time, const std::string& rule, const std::string& what) const;
@@ -93,7 +97,8 @@ class SdramChip {
   uint64_t edge_ = 0, mode_edge_ = 0;
   bool started_ = false, all_precharged_ = false, mode_set_ = false, initialised_ = false;
   int init_refreshes_ = 0;
-  uint64_t refreshes_ = 0, reads_ = 0;
+  uint64_t refreshes_ = 0, reads_ = 0, row_changes_ = 0;
+  unsigned last_read_bank_ = kNoBank;
   unsigned burst_ = 1, latency_ = 3;
   std::deque<Beat> beats_;
   bool driving_ = false, was_driving_ = false;

@@ -17,6 +17,7 @@ class SdramSocket {
   // Just before edge number `edge` of the controller's clock: the pins, both ways.
   void before_edge(uint64_t edge);
   SdramChip& chip() { return chip_; }
+  const SdramChip& chip() const { return chip_; }
 
  private:
   SdramChip chip_;

@@ -179,7 +179,7 @@ struct Plan {
       "leaves visited per query at most, 0 for no limit");
     v("gather", "reciprocal_bits", p.reciprocal_bits, 0, 24,
       "W of reciprocal(r^2), 0 for none, else at least 8");
-    v("gatherer", "contexts", p.contexts, 1, 16, "queries in flight");
+    v("gatherer", "contexts", p.contexts, 1, 32, "queries in flight");
     v("gatherer", "lanes", p.lanes, 1, 16, "distances per cycle");
     v("gatherer", "cache_bytes", p.cache_bytes, 0, 1 << 20, "leaf cache");
     v("gatherer", "cache_ways", p.cache_ways, 1, 8, "its associativity");

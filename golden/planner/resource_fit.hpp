@@ -10,16 +10,17 @@ struct ResourceCoefficient {
   double coefficient;
 };
 inline constexpr ResourceCoefficient kResourceCoefficients[] = {
-    {"photon_gatherer", "lut", "list", 2.74914},
-    {"photon_gatherer", "lut", "lanes", 20.9864},
-    {"photon_gatherer", "lut", "flux", 1.8375},
-    {"photon_gatherer", "lut", "contexts", 18.2068},
-    {"photon_gatherer", "lut", "unit", 2718.47},
-    {"photon_gatherer", "ff", "list", 0.172174},
-    {"photon_gatherer", "ff", "lanes", 48.7862},
-    {"photon_gatherer", "ff", "flux", 7.13455},
-    {"photon_gatherer", "ff", "contexts", 16.6516},
-    {"photon_gatherer", "ff", "unit", 4124.81},
+    {"photon_gatherer", "lut", "list", 2.80584},
+    {"photon_gatherer", "lut", "lanes", 22.0189},
+    {"photon_gatherer", "lut", "flux", 1.42814},
+    {"photon_gatherer", "lut", "contexts", 10.048},
+    {"photon_gatherer", "lut", "unit", 2753.92},
+    {"photon_gatherer", "lut", "beyond 16 contexts", 1.75783},
+    {"photon_gatherer", "ff", "list", 0.207635},
+    {"photon_gatherer", "ff", "lanes", 50.5305},
+    {"photon_gatherer", "ff", "flux", 6.72045},
+    {"photon_gatherer", "ff", "contexts", 7.809},
+    {"photon_gatherer", "ff", "unit", 4148.15},
     {"photon_gatherer", "dsp", "products", 1},
     {"photon_gatherer", "ebr", "memories", 1},
     {"photon_gatherer", "ebr", "unit", 2},
@@ -54,8 +55,8 @@ struct ResourceError {
   double error;  // relative, the largest of all plans, each predicted from the others
 };
 inline constexpr ResourceError kResourceErrors[] = {
-    {"photon_gatherer", "lut", 0.1289},
-    {"photon_gatherer", "ff", 0.0553},
+    {"photon_gatherer", "lut", 0.1275},
+    {"photon_gatherer", "ff", 0.0585},
     {"photon_gatherer", "dsp", 0.0000},
     {"photon_gatherer", "ebr", 0.0000},
     {"reorder_buffer", "lut", 0.0622},

@@ -55,7 +55,7 @@ int gatherer_blocks(const Plan& p) {
          slices * block_rams(slice, nodes) + block_rams(load_bits(p) + key, places) +
          block_rams(p.r2_bits(), places) + 2 * block_rams(entry, stack) +
          block_rams(p.lanes * load_bits(p), 32) + block_rams(2 * p.lanes * p.direction_bits, 32) +
-         block_rams(body, 4 * contexts);
+         block_rams(body, contexts > 16 ? 2 * contexts : 4 * contexts);
 }
 
 Terms gatherer_terms(const Plan& p, const std::string& resource) {
@@ -63,11 +63,19 @@ Terms gatherer_terms(const Plan& p, const std::string& resource) {
   // Squares of offsets in the lanes and in the nodes, two tests of a direction, powers' exponents.
   if (resource == "dsp")
     return {{"products", 3 * (p.lanes + 1) * multipliers(p.position_bits + 1) + 6 + p.channels}};
-  return {{"list", p.k * (p.r2_bits() + p.index_bits())},
-          {"lanes", p.lanes * p.position_bits},
-          {"flux", p.channels * p.flux_bits()},
-          {"contexts", p.contexts},
-          {"unit", 1}};
+  const int list = p.k * (p.r2_bits() + p.index_bits());
+  Terms terms = {{"list", list},
+                 {"lanes", p.lanes * p.position_bits},
+                 {"flux", p.channels * p.flux_bits()},
+                 {"contexts", p.contexts},
+                 {"unit", 1}};
+  // LUT RAM is 16 words deep. Beyond 16 contexts the keys, and what else each context has there (27
+  // bits for a bit of a coordinate and 360 more, from plans that differ in position_bits), take
+  // another one and a choice.
+  const int more = (p.contexts + 15) / 16 - 1;
+  if (resource == "lut")
+    terms.push_back({"beyond 16 contexts", more * (list + 27 * p.position_bits + 360)});
+  return terms;
 }
 
 Terms reorder_terms(const Plan& p, const std::string& resource) {

@@ -81,7 +81,8 @@ module photon_gatherer #(
 
   localparam int unsigned ContextBits = Contexts > 1 ? $clog2(Contexts) : 1;
   localparam int unsigned QueueDepth = Contexts > 2 ? (1 << $clog2(Contexts)) : 2;
-  localparam int unsigned Slots = 4 * QueueDepth;
+  // Of results; 64 of them are enough, and as many as LUTs hold well.
+  localparam int unsigned Slots = QueueDepth > 16 ? 2 * QueueDepth : 4 * QueueDepth;
   localparam int unsigned SlotBits = $clog2(Slots);
   localparam int unsigned PlaceBits = K > 1 ? $clog2(K) : 1;
   localparam int unsigned NodeBits = LineBits + 1;

@@ -127,6 +127,30 @@ TEST_CASE("a READ takes over from the one before without a gap") {
   CHECK(d.chip.data(d.time + 6'000) == 9);
 }
 
+TEST_CASE("row changes are those of the bank that was read last, alone") {
+  Driver d;
+  d.initialise();
+  for (unsigned bank : {0u, 1u}) d.active(bank, 1), d.idle(4);
+  d.precharge(0);  // nothing was read
+  d.idle(2);
+  d.active(0, 2);
+  d.idle(4);
+  d.read(0, 0);
+  d.idle(7);
+  CHECK(d.chip.row_changes() == 0);
+  d.precharge(0);  // at once: tRP and tRCD nobody can hide
+  d.idle(2);
+  d.active(0, 3);
+  d.idle(4);
+  CHECK(d.chip.row_changes() == 1);
+  d.read(1, 0);
+  d.precharge(0);  // beside the data of bank 1
+  d.idle(7);
+  CHECK(d.chip.row_changes() == 1);
+  d.precharge_all();  // a refresh's
+  CHECK(d.chip.row_changes() == 1);
+}
+
 TEST_CASE("a legal sequence breaks nothing, each rule broken is named") {
   CHECK(broken_later([](Driver& d) {
           d.active(0, 0);

@@ -31,52 +31,62 @@ namespace photonloom {
 struct LoadOptions {
   std::string scene = PHOTONLOOM_SOURCE_DIR "/scenes/cornell.xml", json, work = "build/cosim";
   uint64_t seed = 1;
-  int size = 48, rays = 16;
+  int size = 48, samples = 1, rays = 16;
 
   // `scene_option` as for CLI11: with dashes an option, else an argument.
   void add_to(CLI::App& app, const std::string& scene_option) {
     app.add_option(scene_option, scene, "Scene file.");
     app.add_option("--size", size, "Pixels along each edge.");
-    app.add_option("--gather-rays", rays, "Final gather rays a pixel.");
+    app.add_option("--samples", samples, "Samples a pixel.")->check(CLI::PositiveNumber);
+    app.add_option("--gather-rays", rays, "Final gather rays a sample.");
     app.add_option("--seed", seed, "Seed.");
     app.add_option("--json", json, "Write the table here too.");
     app.add_option("--work", work, "Folder of Verilated models.");
   }
 };
 
-// Final-gather queries in pixel order: cosine-distributed rays from what the camera sees.
+// Final-gather queries in a frame's order, pixel, sample, ray: cosine-distributed rays from what
+// the camera sees.
 inline std::vector<GatherQuery> final_gather_queries(const World& world, const RayCaster& caster,
-                                                     const Plan& plan, int size, int rays,
-                                                     uint64_t seed) {
+                                                     const Plan& plan, const LoadOptions& o) {
   std::vector<GatherQuery> queries;
-  for (int py = 0; py < size; ++py)
-    for (int px = 0; px < size; ++px) {
-      const uint32_t pixel = static_cast<uint32_t>(py * size + px);
-      const CameraSample x = trace_camera(world, caster, px, py, 0, seed);
-      if (!x.diffuse) continue;
-      const Vec3 n = x.x.normal;
-      const Vec3 side = glm::normalize(std::fabs(n.x) < 0.5 ? glm::cross(n, Vec3(1, 0, 0))
-                                                            : glm::cross(n, Vec3(0, 1, 0)));
-      const Vec3 up = glm::cross(n, side);
-      for (int ray = 0; ray < rays; ++ray) {
-        // Stratified in both coordinates of the unit disk's polar map.
-        const int edge = static_cast<int>(std::sqrt(static_cast<double>(rays)));
-        const double u = (ray % edge + 0.5) / edge, v = (ray / edge % edge + 0.5) / edge;
-        const double r = std::sqrt(u), phi = 2 * 3.14159265358979323846 * v;
-        const Vec3 direction = glm::normalize(side * (r * std::cos(phi)) +
-                                              up * (r * std::sin(phi)) + n * std::sqrt(1 - u));
-        const GatherSample y =
-            trace_gather(world, caster, x.x, direction, pixel, 0, static_cast<uint64_t>(ray), seed);
-        if (!y.diffuse) continue;
-        GatherQuery q{};
-        q.pixel = pixel;
-        q.tag = static_cast<uint32_t>(ray);
-        q.position = quantise_position(plan, y.y.position);
-        const OctCode code = oct_encode(y.y.normal, plan.normal_bits);
-        q.normal = {code.u, code.v};
-        queries.push_back(q);
-      }
+  const auto gather = [&](int px, int py, uint32_t sample) {
+    const auto pixel = static_cast<uint32_t>(py * o.size + px);
+    const CameraSample x = trace_camera(world, caster, px, py, sample, o.seed);
+    if (!x.diffuse) return;
+    const Vec3 n = x.x.normal;
+    const Vec3 side = glm::normalize(std::fabs(n.x) < 0.5 ? glm::cross(n, Vec3(1, 0, 0))
+                                                          : glm::cross(n, Vec3(0, 1, 0)));
+    const Vec3 up = glm::cross(n, side);
+    // Stratified in both coordinates of the unit disk's polar map; within the strata each sample
+    // has its own place, that of the first in their middle (steps of the golden and the plastic
+    // ratio).
+    const int edge = static_cast<int>(std::sqrt(static_cast<double>(o.rays)));
+    double whole;
+    const double along = std::modf(0.5 + sample * 0.6180339887498949, &whole),
+                 around = std::modf(0.5 + sample * 0.7548776662466927, &whole);
+    for (int ray = 0; ray < o.rays; ++ray) {
+      const double u = (ray % edge + along) / edge, v = (ray / edge % edge + around) / edge;
+      const double r = std::sqrt(u), phi = 2 * 3.14159265358979323846 * v;
+      const Vec3 direction = glm::normalize(side * (r * std::cos(phi)) + up * (r * std::sin(phi)) +
+                                            n * std::sqrt(1 - u));
+      const GatherSample y = trace_gather(world, caster, x.x, direction, pixel, sample,
+                                          static_cast<uint64_t>(ray), o.seed);
+      if (!y.diffuse) continue;
+      GatherQuery q{};
+      q.pixel = pixel;
+      q.sample = sample;
+      q.tag = static_cast<uint32_t>(ray);
+      q.position = quantise_position(plan, y.y.position);
+      const OctCode code = oct_encode(y.y.normal, plan.normal_bits);
+      q.normal = {code.u, code.v};
+      queries.push_back(q);
     }
+  };
+  for (int py = 0; py < o.size; ++py)
+    for (int px = 0; px < o.size; ++px)
+      for (int sample = 0; sample < o.samples; ++sample)
+        gather(px, py, static_cast<uint32_t>(sample));
   return queries;
 }
 
@@ -101,8 +111,7 @@ class GatherLoad {
     return trace_global_photons(world_, *caster_, count, options_.seed).photons;
   }
   std::vector<GatherQuery> queries(const Plan& plan) const {
-    return final_gather_queries(world_, *caster_, plan, options_.size, options_.rays,
-                                options_.seed);
+    return final_gather_queries(world_, *caster_, plan, options_);
   }
   // A plan of the scene's cube, of a map of `count` photons whose powers are those of `photons`,
   // and of the frame; the rest as it comes.
