@@ -41,7 +41,7 @@ constexpr double kRowChange = 2 * 3;
 constexpr double kRooflineGoal = 0.85, kGatherersGoal = 0.8, kReorderGoal = 4;
 
 struct Options {
-  Options() { load.samples = 4; }
+  Options() { load.samples = 8; }
   LoadOptions load;
   std::vector<std::string> plans;
   std::string dump, write_plans;
@@ -55,20 +55,21 @@ struct Options {
 // are block RAM too: it costs none of the wires that LUT RAM does. Before an SDRAM the pool is what
 // block RAM is best spent on: each sweep over it takes every line once or twice, however many
 // queries it serves. A pool of 16 places less than its memories have words wastes none of them.
-// 16 contexts do not hide what a leaf takes from there where a query visits many.
+// Where a query visits many leaves, 16 contexts hide what a leaf takes from there if leaves are few
+// and large, and if the gatherer's own cache, in block RAM, has most of them.
 struct PlanOfBoard {
   const char* name;
   PhotonMemory memory;
   uint64_t photons;
-  int k, gatherers, contexts, bucket, pool, bins, cache_kb, lut_ram_words;
+  int k, gatherers, bucket, leaf_photons, pool, bins, cache_kb, lut_ram_words;
 };
 constexpr PlanOfBoard kPlans[] = {
-    {"block_ram_k8", PhotonMemory::kBlockRam, 16384, 8, 2, 16, 8, 512, 512, 48, 32},
-    {"block_ram_k16", PhotonMemory::kBlockRam, 16384, 16, 2, 16, 16, 512, 512, 48, 32},
-    {"block_ram_k50", PhotonMemory::kBlockRam, 16384, 50, 1, 16, 8, 512, 512, 48, 32},
-    {"sdram_k8", PhotonMemory::kSdram, 65536, 8, 3, 16, 8, 10224, 1024, 96, 64},
-    {"sdram_k16", PhotonMemory::kSdram, 65536, 16, 3, 24, 8, 9456, 1024, 96, 64},
-    {"sdram_k50", PhotonMemory::kSdram, 65536, 50, 2, 24, 8, 10224, 512, 96, 64},
+    {"block_ram_k8", PhotonMemory::kBlockRam, 16384, 8, 2, 8, 256, 512, 512, 48, 32},
+    {"block_ram_k16", PhotonMemory::kBlockRam, 16384, 16, 2, 16, 256, 512, 512, 48, 32},
+    {"block_ram_k50", PhotonMemory::kBlockRam, 16384, 50, 1, 8, 256, 512, 512, 48, 32},
+    {"sdram_k8", PhotonMemory::kSdram, 65536, 8, 3, 8, 256, 10224, 1024, 96, 64},
+    {"sdram_k16", PhotonMemory::kSdram, 65536, 16, 3, 8, 256, 7152, 512, 48, 64},
+    {"sdram_k50", PhotonMemory::kSdram, 65536, 50, 2, 16, 2048, 10224, 512, 96, 64},
 };
 
 // The photons of a plan; a path that would overfill the map is cut.
@@ -88,11 +89,10 @@ Plan make_plan(const PlanOfBoard& p, const GatherLoad& load) {
   plan.reorder_cell_bits = p.bins > 512 ? 4 : 3;
   plan.photon_memory = p.memory;
   plan.gatherers = p.gatherers;
-  plan.contexts = p.contexts;
   plan.photon_bytes = p.memory == PhotonMemory::kSdram ? 12 : 16;
-  // Four photons a beat keep two gatherers busy; leaf caches of 256 photons, in 64 words.
+  // Four photons a beat keep two gatherers busy. Leaf caches of 256 photons are 64 words.
   plan.beat_bits = 4 * 8 * plan.photon_bytes;
-  plan.cache_bytes = 256 * plan.photon_bytes;
+  plan.cache_bytes = p.leaf_photons * plan.photon_bytes;
   plan.board_cache_bytes = p.cache_kb * 1024;
   plan.lut_ram_words = p.lut_ram_words;
   plan.replay_queries = 1024;
