@@ -30,7 +30,7 @@ struct RunOptions {
   int bank_cycles = 0;          // a bank takes one request in so many cycles; 0: no limit
   uint64_t photon_pause = 0;    // so long nobody takes stream "photon", then a quarter of it
   double sdram_period = 1;      // of a board's SDRAM clock, in cycles
-  uint64_t watchdog = 50000;    // cycles without any handshake while something is owed
+  uint64_t watchdog = 500000;   // cycles without any handshake while something is owed
   std::string rtl_dir;          // empty: default_rtl_dir()
   std::vector<std::string> parameters;  // of the module, "Name=value", instead of the plan's
   std::string work_dir = "build/cosim";

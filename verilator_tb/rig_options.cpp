@@ -32,7 +32,7 @@ void RigFlags::add_to(CLI::App& command, const std::string& seed_flag) {
       ->check(CLI::Range(0, 100000));
   add("--watchdog", watchdog_,
       "Cycles without a handshake after which a unit counts as stuck. Default "
-      "50000.")
+      "500000.")
       ->check(CLI::Range(uint64_t{1}, uint64_t{1} << 48));
   add("--rtl", rtl_, "Folder of the RTL sources, if not those of this build.");
   add("--work", work_, "Folder of the built models. Default build/cosim.");

@@ -26,7 +26,7 @@ class RigFlags {
   std::string stall_ = "none", stall_in_, stall_out_, stall_memory_;
   std::string latency_ = "20";
   int banks_ = 8, bank_cycles_ = 0;
-  uint64_t watchdog_ = 50000;
+  uint64_t watchdog_ = 500000;
   std::string rtl_, work_ = "build/cosim", yosys_ = "yosys", netlist_;
   std::string wave_, wave_unit_, wave_cycles_;
 };
