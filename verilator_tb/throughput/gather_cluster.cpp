@@ -17,12 +17,14 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <optional>
 
 #include "golden/numeric/output_file.hpp"
 #include "golden/plan/plan_file.hpp"
+#include "verilator_tb/sdram_chip.hpp"
 #include "verilator_tb/throughput/gather_load.hpp"
 
 namespace photonloom {
@@ -34,8 +36,10 @@ constexpr double kSdramMHz = 100;
 // Share of the SDRAM's cycles that refreshes leave: one in 780 cycles, each 12 from the end of a
 // line to the next ACTIVATE (3 PRECHARGE, 7 AUTO REFRESH, a cycle each to decide).
 constexpr double kRefreshLeaves = 1 - 12.0 / 780;
-// PRECHARGE and ACTIVATE, 21 ns each, in whole cycles.
-constexpr double kRowChange = 2 * 3;
+// PRECHARGE and ACTIVATE, each in whole cycles of the SDRAM's clock.
+const double kRowChange =
+    std::ceil(static_cast<double>(SdramTimes{}.precharge) * kSdramMHz / 1e6) +
+    std::ceil(static_cast<double>(SdramTimes{}.row_to_column) * kSdramMHz / 1e6);
 // Goals, docs/gather_cluster.md: share of the SDRAM's roofline, or where the gatherers need more
 // cycles than it, of their bound; and what reordering gains.
 constexpr double kRooflineGoal = 0.85, kGatherersGoal = 0.8, kReorderGoal = 4;
@@ -141,8 +145,7 @@ Verdict judge(const Plan& plan, const GatherRun& m, double memory_lines, double 
       fmt::format(
           "SDRAM: ({:.3f} lines * {} cycles + {:.3f} row changes * {:g}) / {:.4f} * {:g} / "
           "{:g} MHz = {:.2f} cycles; gatherers: {:.2f} / {} = {:.2f} cycles; {}{:.1f} % of the "
-          "SDRAM's roofline, "
-          "goal {:.0f} %{}",
+          "SDRAM's roofline, goal {:.0f} %{}",
           memory_lines, plan.line_bytes() / 2, row_changes, kRowChange, kRefreshLeaves, core_mhz,
           kSdramMHz, roofline.cycles, m.cost.bound, plan.gatherers, gatherers.cycles,
           bound_by_gatherers ? fmt::format("bound by the gatherers: {:.1f} % of their bound, goal "
@@ -271,7 +274,6 @@ int run(Options o) {
              {"memory_lines_per_gather", memory_lines},
              {"row_changes_per_gather", row_changes},
              {"row_change_cycles", kRowChange},
-             {"refresh_leaves", kRefreshLeaves},
              {"memory_busy", m.counted("memory busy") / (m.cycles * n)},
              {"gatherers_cycles", gatherers.cycles},
              {"of_gatherers", gatherers.reached},
