@@ -18,6 +18,7 @@ import flow  # noqa: E402
 
 
 def script(name):
+    """A program of scripts/ as a module."""
     loader = importlib.machinery.SourceFileLoader(name.replace("-", "_"), os.path.join(ROOT, "scripts", name))
     module = importlib.util.module_from_spec(importlib.util.spec_from_loader(loader.name, loader))
     loader.exec_module(module)
@@ -82,6 +83,102 @@ class MeasuredAgain(unittest.TestCase):
     def test_counts_of_two_yosys_do_not_mix(self):
         with self.assertRaisesRegex(flow.Failure, "was measured with a, expected that of b"):
             self.merge("b")
+
+
+class Headline(unittest.TestCase):
+    """make headline with programs that stand in for the simulation and for the timing of a core."""
+    SIMULATION = """#!/bin/sh
+# PLAN --radius --core-mhz F --json OUT --dump FOLDER
+echo run >> "$8/runs"; : > "$8/p.photons"; : > "$8/p.queries"; cp "$8/rows" "$6"
+"""
+    CORE = """#!/bin/sh
+cp "$(dirname "$1")/cores" "$1"
+"""
+
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.work = folder.name
+        for path, text in (("build/verilator_tb/throughput/throughput_gather_cluster", self.SIMULATION),
+                           ("build/bench/bench_gather", self.CORE)):
+            path = os.path.join(self.work, path)
+            os.makedirs(os.path.dirname(path))
+            with open(path, "w") as f:
+                f.write(text)
+            os.chmod(path, 0o755)
+        root, flow.ROOT = flow.ROOT, self.work
+        self.addCleanup(setattr, flow, "ROOT", root)
+        self.headline = script("headline")
+        self.o = argparse.Namespace(work=self.work)
+
+    def simulated(self, cycles=10, bound=16, **of_sdram):
+        row = {"memory": "block_ram", "k": 8, "gatherers": 2, "order": "reordered", "cycles_per_gather": cycles, "bound": bound,
+               "roofline_cycles": None, "roofline_met": None, **of_sdram}
+        rows = [{**row, "r2_max": None}, {**row, "r2_max": 7, "cycles_per_gather": bound / 2}]
+        if of_sdram:
+            rows += [{**r, "order": "pixels", "reorder_goal": 4, "reorder_gain": 5} for r in rows]
+        self.write("rows", {"gather_cluster": rows})
+        return rows
+
+    def write(self, name, value):
+        with open(os.path.join(self.work, name), "w") as f:
+            json.dump(value, f)
+
+    def rows(self, fmax=100, digest="d"):
+        with contextlib.redirect_stdout(io.StringIO()):
+            return self.headline.simulate("p.toml", "p", fmax, digest, self.o)
+
+    def runs(self):
+        with open(os.path.join(self.work, "runs")) as f:
+            return len(f.readlines())
+
+    def test_what_was_simulated_is_kept(self):
+        self.assertEqual(self.simulated(), self.rows())
+        self.rows()
+        self.assertEqual(self.runs(), 1)
+
+    def test_simulates_again_what_changed(self):
+        self.simulated()
+        self.rows()
+        for n, changed in enumerate(({"fmax": 99}, {"fmax": 99, "digest": "e"}), start=2):
+            self.rows(**changed)
+            self.assertEqual(self.runs(), n, changed)
+        self.simulated(cycles=11)  # another program, another answer
+        with open(os.path.join(self.work, "build/verilator_tb/throughput/throughput_gather_cluster"), "a") as f:
+            f.write("# changed\n")
+        self.assertEqual(self.rows(99, "e")[0]["cycles_per_gather"], 11)
+        os.remove(os.path.join(self.work, "p.queries"))  # which the timing of a core needs
+        self.rows(99, "e")
+        self.assertEqual(self.runs(), 5)
+
+    def missed(self, golden, library=0.5e6, fmax=100):
+        """What the row without a radius misses."""
+        rates = {"photonloom": golden, "nanoflann": library}
+        self.write("cores", [{"r2_max": r, "queries_per_second": rates} for r in (None, 7)])
+        routed = {"fmax_mhz": {"median": fmax}, "digest": "d", "binding": {}, "seeds": [{"seed": 1}]}
+        with contextlib.redirect_stdout(io.StringIO()):
+            return self.headline.measure("p.toml", self.o, routed)[0]["missed"]
+
+    def test_goal_is_of_the_faster_core(self):
+        self.simulated()  # 10 Mquery/s; the bound of 12.5 is above the goal in all three
+        self.assertEqual(self.missed(1.25e6), [])
+        over = ["7.69 times one core, goal 8; 80 % of the bound"]
+        self.assertEqual(self.missed(1.3e6, library=1e6), over)
+        self.assertEqual(self.missed(1e6, library=1.3e6), over)
+
+    def test_a_bound_under_the_goal_is_to_be_reached_by_four_fifths(self):
+        self.simulated()
+        self.assertEqual(self.missed(2e6), [])
+        self.simulated(cycles=10.1)
+        self.assertEqual(self.missed(2e6, fmax=99), ["4.90 times one core, goal 8; 79 % of the bound"])
+
+    def test_roofline_and_reordering_count_too(self):
+        self.simulated(memory="sdram", roofline_cycles=9.0, roofline_met=False, roofline_verdict="too far", reorder_gain=5)
+        self.assertEqual(self.missed(1e6), ["too far"])
+        rows = self.simulated(memory="sdram", roofline_cycles=9.0, roofline_met=True)
+        rows[2]["reorder_gain"] = 3.9
+        self.write("rows", {"gather_cluster": rows})
+        self.assertEqual(self.missed(1e6, fmax=101), ["reordering gains 3.90, goal 4"])
 
 
 class Counts(unittest.TestCase):
