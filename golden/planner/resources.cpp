@@ -24,21 +24,53 @@ uint64_t power_of_two(int n) { return uint64_t{1} << clog2(static_cast<uint64_t>
 
 int load_bits(const Plan& p) { return p.photon_bits() - 3 * p.position_bits; }
 
-// Blocks of photon_gatherer's memories, as its modules have them.
-int gatherer_blocks(const Plan& p) {
-  const auto cache_lines = static_cast<uint64_t>(std::max(1, p.cache_bytes / p.line_bytes()));
+// A unit's instances of block_ram: block RAM, or LUT RAM, a choice between its 16 words a cell and
+// a register behind it, for those of board.lut_ram_words words at most.
+class Memories {
+ public:
+  explicit Memories(const Plan& plan) : lut_words_(static_cast<uint64_t>(plan.lut_ram_words)) {}
+
+  void add(int width, uint64_t depth, int instances = 1) {
+    if (depth > lut_words_) {
+      blocks += instances * block_rams(width, depth);
+      return;
+    }
+    const int deep = static_cast<int>((depth + 15) / 16);
+    cells += instances * ((width + 3) / 4) * deep;
+    choices += instances * width * (deep - 1);
+    registers += instances * width;
+  }
+
+  // The terms of a resource.
+  Terms terms(const std::string& resource) const {
+    if (resource == "ebr") return {{"memories", blocks}};
+    if (resource == "ff") return {{"LUT RAM registers", registers}};
+    // A choice was four fifths of a LUT in the gatherer and the sampler, fitted apart.
+    if (resource == "lut") return {{"LUT RAM", 4 * cells + 0.8 * choices}};
+    return {};
+  }
+
+  int blocks = 0, cells = 0, choices = 0, registers = 0;
+
+ private:
+  uint64_t lut_words_;
+};
+
+Memories gatherer_memories(const Plan& p) {
+  Memories m(p);
+  const uint64_t sets = std::bit_floor(std::max<uint64_t>(
+      1, static_cast<uint64_t>(p.cache_bytes / (p.line_bytes() * p.cache_ways))));
+  const uint64_t lines = sets * power_of_two(p.cache_ways);
   const auto parts = static_cast<uint64_t>(p.bucket / p.lanes);  // a line is read in as many cycles
   const bool narrow = 8 * p.line_bytes() / static_cast<int>(parts) % p.beat_bits == 0;
-  const uint64_t nodes = std::max<uint64_t>(2, p.lines(p.global) + p.lines(p.caustic));
-  const uint64_t contexts = power_of_two(std::max(2, p.contexts));
-  const uint64_t places = contexts * power_of_two(std::max(2, p.k));
-  const uint64_t stack = contexts * power_of_two(p.line_bits() + 1) / 2;
-  const int key = p.r2_bits() + p.index_bits();
-  const int entry = 2 + p.line_bits() + 3 * (p.position_bits + 1) + p.r2_bits() +
-                    clog2(static_cast<uint64_t>(p.epsilon_factor));
-  const int body = p.count_bits() + p.r2_bits() + p.channels * p.flux_bits() +
-                   2 * (p.line_bits() + 1) + p.index_bits() + 1;
+  if (narrow && parts > 1)
+    m.add(p.lanes * p.photon_bits(), lines * parts);
+  else
+    m.add(p.bucket * p.photon_bits(), lines);
+  m.add(p.line_bits() + 2, sets, p.cache_ways);
+
   // Nodes are in slices as deep as they all are.
+  const uint64_t nodes = std::max<uint64_t>(2, p.lines(p.global) + p.lines(p.caustic));
   const int address = clog2(nodes);
   const int slice = address >= 14   ? 1
                     : address == 13 ? 2
@@ -46,20 +78,32 @@ int gatherer_blocks(const Plan& p) {
                     : address == 11 ? 9
                     : address == 10 ? 18
                                     : 36;
-  const int slices = (p.position_bits + 2 + slice - 1) / slice;
-  return (narrow ? block_rams(p.lanes * p.photon_bits(), cache_lines * parts)
-                 : block_rams(p.bucket * p.photon_bits(), cache_lines)) +
-         p.cache_ways *
-             block_rams(p.line_bits() + 2,
-                        std::max<uint64_t>(1, cache_lines / static_cast<uint64_t>(p.cache_ways))) +
-         slices * block_rams(slice, nodes) + block_rams(load_bits(p) + key, places) +
-         block_rams(p.r2_bits(), places) + 2 * block_rams(entry, stack) +
-         block_rams(p.lanes * load_bits(p), 32) + block_rams(2 * p.lanes * p.direction_bits, 32) +
-         block_rams(body, contexts > 16 ? 2 * contexts : 4 * contexts);
+  for (int left = p.position_bits + 2; left > 0; left -= slice) m.add(std::min(left, slice), nodes);
+
+  const uint64_t contexts = power_of_two(std::max(2, p.contexts));
+  const uint64_t places = contexts * power_of_two(std::max(2, p.k));
+  m.add(load_bits(p) + p.r2_bits() + p.index_bits(), places);
+  m.add(p.r2_bits(), places);
+  m.add(2 + p.line_bits() + 3 * (p.position_bits + 1) + p.r2_bits() +
+            clog2(static_cast<uint64_t>(p.epsilon_factor)),
+        contexts * power_of_two(p.line_bits() + 1) / 2, 2);
+  const uint64_t rows = uint64_t{1} << clog2(std::max<uint64_t>(16, std::bit_ceil(2 * parts)) + 24);
+  m.add(p.lanes * load_bits(p), rows);
+  m.add(2 * p.lanes * p.direction_bits, rows);
+
+  // Of a result: what is known of it at the start, at the end, and its reciprocal.
+  const uint64_t slots = contexts > 16 ? 2 * contexts : 4 * contexts;
+  const int body = p.count_bits() + p.r2_bits() + p.channels * p.flux_bits() +
+                   2 * (p.line_bits() + 1) + p.index_bits() + 3;
+  m.add(p.pixel_bits() + p.sample_bits() + p.tag_bits() + 1, slots);
+  m.add(body + (p.reciprocal_bits == 0 ? 1 : 0), slots);
+  if (p.reciprocal_bits != 0) m.add(1 + p.reciprocal_bits + p.reciprocal_exponent_bits(), slots);
+  return m;
 }
 
 Terms gatherer_terms(const Plan& p, const std::string& resource) {
-  if (resource == "ebr") return {{"memories", gatherer_blocks(p)}, {"unit", 1}};
+  const Terms of_memories = gatherer_memories(p).terms(resource);
+  if (resource == "ebr") return of_memories;
   // Squares of offsets in the lanes and in the nodes, two tests of a direction, powers' exponents.
   if (resource == "dsp")
     return {{"products", 3 * (p.lanes + 1) * multipliers(p.position_bits + 1) + 6 + p.channels}};
@@ -75,38 +119,49 @@ Terms gatherer_terms(const Plan& p, const std::string& resource) {
   const int more = (p.contexts + 15) / 16 - 1;
   if (resource == "lut")
     terms.push_back({"beyond 16 contexts", more * (list + 27 * p.position_bits + 360)});
+  terms.insert(terms.end(), of_memories.begin(), of_memories.end());
   return terms;
 }
 
-Terms reorder_terms(const Plan& p, const std::string& resource) {
-  const int query = PacketLayout::of<GatherQuery>(p).bits();
+Memories reorder_memories(const Plan& p) {
+  Memories m(p);
   const auto packets = static_cast<uint64_t>(p.reorder_packets),
              bins = static_cast<uint64_t>(p.reorder_bins);
-  const int count = clog2(packets + 1);
-  const bool sweep = p.reorder_drain == ReorderDrain::kSweep;
+  // As pool_ram divides them: the power of two, and what is beyond where that is much.
+  const auto pool = [&](int width, uint64_t depth) {
+    const uint64_t main = std::bit_floor(depth), rest = depth - main;
+    if (main < 512 || rest == 0) return m.add(width, depth);
+    m.add(width, main);
+    if (rest > 64) m.add(width, rest);
+  };
+  const uint64_t nodes = packets + 16;
+  const int node = clog2(nodes);
+  pool(PacketLayout::of<GatherQuery>(p).bits(), nodes);
+  // Links and free list; tails, firsts, and heads, which have a bit more; how often a bin was
+  // filled and emptied, each read at two places; and the sweep reads the number of a bin at three.
+  pool(node, nodes);
+  pool(node, nodes);
+  m.add(node, 4 * bins, 2);
+  m.add(node + 1, 4 * bins);
+  m.add(std::max(3, clog2(packets + 2)), bins, 4);
+  if (p.reorder_drain == ReorderDrain::kSweep) m.add(clog2(packets + 1), bins, 3);
+  return m;
+}
+
+Terms reorder_terms(const Plan& p, const std::string& resource) {
   if (resource == "dsp") return {{"hash", p.reorder_key == ReorderKey::kHash ? 1 : 0}};
-  if (resource == "ebr") {
-    // As pool_ram divides them: the power of two, and what is beyond where that is much.
-    const auto pool = [](int width, uint64_t depth) {
-      const uint64_t main = std::bit_floor(depth), rest = depth - main;
-      if (main < 512 || rest == 0) return block_rams(width, depth);
-      return block_rams(width, main) + (rest > 64 ? block_rams(width, rest) : 0);
-    };
-    const uint64_t nodes = packets + 16;
-    const int node = clog2(nodes);
-    // Links and free list; tails, firsts, and heads, which have a bit more; how often a bin was
-    // filled and emptied, each read at two places; and the sweep reads the number of a bin at
-    // three.
-    const uint64_t lists = 2 * pool(node, nodes) + 2 * block_rams(node, 4 * bins) +
-                           block_rams(node + 1, 4 * bins) +
-                           4 * block_rams(std::max(3, clog2(packets + 2)), bins);
-    const uint64_t counts = sweep ? 3 * block_rams(count, bins) : 0;
-    return {{"memories", pool(query, nodes) + lists + counts}};
-  }
+  Terms terms = reorder_memories(p).terms(resource);
+  if (resource == "ebr") return terms;
+  const bool sweep = p.reorder_drain == ReorderDrain::kSweep;
+  const int count = clog2(static_cast<uint64_t>(p.reorder_packets) + 1);
   // Numbers of packets and of bins go through every stage.
-  const int bin = clog2(bins), levels = (std::max(2, bin) + 1) / 2;
+  const int bin = clog2(static_cast<uint64_t>(p.reorder_bins)), levels = (std::max(2, bin) + 1) / 2;
   const double numbers = count + bin;
-  if (resource == "ff") return {{"levels", sweep ? 0 : levels * count}, {"numbers", numbers}};
+  if (resource == "ff") {
+    terms.push_back({"levels", sweep ? 0 : levels * count});
+    terms.push_back({"numbers", numbers});
+    return terms;
+  }
   // The sweep searches words of its bitmap. The tournament of reorder_fullest: at each level four
   // players a word in LUT RAM, six compared.
   double tree = 0;
@@ -114,9 +169,18 @@ Terms reorder_terms(const Plan& p, const std::string& resource) {
     const int depth = 1 << (2 * levels - 2 * l - 2);
     tree += 4 * (count + 2 * l) * ((depth + 15) / 16) + 6 * count;
   }
-  return {{"word", sweep ? 1 << ((bin + 1) / 2) : 0},
-          {"tournament", sweep ? 0 : tree},
-          {"numbers", numbers}};
+  terms.push_back({"word", sweep ? 1 << ((bin + 1) / 2) : 0});
+  terms.push_back({"tournament", sweep ? 0 : tree});
+  terms.push_back({"numbers", numbers});
+  return terms;
+}
+
+Memories sampler_memories(const Plan& p, int power_total) {
+  Memories m(p);
+  const int index = p.cell_index_bits();
+  for (int l = 0; l < index; ++l) m.add(p.total_bits(), uint64_t{2} << l);
+  m.add(power_total, uint64_t{1} << index);
+  return m;
 }
 
 Terms sampler_terms(const Plan& p, const std::string& resource) {
@@ -127,11 +191,8 @@ Terms sampler_terms(const Plan& p, const std::string& resource) {
   const int cosine = p.cell_bits + p.normal_bits + 8;
   const int cosine_total = 3 * p.cell_bits + p.normal_bits + 8;
   const bool sum = p.combine == TableCombine::kSum;
-  if (resource == "ebr") {
-    int levels = 0;
-    for (int l = 0; l < index; ++l) levels += block_rams(total, uint64_t{2} << l);
-    return {{"tables", levels}, {"powers", block_rams(power_total, uint64_t{1} << index)}};
-  }
+  Terms terms = sampler_memories(p, power_total).terms(resource);
+  if (resource == "ebr") return terms;
   if (resource == "dsp") {
     // Limbs of 18 bits; one of a single bit takes no multiplier.
     const auto limbs = [](int bits) { return bits / 18 + (bits % 18 > 1 ? 1 : 0); };
@@ -141,13 +202,16 @@ Terms sampler_terms(const Plan& p, const std::string& resource) {
                   : limbs(power) * limbs(cosine)) +
                  limbs(p.u_bits) * limbs(total) + 4}};
   }
-  return {{"search", index * total},
-          {"cosine lanes", sum ? (1 << (p.cell_bits - 1)) * (p.cell_bits + p.normal_bits + 1) : 0},
-          {"powers", power_total},
-          {"combination", (sum ? power + cosine_total : power + cosine)},
-          {"draw", p.u_bits + total},
-          {"place", 2 * p.v_bits},
-          {"unit", 1}};
+  const Terms rest = {
+      {"search", index * total},
+      {"cosine lanes", sum ? (1 << (p.cell_bits - 1)) * (p.cell_bits + p.normal_bits + 1) : 0},
+      {"powers", power_total},
+      {"combination", (sum ? power + cosine_total : power + cosine)},
+      {"draw", p.u_bits + total},
+      {"place", 2 * p.v_bits},
+      {"unit", 1}};
+  terms.insert(terms.end(), rest.begin(), rest.end());
+  return terms;
 }
 
 }  // namespace

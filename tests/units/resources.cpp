@@ -56,3 +56,19 @@ TEST_CASE("more is predicted to take more") {
   plan.cache_bytes = 65536;
   CHECK(estimate_resources(plan, "photon_gatherer").ebr > before.ebr);
 }
+
+TEST_CASE("memories of LUTs are no block RAM") {
+  Plan plan;
+  plan.global = {.present = true, .photons = 65536};
+  for (const char* unit : {"photon_gatherer", "reorder_buffer", "cdf_sampler"}) {
+    INFO(unit);
+    plan.lut_ram_words = 0;
+    const UnitResources before = estimate_resources(plan, unit);
+    plan.lut_ram_words = 1024;
+    const UnitResources after = estimate_resources(plan, unit);
+    CHECK(after.ebr < before.ebr);
+    CHECK(after.lut > before.lut);
+    CHECK(after.ff > before.ff);
+    CHECK(after.dsp == before.dsp);
+  }
+}
