@@ -56,7 +56,10 @@ def complaint(command, output, log):
 
 def run(command, log=None, **options):
     """Runs a command; a Failure names its log, or carries its last words."""
-    done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, **options)
+    try:
+        done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, **options)
+    except OSError as error:
+        raise Failure(f"{command[0]}: cannot be started: {error.strerror}") from error
     if log:
         with open(log, "w") as f:
             f.write(done.stdout)

@@ -85,6 +85,16 @@ class MeasuredAgain(unittest.TestCase):
             self.merge("b")
 
 
+class Run(unittest.TestCase):
+    def test_a_program_that_is_not_there(self):
+        with self.assertRaisesRegex(flow.Failure, "^/nowhere/program: cannot be started: No such file or directory$"):
+            flow.run(["/nowhere/program"])
+
+    def test_what_failed_carries_its_last_words(self):
+        with self.assertRaisesRegex(flow.Failure, "sh -c failed: last$"):
+            flow.run(["sh", "-c", "echo first; echo last >&2; exit 3"])
+
+
 class Headline(unittest.TestCase):
     """make headline with programs that stand in for the simulation and for the timing of a core."""
     SIMULATION = """#!/bin/sh
