@@ -136,7 +136,7 @@ cp "$(dirname "$1")/cores" "$1"
 
     def rows(self, fmax=100, digest="d"):
         with contextlib.redirect_stdout(io.StringIO()):
-            return self.headline.simulate("p.toml", "p", fmax, digest, self.o)
+            return self.headline.simulate("p.toml", "p", {"fmax_mhz": {"median": fmax}, "digest": digest}, self.o)
 
     def runs(self):
         with open(os.path.join(self.work, "runs")) as f:
@@ -167,7 +167,8 @@ cp "$(dirname "$1")/cores" "$1"
         self.write("cores", [{"r2_max": r, "queries_per_second": rates} for r in (None, 7)])
         routed = {"fmax_mhz": {"median": fmax}, "digest": "d", "binding": {}, "seeds": [{"seed": 1}]}
         with contextlib.redirect_stdout(io.StringIO()):
-            return self.headline.measure("p.toml", self.o, routed)[0]["missed"]
+            rows = self.headline.simulate("p.toml", "p", routed, self.o)
+            return self.headline.measure("p", self.o, routed, rows)[0]["missed"]
 
     def test_goal_is_of_the_faster_core(self):
         self.simulated()  # 10 Mquery/s; the bound of 12.5 is above the goal in all three
