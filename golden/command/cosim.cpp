@@ -213,7 +213,7 @@ void cosim(const CosimOptions& o) {
   const std::string stem = std::filesystem::path(request.scene_file).stem().string();
   const std::string output =
       o.output.empty() ? o.rig.options("photon_gatherer").work_dir + "/" + stem : o.output;
-  OutputFolder folder(output);
+  OutputFolder folder(output, "summary.json");
 
   ConsoleProgress progress;
   PreparedFrame frame = prepare_frame(request, Arithmetic::kGolden, &progress);

@@ -56,7 +56,7 @@ Image photon_map(const RenderOptions& o, const FrameRequest& request, ConsolePro
   std::optional<OutputFolder> folder;
   std::optional<PacketRecorder> recorder;
   if (!o.record.empty()) {
-    folder.emplace(o.record);
+    folder.emplace(o.record, "plan.toml");
     recorder.emplace(frame.plan, folder->temporary());
     units = recorder->wrap(std::move(units));
   }

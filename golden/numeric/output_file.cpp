@@ -118,12 +118,28 @@ void OutputFile::commit() {
   temporary_.clear();
 }
 
-OutputFolder::OutputFolder(std::string path) : path_(std::move(path)) {
+OutputFolder::OutputFolder(std::string path, const std::string& mark) : path_(std::move(path)) {
   while (path_.size() > 1 && path_.back() == '/') path_.pop_back();
   if (path_.empty()) throw std::runtime_error("the name of an output folder is empty");
   std::error_code error;
   if (std::filesystem::exists(path_, error) && !std::filesystem::is_directory(path_, error))
     throw std::runtime_error(path_ + ": cannot be replaced: it is not a folder");
+  if (std::filesystem::exists(path_, error)) {
+    for (std::filesystem::path here = std::filesystem::current_path(error); !here.empty();
+         here = here.parent_path()) {
+      if (std::filesystem::equivalent(here, path_, error))
+        throw std::runtime_error(path_ +
+                                 ": cannot be replaced: the program runs in it, expected a folder "
+                                 "beside or below");
+      if (here == here.parent_path()) break;
+    }
+    if (!mark.empty() && !std::filesystem::is_empty(path_, error) &&
+        !std::filesystem::exists(path_ + "/" + mark, error))
+      throw std::runtime_error(fmt::format(
+          "{}: is not replaced: it holds files but no {}, expected a new folder, an empty one, or "
+          "one that was written by the same command",
+          path_, mark));
+  }
   const std::lock_guard lock(unfinished_mutex);
   path_ = resolved(path_);
   const std::string temporary = beside(path_);

@@ -32,11 +32,13 @@ class OutputFile {
   int descriptor_ = -1;
 };
 
-// A folder filled at temporary() and put in the place of `path` by commit(); a folder that was
-// there before is replaced, anything else is an error.
+// A folder filled at temporary() and put in the place of `path` by commit(). A folder that was
+// there before is replaced if it is empty or holds the file `mark`, by which an older one of the
+// same kind is known (none: whatever it holds). Anything else is an error, and so is a folder in
+// which the program runs.
 class OutputFolder {
  public:
-  explicit OutputFolder(std::string path);
+  explicit OutputFolder(std::string path, const std::string& mark = "");
   ~OutputFolder();
   OutputFolder(const OutputFolder&) = delete;
   OutputFolder& operator=(const OutputFolder&) = delete;

@@ -132,6 +132,41 @@ TEST_CASE("outputs appear whole or not at all") {
   REQUIRE(folder.files() == 2);
 }
 
+TEST_CASE("a folder that somebody else filled is not replaced") {
+  const Folder folder;
+  const std::string dir = folder / "dir";
+  const auto make = [&] {
+    OutputFolder out(dir, "mark");
+    write_file(out.temporary() + "/mark", "new");
+    out.commit();
+  };
+  fs::create_directory(dir);
+  make();  // empty
+  make();  // its own
+  fs::remove(dir + "/mark");
+  write_file(dir + "/precious", "kept");
+  REQUIRE(message(make) ==
+          dir +
+              ": is not replaced: it holds files but no mark, expected a new folder, an empty one, "
+              "or one that was written by the same command");
+  REQUIRE(read_file(dir + "/precious") == "kept");
+  REQUIRE(folder.files() == 1);
+}
+
+TEST_CASE("the folder in which the program runs is not replaced") {
+  const Folder folder;
+  const fs::path before = fs::current_path();
+  fs::create_directory(folder / "below");
+  fs::current_path(folder / "below");
+  std::vector<std::string> messages;
+  for (const char* name : {".", "..", "../below", "/"})
+    messages.push_back(message([&] { OutputFolder out(name); }));
+  fs::current_path(before);
+  for (const std::string& text : messages)
+    CHECK(contains(text, "cannot be replaced: the program runs in it"));
+  REQUIRE(folder.files() == 1);
+}
+
 TEST_CASE("a full disk, a missing folder and a folder as target are one clear error each") {
   const Folder folder;
   const Image image = sample_image();
