@@ -10,19 +10,19 @@ struct ResourceCoefficient {
   double coefficient;
 };
 inline constexpr ResourceCoefficient kResourceCoefficients[] = {
-    {"photon_gatherer", "lut", "list", 2.80719},
-    {"photon_gatherer", "lut", "lanes", 21.9287},
-    {"photon_gatherer", "lut", "flux", 1.42311},
-    {"photon_gatherer", "lut", "contexts", 10.1467},
-    {"photon_gatherer", "lut", "unit", 2756.77},
-    {"photon_gatherer", "lut", "beyond 16 contexts", 1.75543},
-    {"photon_gatherer", "lut", "LUT RAM", 1.07236},
-    {"photon_gatherer", "ff", "list", 0.214234},
-    {"photon_gatherer", "ff", "lanes", 49.8108},
-    {"photon_gatherer", "ff", "flux", 6.5756},
-    {"photon_gatherer", "ff", "contexts", 7.33763},
-    {"photon_gatherer", "ff", "unit", 4195.77},
-    {"photon_gatherer", "ff", "LUT RAM registers", 1.00478},
+    {"photon_gatherer", "lut", "list", 2.80376},
+    {"photon_gatherer", "lut", "lanes", 22.4953},
+    {"photon_gatherer", "lut", "flux", 1.37034},
+    {"photon_gatherer", "lut", "contexts", 9.67422},
+    {"photon_gatherer", "lut", "unit", 2739.67},
+    {"photon_gatherer", "lut", "beyond 16 contexts", 1.77402},
+    {"photon_gatherer", "lut", "LUT RAM", 1.07407},
+    {"photon_gatherer", "ff", "list", 0.198447},
+    {"photon_gatherer", "ff", "lanes", 51.2574},
+    {"photon_gatherer", "ff", "flux", 6.5884},
+    {"photon_gatherer", "ff", "contexts", 8.37197},
+    {"photon_gatherer", "ff", "unit", 4119.19},
+    {"photon_gatherer", "ff", "LUT RAM registers", 1.02463},
     {"photon_gatherer", "dsp", "products", 1},
     {"photon_gatherer", "ebr", "memories", 1},
     {"reorder_buffer", "lut", "LUT RAM", 1.18085},
@@ -59,8 +59,8 @@ struct ResourceError {
   double error;  // relative, the largest of all plans, each predicted from the others
 };
 inline constexpr ResourceError kResourceErrors[] = {
-    {"photon_gatherer", "lut", 0.1275},
-    {"photon_gatherer", "ff", 0.0577},
+    {"photon_gatherer", "lut", 0.1277},
+    {"photon_gatherer", "ff", 0.0532},
     {"photon_gatherer", "dsp", 0.0000},
     {"photon_gatherer", "ebr", 0.0000},
     {"reorder_buffer", "lut", 0.1124},

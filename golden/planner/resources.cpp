@@ -104,9 +104,11 @@ Memories gatherer_memories(const Plan& p) {
 Terms gatherer_terms(const Plan& p, const std::string& resource) {
   const Terms of_memories = gatherer_memories(p).terms(resource);
   if (resource == "ebr") return of_memories;
-  // Squares of offsets in the lanes and in the nodes, two tests of a direction, powers' exponents.
+  // Squares of offsets in the lanes and in the nodes, two tests of a direction (a lane gives one
+  // at a time), powers' exponents.
   if (resource == "dsp")
-    return {{"products", 3 * (p.lanes + 1) * multipliers(p.position_bits + 1) + 6 + p.channels}};
+    return {{"products", 3 * (p.lanes + 1) * multipliers(p.position_bits + 1) +
+                             3 * std::min(p.lanes, 2) + p.channels}};
   const int list = p.k * (p.r2_bits() + p.index_bits());
   Terms terms = {{"list", list},
                  {"lanes", p.lanes * p.position_bits},
