@@ -73,7 +73,7 @@ fpga-tools: ## Yosys, nextpnr-ecp5 and ecppack in build/fpga-tools, without touc
 fpga: build ## resources, Fmax and bitstream of PLAN on BOARD (SEEDS=3, UNITS=... for some parts)
 	@scripts/setup fpga
 	@case "$(BOARD)" in up5k) ;; *) scripts/fpga-tools ;; esac
-	@scripts/fpga $(PLAN) $(if $(BOARD),--board $(BOARD)) $(if $(SEEDS),--seeds $(SEEDS)) $(if $(UNITS),--units $(UNITS)) $(if $(CLOCK),--clock $(CLOCK)) $(FPGA_FLAGS)
+	@scripts/fpga $(if $(PLAN),"$(PLAN)") $(if $(BOARD),--board $(BOARD)) $(if $(SEEDS),--seeds $(SEEDS)) $(if $(UNITS),--units $(UNITS)) $(if $(CLOCK),--clock $(CLOCK)) $(FPGA_FLAGS)
 
 headline: build ## gathers a second of a routed board beside one core of this machine (hours where nothing is routed yet; SEEDS, CLOCK)
 	@scripts/setup headline

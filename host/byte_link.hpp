@@ -40,7 +40,8 @@ constexpr uint32_t kDefaultBaud =
 DeviceName parse_device(const std::string& text);
 
 // A serial port or the terminal side of a pseudo-terminal: raw, 8 data bits, no parity, 1 stop bit,
-// no flow control, locked against a second program. Throws LinkLost where it cannot be opened.
-std::unique_ptr<ByteLink> open_serial(const DeviceName& device);
+// no flow control, locked against a second program. Throws LinkLost where it cannot be opened, and
+// where it takes no bytes for `write_seconds`.
+std::unique_ptr<ByteLink> open_serial(const DeviceName& device, double write_seconds = 5);
 
 }  // namespace photonloom

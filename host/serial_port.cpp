@@ -20,11 +20,10 @@ namespace photonloom {
 
 namespace {
 
-constexpr int kWriteTimeout = 5000;  // milliseconds
-
 class SerialPort final : public ByteLink {
  public:
-  explicit SerialPort(const DeviceName& device) : name_(device.path) {
+  SerialPort(const DeviceName& device, double write_seconds)
+      : name_(device.path), write_seconds_(write_seconds) {
     descriptor_ = open(name_.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
     if (descriptor_ < 0) fail("cannot be opened");
     try {
@@ -44,9 +43,8 @@ class SerialPort final : public ByteLink {
       if (n > 0) {
         bytes = bytes.subspan(static_cast<size_t>(n));
       } else if (n < 0 && errno == EAGAIN) {
-        if (!wait(POLLOUT, kWriteTimeout))
-          throw LinkLost(
-              fmt::format("{}: takes no bytes for {} seconds", name_, kWriteTimeout / 1000));
+        if (!wait(POLLOUT, static_cast<int>(write_seconds_ * 1000) + 1))
+          throw LinkLost(fmt::format("{}: takes no bytes for {:g} seconds", name_, write_seconds_));
       } else if (n < 0 && errno != EINTR) {
         fail("is gone");
       }
@@ -112,6 +110,7 @@ class SerialPort final : public ByteLink {
   }
 
   std::string name_;
+  double write_seconds_;
   int descriptor_ = -1;
 };
 
@@ -134,8 +133,8 @@ DeviceName parse_device(const std::string& text) {
   return device;
 }
 
-std::unique_ptr<ByteLink> open_serial(const DeviceName& device) {
-  return std::make_unique<SerialPort>(device);
+std::unique_ptr<ByteLink> open_serial(const DeviceName& device, double write_seconds) {
+  return std::make_unique<SerialPort>(device, write_seconds);
 }
 
 }  // namespace photonloom

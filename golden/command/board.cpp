@@ -40,7 +40,7 @@ struct DeviceOptions {
     } catch (const std::runtime_error& error) {
       throw UsageError(error.what());
     }
-    return Board(open_serial(name), wait);
+    return Board(open_serial(name, wait), wait);
   }
 };
 

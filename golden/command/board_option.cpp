@@ -28,14 +28,14 @@ void BoardFlags::add_to(CLI::App& command) {
 }
 
 void BoardFlags::check(const Plan& plan, const std::string& device) const {
-  Board(open_serial(parse_device(device)), wait_).check_plan(plan);
+  Board(open_serial(parse_device(device), wait_), wait_).check_plan(plan);
 }
 
 std::unique_ptr<PhotonGatherer> BoardFlags::photon_gatherer(const Plan& plan,
                                                             const std::string& device,
                                                             const std::string& work_dir) const {
   BoardOptions options;
-  options.open = [name = parse_device(device)] { return open_serial(name); };
+  options.open = [name = parse_device(device), wait = wait_] { return open_serial(name, wait); };
   options.device = parse_device(device).path;
   options.wait = wait_;
   options.work_dir = work_dir;

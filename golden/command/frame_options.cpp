@@ -19,6 +19,19 @@ constexpr const char* kPhotonOnly[] = {
     "--photons", "--caustic-photons", "--gather-rays",   "--k",  "--radius",
     "--error",   "--load-photons",    "--load-caustics", "--set"};
 
+// What a plan that is there already does not take: neither a scene nor another plan's lines.
+constexpr const char* kDerivation[] = {
+    "--plan",   "--size",  "--spp",  "--photons", "--caustic-photons", "--gather-rays",  "--k",
+    "--radius", "--error", "--seed", "--define",  "--load-photons",    "--load-caustics"};
+
+template <size_t N>
+std::vector<std::string> given_of(const CLI::App& command, const char* const (&options)[N]) {
+  std::vector<std::string> given;
+  for (const char* option : options)
+    if (command.count(option) > 0) given.emplace_back(option);
+  return given;
+}
+
 }  // namespace
 
 bool is_plan(const std::string& path) { return std::filesystem::path(path).extension() == ".toml"; }
@@ -106,11 +119,12 @@ FrameRequest FrameOptions::request() const {
   return request;
 }
 
+std::vector<std::string> FrameOptions::derivation_options() const {
+  return given_of(*command_, kDerivation);
+}
+
 std::vector<std::string> FrameOptions::photon_options() const {
-  std::vector<std::string> given;
-  for (const char* option : kPhotonOnly)
-    if (command_->count(option) > 0) given.emplace_back(option);
-  return given;
+  return given_of(*command_, kPhotonOnly);
 }
 
 void describe_frame(Image& image, const PreparedFrame& frame, const FrameRequest& request,

@@ -18,6 +18,8 @@ class FrameOptions {
   // Checked; throws UsageError for options that exclude each other.
   FrameRequest request() const;
 
+  // Options given that change a plan which is derived, and have no meaning for one that is there.
+  std::vector<std::string> derivation_options() const;
   // Options given that only the photon mapper reads.
   std::vector<std::string> photon_options() const;
 

@@ -68,10 +68,10 @@ void generate(const GenerateOptions& o) {
   request.rtl_dir = o.rtl;
   std::map<std::string, std::string> files;
   if (is_plan(source)) {
-    const std::vector<std::string> useless = o.frame.photon_options();
-    if (!useless.empty() && useless != std::vector<std::string>{"--set"})
-      throw UsageError(fmt::format("{}: {} already is a plan; change its lines with --set",
-                                   useless[0] == "--set" ? useless[1] : useless[0], source));
+    const std::vector<std::string> useless = o.frame.derivation_options();
+    if (!useless.empty())
+      throw UsageError(
+          fmt::format("{}: {} already is a plan; change its lines with --set", useless[0], source));
     request.plan = read_plan(source);
     for (const std::string& line : asked.set) set_plan_line(request.plan, line);
     files = generate_hardware(request);
@@ -87,7 +87,7 @@ void generate(const GenerateOptions& o) {
       request.images = images(frame);
     files = generate_hardware(request);
   }
-  OutputFolder folder(o.output);
+  OutputFolder folder(o.output, "package.json");
   for (const auto& [name, text] : files) {
     const std::filesystem::path path = std::filesystem::path(folder.temporary()) / name;
     std::filesystem::create_directories(path.parent_path());
@@ -120,7 +120,8 @@ void add_generate(CLI::App& app) {
   o->frame.add_to(*c);
   c->get_option("SCENE")->description(
       "A plan.toml, or a Mitsuba XML scene; with --check the folder of a package");
-  c->add_option("-o,--output", o->output, "Folder to write; an older package there is replaced")
+  c->add_option("-o,--output", o->output,
+                "Folder to write; an older package there is replaced, with what was built in it")
       ->type_name("DIR");
   c->add_option("--unit", o->unit, "This unit alone, to be built into another system")
       ->type_name("NAME");

@@ -89,11 +89,10 @@ void describe(const Plan& plan, const std::string& file, const PlanOptions& o) {
 
 // A plan that is there already, with lines changed.
 void edit(const FrameRequest& request, const PlanOptions& o) {
-  const std::vector<std::string> useless = o.frame.photon_options();
-  if (!useless.empty() && useless != std::vector<std::string>{"--set"})
+  const std::vector<std::string> useless = o.frame.derivation_options();
+  if (!useless.empty())
     throw UsageError(fmt::format("{}: {} already is a plan; change its lines with --set",
-                                 useless[0] == "--set" ? useless[1] : useless[0],
-                                 request.scene_file));
+                                 useless[0], request.scene_file));
   Plan plan = read_plan(request.scene_file);
   for (const std::string& line : request.set) set_plan_line(plan, line);
   derive_plan(plan);
@@ -131,9 +130,9 @@ void add_plan(CLI::App& app) {
   CLI::App* c = app.add_subcommand("plan", "A hardware plan for a scene (plan.toml), with reasons");
   c->footer(
       "Traces the photons, for their number and powers are lines of the plan, and derives\n"
-      "everything else from them, the scene and the options. The file may be edited; render,\n"
-      "generate and cosim take it with --plan and refuse what cannot be built. docs/plan.md\n"
-      "explains every line.\n\n"
+      "everything else from them, the scene and the options. The file may be edited; render and\n"
+      "cosim take it with --plan, generate in the place of the scene, and refuse what cannot be\n"
+      "built. docs/plan.md explains every line.\n\n"
       "Of a plan.toml instead of a scene it tells the same, with --set lines changed, and writes "
       "the\n"
       "changed plan only with -o.\n\n"

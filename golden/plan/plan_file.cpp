@@ -253,6 +253,10 @@ std::optional<PlanProblem> find_problem(const Plan& plan) {
                 fmt::format("is {}, but squared distances of {}-bit positions end at {}",
                             plan.r2_floor, plan.position_bits, plan.r2_limit()));
   for (const bool is_caustic : {false, true})
+    if (plan.map(is_caustic).present && plan.map(is_caustic).photons == 0)
+      return PlanProblem{is_caustic ? "caustic.photons" : "global.photons",
+                         "is 0, expected at least 1 in a map that is present"};
+  for (const bool is_caustic : {false, true})
     if (plan.map(is_caustic).r2_max > plan.r2_limit())
       return PlanProblem{
           is_caustic ? "caustic.radius" : "global.radius",
@@ -486,7 +490,19 @@ void set_plan_line(Plan& plan, const std::string& assignment) {
       throw PlanError(fmt::format("'{}': {} is '{}', expected {}", assignment, line, text,
                                   range.expected(value)));
   });
-  if (!found) throw PlanError(fmt::format("'{}': the plan has no line {}", assignment, line));
+  if (!found) {
+    const std::string section = line.substr(0, dot);
+    std::string keys, sections;
+    Plan::visit(plan,
+                [&](const std::string& s, const std::string& key, auto&, auto, auto, const char*) {
+                  if (s == section) keys += (keys.empty() ? "" : ", ") + key;
+                  if (sections.find(s) == std::string::npos)
+                    sections += (sections.empty() ? "" : ", ") + s;
+                });
+    throw PlanError(fmt::format("'{}': the plan has no line {}, expected one of the {} {}",
+                                assignment, line, keys.empty() ? "sections" : "keys of " + section,
+                                keys.empty() ? sections : keys));
+  }
   derive_plan(plan);
 }
 

@@ -677,12 +677,14 @@ std::string board_readme(const Board& b, const BoardFiles& files) {
         "photon_gatherer=board:/dev/ttyUSB0@{0}"
         "\n\n",
         files.uart_baud);
-  if (files.uart_baud)
-    text +=
-        "LEDs: 0 heartbeat, 1 bytes from the host, 2 bytes to the host, 3 queries inside, 4 "
-        "replayer "
-        "busy, 5 photon memory busy, 6 a bad frame since reset, 7 a host has read the plan "
-        "hash.\n\n";
+  if (files.uart_baud) {
+    text += "LEDs: 0 heartbeat, 1 bytes from the host, 2 bytes to the host, 3 queries inside";
+    if (b.flow == Flow::kEcp5)  // the others have no more than four
+      text +=
+          ", 4 replayer busy, 5 photon memory busy, 6 a bad frame since reset, 7 a host has read "
+          "the plan hash";
+    text += ".\n\n";
+  }
   return text;
 }
 

@@ -428,6 +428,14 @@ void check_hardware(const std::string& dir, const std::string& rtl_dir) {
     throw std::runtime_error(
         fmt::format("{}: is damaged, expected unit, board, clock_khz and images{}", asked, again));
   }
+  const std::vector<std::string> boards = board_names();
+  if (!request.board.empty() &&
+      std::find(boards.begin(), boards.end(), request.board) == boards.end()) {
+    std::string known;
+    for (const std::string& b : boards) known += (known.empty() ? "" : ", ") + b;
+    throw std::runtime_error(
+        fmt::format("{}: board is {}, expected one of {}{}", asked, request.board, known, again));
+  }
   std::map<std::string, std::string> files = generate_hardware(request);
   files.erase("plan.toml");
   files.erase("package.json");

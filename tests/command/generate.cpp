@@ -290,3 +290,74 @@ TEST_CASE("the list of files follows instances, whatever stands in comments") {
   CHECK_THROWS_WITH(module_files(scratch.path.string(), "nothing"),
                     ContainsSubstring("has no module nothing"));
 }
+
+TEST_CASE("a plan takes no option that derives one") {
+  const Scratch scratch;
+  const std::string plan = scratch / "plan.toml";
+  write_plan(gatherer_plan(), plan);
+  for (const char* option :
+       {"--size 8x8", "--spp 4", "--k 8", "--seed 3", "--define a=b", "--error 0.1", "--photons 9",
+        "--gather-rays 2", "--radius 1", "--load-photons x.ply"}) {
+    INFO(option);
+    const std::string name = std::string(option).substr(0, std::string(option).find(' '));
+    for (const char* command : {"generate", "plan"}) {
+      const Outcome refused =
+          run(fmt::format("{} {} {} -o {}", command, plan, option, scratch / "out"));
+      CHECK(refused.status == 2);
+      CHECK(refused.err.find(name + ": " + plan +
+                             " already is a plan; change its lines with --set") !=
+            std::string::npos);
+    }
+  }
+  CHECK(run(fmt::format("plan {0} --plan {0}", plan)).status == 2);
+  CHECK(run(fmt::format("plan {} --set gather.k=8 -o {}", plan, scratch / "k8.toml")).status == 0);
+}
+
+TEST_CASE("a line that no plan has is answered with those that there are") {
+  const Scratch scratch;
+  const std::string plan = scratch / "plan.toml";
+  write_plan(gatherer_plan(), plan);
+  const auto said = [&](const char* line) {
+    return run(fmt::format("plan {} --set {}", plan, line)).err;
+  };
+  CHECK(said("gather.kk=3")
+            .find("the plan has no line gather.kk, expected one of the keys of gather k, ") !=
+        std::string::npos);
+  CHECK(said("gathr.k=3")
+            .find("the plan has no line gathr.k, expected one of the sections scene, photon, ") !=
+        std::string::npos);
+  CHECK(said("global.photons=0")
+            .find("global.photons is 0, expected at least 1 in a map that is present") !=
+        std::string::npos);
+}
+
+TEST_CASE("generate leaves folders alone that are no packages") {
+  const Scratch scratch;
+  const std::string plan = scratch / "plan.toml", hw = scratch / "hw";
+  write_plan(gatherer_plan(), plan);
+  std::filesystem::create_directory(hw);
+  write_file(hw + "/notes.txt", "mine");
+  const Outcome refused = run(fmt::format("generate {} -o {}", plan, hw));
+  CHECK(refused.status == 1);
+  CHECK(refused.err.find(hw + ": is not replaced: it holds files but no package.json") !=
+        std::string::npos);
+  CHECK(read_file(hw + "/notes.txt") == "mine");
+  std::filesystem::remove(hw + "/notes.txt");
+  for (int i = 0; i < 2; ++i) CHECK(run(fmt::format("generate {} -o {}", plan, hw)).status == 0);
+}
+
+TEST_CASE("a package of a board that there is not names the file") {
+  const Scratch scratch;
+  const std::string plan = scratch / "plan.toml", hw = scratch / "hw";
+  write_plan(gatherer_plan(), plan);
+  REQUIRE(run(fmt::format("generate {} -o {}", plan, hw)).status == 0);
+  std::string text = read_file(hw + "/package.json");
+  const size_t at = text.find("\"board\": \"\"");
+  REQUIRE(at != std::string::npos);
+  write_file(hw + "/package.json", text.replace(at, 11, "\"board\": \"foo\""));
+  CHECK(
+      run("generate --check " + hw)
+          .err.find(hw +
+                    "/package.json: board is foo, expected one of ulx3s-85f, up5k, arty-a7-100t") !=
+      std::string::npos);
+}

@@ -447,3 +447,15 @@ TEST_CASE("serial ports") {
   close(master);
   CHECK_THROWS_AS(port->read(got, 1), LinkLost);
 }
+
+TEST_CASE("a board that takes no bytes is waited for as long as was asked") {
+  const int master = posix_openpt(O_RDWR | O_NOCTTY);
+  REQUIRE(master >= 0);
+  REQUIRE(grantpt(master) == 0);
+  REQUIRE(unlockpt(master) == 0);
+  const std::string name = ptsname(master);
+  const auto port = open_serial({name, 3000000}, 0.2);
+  const Bytes much(1 << 20);  // more than a pseudo-terminal holds
+  CHECK_THROWS_WITH(port->write(much), name + ": takes no bytes for 0.2 seconds");
+  close(master);
+}
