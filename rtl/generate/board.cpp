@@ -652,7 +652,9 @@ std::string board_readme(const Board& b, const BoardFiles& files) {
           "    make          # Yosys >= 0.52, nextpnr-ecp5, ecppack: build/{0}_seed1.bit\n"
           "    make flash    # openFPGALoader -b ulx3s build/{0}_seed1.bit\n\n"
           "`openFPGALoader -b ulx3s -f FILE.bit` writes it into the board's flash, so that it is "
-          "there after power-on.\n\n",
+          "there after power-on. The tools are those on PATH, for instance of Photonloom's `make "
+          "fpga-tools`, whose commands lie in its build/fpga-tools/bin; others by `make YOSYS=... "
+          "NEXTPNR=... ECPPACK=...`.\n\n",
           files.top);
       break;
     case Flow::kIce40:

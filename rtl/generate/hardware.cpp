@@ -83,7 +83,23 @@ std::string meaning_of(const std::string& name, const std::string& type,
   if (ends("_valid_i") || ends("_valid_o")) return "offered";
   if (ends("_ready_i") || ends("_ready_o")) return "taken when offered";
   if (type.rfind("photonloom_pkg::", 0) == 0) return "the packet";
-  return "";
+  static const std::map<std::string, std::string> kOfBoard = {
+      {"uart_rx_i", "serial line from the host"},
+      {"uart_tx_o", "serial line to the host"},
+      {"clk_sdram_i", "clock of the SDRAM's pins"},
+      {"sdram_cke_o", "clock enable"},
+      {"sdram_cs_no", "chip select, active low"},
+      {"sdram_ras_no", "row address strobe, active low"},
+      {"sdram_cas_no", "column address strobe, active low"},
+      {"sdram_we_no", "write enable, active low"},
+      {"sdram_ba_o", "bank"},
+      {"sdram_a_o", "row or column address"},
+      {"sdram_dqm_o", "byte masks"},
+      {"sdram_dq_i", "data from the chip"},
+      {"sdram_dq_o", "data to the chip"},
+      {"sdram_dq_oe_o", "data pins are driven"}};
+  const auto of_board = kOfBoard.find(name);
+  return of_board == kOfBoard.end() ? "" : of_board->second;
 }
 
 std::vector<ChipPort> chip_ports(const Plan& plan, const std::string& rtl_dir) {
