@@ -85,6 +85,11 @@ std::vector<BenchPlan> plans() {
     p.contexts = 2;
     p.lanes = 1;
   });
+  add("luts", [](Plan& p) {  // what block_ram's other half is made of shows in a netlist only
+    p.k = 6;
+    p.contexts = 4;
+    p.lut_ram_words = 128;
+  });
   return list;
 }
 
