@@ -24,14 +24,6 @@ constexpr const char* kDerivation[] = {
     "--plan",   "--size",  "--spp",  "--photons", "--caustic-photons", "--gather-rays",  "--k",
     "--radius", "--error", "--seed", "--define",  "--load-photons",    "--load-caustics"};
 
-template <size_t N>
-std::vector<std::string> given_of(const CLI::App& command, const char* const (&options)[N]) {
-  std::vector<std::string> given;
-  for (const char* option : options)
-    if (command.count(option) > 0) given.emplace_back(option);
-  return given;
-}
-
 }  // namespace
 
 bool is_plan(const std::string& path) { return std::filesystem::path(path).extension() == ".toml"; }
@@ -119,12 +111,18 @@ FrameRequest FrameOptions::request() const {
   return request;
 }
 
-std::vector<std::string> FrameOptions::derivation_options() const {
-  return given_of(*command_, kDerivation);
+void FrameOptions::refuse_derivation(const std::string& plan_file) const {
+  for (const char* option : kDerivation)
+    if (command_->count(option) > 0)
+      throw UsageError(
+          fmt::format("{}: {} already is a plan; change its lines with --set", option, plan_file));
 }
 
 std::vector<std::string> FrameOptions::photon_options() const {
-  return given_of(*command_, kPhotonOnly);
+  std::vector<std::string> given;
+  for (const char* option : kPhotonOnly)
+    if (command_->count(option) > 0) given.emplace_back(option);
+  return given;
 }
 
 void describe_frame(Image& image, const PreparedFrame& frame, const FrameRequest& request,

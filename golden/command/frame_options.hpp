@@ -18,8 +18,9 @@ class FrameOptions {
   // Checked; throws UsageError for options that exclude each other.
   FrameRequest request() const;
 
-  // Options given that change a plan which is derived, and have no meaning for one that is there.
-  std::vector<std::string> derivation_options() const;
+  // Throws UsageError where an option is given that changes a plan which is derived: `plan_file` is
+  // there already.
+  void refuse_derivation(const std::string& plan_file) const;
   // Options given that only the photon mapper reads.
   std::vector<std::string> photon_options() const;
 

@@ -68,10 +68,7 @@ void generate(const GenerateOptions& o) {
   request.rtl_dir = o.rtl;
   std::map<std::string, std::string> files;
   if (is_plan(source)) {
-    const std::vector<std::string> useless = o.frame.derivation_options();
-    if (!useless.empty())
-      throw UsageError(
-          fmt::format("{}: {} already is a plan; change its lines with --set", useless[0], source));
+    o.frame.refuse_derivation(source);
     request.plan = read_plan(source);
     for (const std::string& line : asked.set) set_plan_line(request.plan, line);
     files = generate_hardware(request);

@@ -89,10 +89,7 @@ void describe(const Plan& plan, const std::string& file, const PlanOptions& o) {
 
 // A plan that is there already, with lines changed.
 void edit(const FrameRequest& request, const PlanOptions& o) {
-  const std::vector<std::string> useless = o.frame.derivation_options();
-  if (!useless.empty())
-    throw UsageError(fmt::format("{}: {} already is a plan; change its lines with --set",
-                                 useless[0], request.scene_file));
+  o.frame.refuse_derivation(request.scene_file);
   Plan plan = read_plan(request.scene_file);
   for (const std::string& line : request.set) set_plan_line(plan, line);
   derive_plan(plan);

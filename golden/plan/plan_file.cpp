@@ -492,12 +492,12 @@ void set_plan_line(Plan& plan, const std::string& assignment) {
   });
   if (!found) {
     const std::string section = line.substr(0, dot);
-    std::string keys, sections;
+    std::string keys, sections, last;
     Plan::visit(plan,
                 [&](const std::string& s, const std::string& key, auto&, auto, auto, const char*) {
                   if (s == section) keys += (keys.empty() ? "" : ", ") + key;
-                  if (sections.find(s) == std::string::npos)
-                    sections += (sections.empty() ? "" : ", ") + s;
+                  if (s != last) sections += (sections.empty() ? "" : ", ") + s;
+                  last = s;
                 });
     throw PlanError(fmt::format("'{}': the plan has no line {}, expected one of the {} {}",
                                 assignment, line, keys.empty() ? "sections" : "keys of " + section,

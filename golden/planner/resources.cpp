@@ -58,8 +58,7 @@ class Memories {
 
 Memories gatherer_memories(const Plan& p) {
   Memories m(p);
-  const uint64_t sets = std::bit_floor(std::max<uint64_t>(
-      1, static_cast<uint64_t>(p.cache_bytes / (p.line_bytes() * p.cache_ways))));
+  const auto sets = static_cast<uint64_t>(p.cache_bytes / (p.line_bytes() * p.cache_ways));
   const uint64_t lines = sets * power_of_two(p.cache_ways);
   const auto parts = static_cast<uint64_t>(p.bucket / p.lanes);  // a line is read in as many cycles
   const bool narrow = 8 * p.line_bytes() / static_cast<int>(parts) % p.beat_bits == 0;
@@ -87,7 +86,7 @@ Memories gatherer_memories(const Plan& p) {
   m.add(2 + p.line_bits() + 3 * (p.position_bits + 1) + p.r2_bits() +
             clog2(static_cast<uint64_t>(p.epsilon_factor)),
         contexts * power_of_two(p.line_bits() + 1) / 2, 2);
-  const uint64_t rows = uint64_t{1} << clog2(std::max<uint64_t>(16, std::bit_ceil(2 * parts)) + 24);
+  const uint64_t rows = uint64_t{1} << clog2(std::max<uint64_t>(16, 2 * parts) + 24);
   m.add(p.lanes * load_bits(p), rows);
   m.add(2 * p.lanes * p.direction_bits, rows);
 
