@@ -10,6 +10,7 @@
 #include "golden/command/console.hpp"
 #include "golden/command/frame_options.hpp"
 #include "golden/numeric/output_file.hpp"
+#include "golden/planner/resources.hpp"
 #include "golden/unit/photon_gatherer_image.hpp"
 #include "rtl/generate/board.hpp"
 #include "rtl/generate/hardware.hpp"
@@ -83,6 +84,14 @@ void generate(const GenerateOptions& o) {
         (o.unit.empty() && std::find(units.begin(), units.end(), "photon_gatherer") != units.end()))
       request.images = images(frame);
     files = generate_hardware(request);
+  }
+  if (o.board == "ulx3s-85f" && o.unit.empty()) {
+    const int blocks = board_memories(request.plan).total();
+    if (blocks > kUlx3sBlockRams)
+      print_warnings(
+          {fmt::format("the top takes {} block RAMs, the part has {}; photonloom plan "
+                       "tells what takes them",
+                       blocks, kUlx3sBlockRams)});
   }
   OutputFolder folder(o.output, "package.json");
   for (const auto& [name, text] : files) {

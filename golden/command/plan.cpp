@@ -58,6 +58,7 @@ std::vector<std::pair<std::string, uint64_t>> memory_bits(const Plan& plan) {
 // What the plan asks for: units, memory and an estimate of a part's resources.
 void describe(const Plan& plan, const std::string& file, const PlanOptions& o) {
   const auto rows = memory_bits(plan);
+  const bool gathers = plan.global.present || plan.caustic.present;
   if (o.json) {
     nlohmann::ordered_json j;
     j["plan"] = file;
@@ -74,6 +75,14 @@ void describe(const Plan& plan, const std::string& file, const PlanOptions& o) {
         for (const auto& [term, value] : resource_terms(plan, unit, resource))
           j["resource_terms"][unit][resource][term] = value;
     }
+    if (gathers) {
+      const BoardMemories b = board_memories(plan);
+      j["board_ebr"] = {{"photons", b.photons},
+                        {"replayer", b.replayer},
+                        {"link", b.link},
+                        {"units", b.units},
+                        {"total", b.total()}};
+    }
     fmt::print("{}\n", j.dump(2));
     return;
   }
@@ -85,6 +94,20 @@ void describe(const Plan& plan, const std::string& file, const PlanOptions& o) {
     const UnitResources r = estimate_resources(plan, unit);
     fmt::print("  {:<40} {:>10.0f} {:>8.0f} {:>5.0f} {:>7.0f}\n", unit, r.lut, r.ff, r.dsp, r.ebr);
   }
+  if (!gathers) return;
+  const BoardMemories b = board_memories(plan);
+  const auto of_board = [](const std::string& what, int blocks) {
+    fmt::print("  {:<40} {:>33}\n", what, blocks);
+  };
+  of_board(plan.photon_memory == PhotonMemory::kSdram ? "a board's cache before its SDRAM"
+                                                      : "a board's photon memory",
+           b.photons);
+  of_board("its replayer and link", b.replayer + b.link);
+  of_board(
+      fmt::format("its whole top, {} gatherer{}", plan.gatherers, plan.gatherers == 1 ? "" : "s"),
+      b.total());
+  if (b.total() > kUlx3sBlockRams)
+    fmt::print("  more than the {} block RAMs of a ULX3S's LFE5U-85F\n", kUlx3sBlockRams);
 }
 
 // A plan that is there already, with lines changed.

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <span>
 #include <stdexcept>
 
 #include "golden/packet/layout.hpp"
@@ -56,16 +57,21 @@ class Memories {
   uint64_t lut_words_;
 };
 
+// Data of a cache of `lines` photon lines, which are read in `parts` parts and written in beats.
+void add_cached_lines(Memories& m, const Plan& p, uint64_t lines, uint64_t parts, int beat_bits) {
+  const bool narrow = 8 * p.line_bytes() / static_cast<int>(parts) % beat_bits == 0;
+  if (narrow && parts > 1)
+    m.add(p.bucket / static_cast<int>(parts) * p.photon_bits(), lines * parts);
+  else
+    m.add(p.bucket * p.photon_bits(), lines);
+}
+
 Memories gatherer_memories(const Plan& p) {
   Memories m(p);
   const auto sets = static_cast<uint64_t>(p.cache_bytes / (p.line_bytes() * p.cache_ways));
   const uint64_t lines = sets * power_of_two(p.cache_ways);
   const auto parts = static_cast<uint64_t>(p.bucket / p.lanes);  // a line is read in as many cycles
-  const bool narrow = 8 * p.line_bytes() / static_cast<int>(parts) % p.beat_bits == 0;
-  if (narrow && parts > 1)
-    m.add(p.lanes * p.photon_bits(), lines * parts);
-  else
-    m.add(p.bucket * p.photon_bits(), lines);
+  add_cached_lines(m, p, lines, parts, p.beat_bits);
   m.add(p.line_bits() + 2, sets, p.cache_ways);
 
   // Nodes are in slices as deep as they all are.
@@ -215,21 +221,63 @@ Terms sampler_terms(const Plan& p, const std::string& resource) {
   return terms;
 }
 
-}  // namespace
+struct Shape {
+  int width;
+  uint64_t depth;
+};
+// With two ports that both read, 18 bits are the widest.
+constexpr Shape kTwoReads[] = {{1, 16384}, {2, 8192}, {4, 4096}, {9, 2048}, {18, 1024}};
+constexpr Shape kOneRead[] = {{1, 16384}, {2, 8192}, {4, 4096}, {9, 2048}, {18, 1024}, {36, 512}};
 
-int block_rams(int width, uint64_t depth) {
-  struct Shape {
-    int width;
-    uint64_t depth;
-  };
+int fewest(std::span<const Shape> shapes, int width, uint64_t depth) {
   int best = 0;
-  for (const Shape& s : {Shape{1, 16384}, Shape{2, 8192}, Shape{4, 4096}, Shape{9, 2048},
-                         Shape{18, 1024}, Shape{36, 512}}) {
+  for (const Shape& s : shapes) {
     const int n =
         (width + s.width - 1) / s.width * static_cast<int>((depth + s.depth - 1) / s.depth);
     if (best == 0 || n < best) best = n;
   }
   return best;
+}
+
+// As photon_ram and photon_sdram keep them.
+int photon_memory_blocks(const Plan& p) {
+  const int beats = 8 * p.line_bytes() / p.beat_bits;
+  if (p.photon_memory == PhotonMemory::kBlockRam) {
+    const int stride = 8 * p.photon_bytes;
+    const int width =
+        p.beat_bits % stride == 0 ? p.beat_bits / stride * p.photon_bits() : p.beat_bits;
+    const uint64_t lines = p.lines(p.global) + p.lines(p.caustic);
+    return fewest(kTwoReads, width, std::max<uint64_t>(1, lines) * static_cast<uint64_t>(beats));
+  }
+  constexpr int kWays = 4;
+  const uint64_t sets =
+      std::bit_floor(static_cast<uint64_t>(p.board_cache_bytes / (p.line_bytes() * kWays)));
+  Memories m(p);
+  add_cached_lines(m, p, sets * kWays, static_cast<uint64_t>(beats), 64);
+  m.add(p.line_bits() + 2, sets, kWays);
+  return m.blocks;
+}
+
+}  // namespace
+
+int block_rams(int width, uint64_t depth) { return fewest(kOneRead, width, depth); }
+
+BoardMemories board_memories(const Plan& p) {
+  BoardMemories b;
+  b.photons = photon_memory_blocks(p);
+  Memories replayer(p), link(p);
+  const int words = (PacketLayout::of<GatherQuery>(p).bits() + 31) / 32;
+  replayer.add(32, static_cast<uint64_t>(p.replay_queries), words);
+  // link_receiver's bytes and frame, the words to and from the gatherers.
+  link.add(8, 2048);
+  link.add(8, 512);
+  link.add(32, 512);
+  link.add(32, 1024);
+  b.replayer = replayer.blocks;
+  b.link = link.blocks;
+  b.units = p.gatherers * gatherer_memories(p).blocks;
+  if (p.reorder_key != ReorderKey::kNone) b.units += reorder_memories(p).blocks;
+  return b;
 }
 
 Terms resource_terms(const Plan& plan, const std::string& unit, const std::string& resource) {

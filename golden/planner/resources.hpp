@@ -16,8 +16,20 @@ struct UnitResources {
   double lut = 0, ff = 0, dsp = 0, ebr = 0;
 };
 
+// Block RAMs of 18 Kibit in an LFE5U-85F, the ULX3S's part.
+inline constexpr int kUlx3sBlockRams = 208;
+
 // 18 Kibit block RAMs of a memory with one write and one read port, in the shape that takes fewest.
 int block_rams(int width, uint64_t depth);
+
+// Block RAMs of board_core, a board's whole top: its gatherers and reorder buffer (`units`), the
+// photon memory or the cache before it, the replayer and the link. Of every top in docs/headline.md
+// as many as were synthesized.
+struct BoardMemories {
+  int photons = 0, replayer = 0, link = 0, units = 0;
+  int total() const { return photons + replayer + link + units; }
+};
+BoardMemories board_memories(const Plan& plan);
 
 // The terms from which a resource ("lut", "ff", "dsp", "ebr") of `unit` is predicted, by name.
 // Throws std::runtime_error for an unknown unit or resource.

@@ -179,6 +179,16 @@ std::string resource_table(const Plan& plan, const std::vector<std::string>& uni
                         several ? fmt::format(", each of {}", plan.gatherers) : std::string(),
                         r.lut, r.ff, r.dsp, r.ebr);
   }
+  if (board) {
+    const BoardMemories b = board_memories(plan);
+    const auto row = [&](const std::string& what, int blocks) {
+      text += fmt::format("| {} | | | | {} |\n", what, blocks);
+    };
+    row(plan.photon_memory == PhotonMemory::kSdram ? "cache before the SDRAM" : "photon memory",
+        b.photons);
+    row("replayer, link", b.replayer + b.link);
+    row("all of the top", b.total());
+  }
   return text + "\nPredicted from the plan's lines; `make fpga` measures.\n";
 }
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "golden/plan/plan_file.hpp"
+#include "golden/planner/resources.hpp"
 #include "rtl/generate/hardware.hpp"
 #include "rtl/generate/sources.hpp"
 #include "tests/catch.hpp"
@@ -226,6 +227,30 @@ TEST_CASE("packages for boards lint and are checked") {
       write_file(file, read_file(file) + "\n");
       CHECK_THAT(run("generate --check " + hw).err, ContainsSubstring(top + ".sv: is stale"));
     }
+}
+
+TEST_CASE("a photon map too large for the board's block RAM is told before synthesis") {
+  const Scratch scratch;
+  Plan plan = gatherer_plan();
+  plan.gather_rays = 4;
+  write_plan(plan, scratch / "plan.toml");
+  const std::string board =
+      fmt::format("generate {} --board ulx3s-85f -o {}", scratch / "plan.toml", scratch / "hw");
+  const std::string tell = "plan " + (scratch / "plan.toml");
+  CHECK(run(board).err == "");
+  CHECK_THAT(run(tell).out, !ContainsSubstring("more than"));
+  plan.global.photons = 65536;
+  write_plan(plan, scratch / "plan.toml");
+  const int blocks = board_memories(plan).total();
+  REQUIRE(blocks > 300);  // 65,536 photons of 96 bits are 342 times 18 Kibit
+  const Outcome made = run(board);
+  CHECK(made.status == 0);
+  CHECK_THAT(made.err, ContainsSubstring(fmt::format(
+                           "warning: the top takes {} block RAMs, the part has 208", blocks)));
+  CHECK_THAT(read_file(scratch / "hw" + "/README.md"),
+             ContainsSubstring(fmt::format("| all of the top | | | | {} |", blocks)));
+  CHECK_THAT(run(tell).out, ContainsSubstring(fmt::format("{}\n  more than the 208", blocks)));
+  CHECK_THAT(run(tell + " --json").out, ContainsSubstring(fmt::format("\"total\": {}", blocks)));
 }
 
 TEST_CASE("a board that cannot hold the plan is refused") {

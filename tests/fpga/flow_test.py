@@ -7,6 +7,7 @@ import importlib.util
 import io
 import json
 import os
+import re
 import sys
 import tempfile
 import unittest
@@ -83,6 +84,30 @@ class MeasuredAgain(unittest.TestCase):
     def test_counts_of_two_yosys_do_not_mix(self):
         with self.assertRaisesRegex(flow.Failure, "was measured with a, expected that of b"):
             self.merge("b")
+
+
+class BoardMemories(unittest.TestCase):
+    """Block RAMs of a whole top: `photonloom plan` beside what was synthesized."""
+
+    def predicted(self, plan):
+        out = flow.run([flow.PHOTONLOOM, "plan", os.path.join(ROOT, plan), "--json"])
+        return json.loads(out)["board_ebr"]["total"]
+
+    def synthesized(self, page, row):
+        """`row` of a table in `page`: the plan's name and the block RAMs that its top takes."""
+        with open(os.path.join(ROOT, page)) as f:
+            return dict(re.findall(row + r".*\| DP16KD (\d+) of 208 \|", f.read(), re.MULTILINE))
+
+    def test_of_the_headline(self):
+        tops = self.synthesized("docs/headline.md", r"^\| (\w+) \| \d+ \|")
+        self.assertEqual(len(tops), 6)
+        for plan, blocks in tops.items():
+            with self.subTest(plan):
+                self.assertEqual(self.predicted(f"fpga/headline/{plan}.toml"), int(blocks))
+
+    def test_of_the_readme(self):
+        tops = self.synthesized("README.md", r"^\| `(board)` \|")
+        self.assertEqual(self.predicted("fpga/gatherer.toml"), int(tops["board"]))
 
 
 class Run(unittest.TestCase):

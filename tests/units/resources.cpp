@@ -72,3 +72,30 @@ TEST_CASE("memories of LUTs are no block RAM") {
     CHECK(after.dsp == before.dsp);
   }
 }
+
+TEST_CASE("block RAMs of a board's top") {
+  Plan plan;
+  plan.global = {.present = true, .photons = 16384};
+  plan.bucket = 8;
+  plan.photon_bytes = 16;
+  plan.beat_bits = 512;
+  plan.gatherers = 1;
+  // Four photons of 96 bits a beat, 4,096 beats: twice 43 blocks of 9 bits x 2,048.
+  REQUIRE(plan.photon_bits() == 96);
+  const BoardMemories one = board_memories(plan);
+  CHECK(one.photons == 86);
+  CHECK(one.total() == one.photons + one.replayer + one.link + one.units);
+  plan.gatherers = 2;
+  const double gatherer = estimate_resources(plan, "photon_gatherer").ebr;
+  CHECK(board_memories(plan).units - one.units == gatherer);
+  CHECK(board_memories(plan).photons == one.photons);
+  plan.reorder_key = ReorderKey::kNone;
+  CHECK(board_memories(plan).units == 2 * gatherer);
+  plan.photon_memory = PhotonMemory::kSdram;
+  plan.board_cache_bytes = 65536;
+  const int cache = board_memories(plan).photons;
+  plan.board_cache_bytes = 131072;
+  CHECK(board_memories(plan).photons > cache);
+  plan.lut_ram_words = 1024;
+  CHECK(board_memories(plan).replayer == 0);
+}
