@@ -65,15 +65,15 @@ struct PlanOfBoard {
   const char* name;
   PhotonMemory memory;
   uint64_t photons;
-  int k, gatherers, bucket, leaf_photons, pool, bins, cache_kb, lut_ram_words;
+  int k, gatherers, bucket, leaf_photons, pool, bins, cache_kb, lut_ram_words, replay;
 };
 constexpr PlanOfBoard kPlans[] = {
-    {"block_ram_k8", PhotonMemory::kBlockRam, 16384, 8, 2, 8, 256, 512, 512, 48, 32},
-    {"block_ram_k16", PhotonMemory::kBlockRam, 16384, 16, 2, 16, 256, 512, 512, 48, 32},
-    {"block_ram_k50", PhotonMemory::kBlockRam, 16384, 50, 1, 8, 256, 512, 512, 48, 32},
-    {"sdram_k8", PhotonMemory::kSdram, 65536, 8, 3, 8, 256, 10224, 1024, 96, 64},
-    {"sdram_k16", PhotonMemory::kSdram, 65536, 16, 3, 8, 256, 7152, 512, 48, 64},
-    {"sdram_k50", PhotonMemory::kSdram, 65536, 50, 2, 16, 2048, 10224, 512, 96, 64},
+    {"block_ram_k8", PhotonMemory::kBlockRam, 16384, 8, 2, 8, 256, 512, 512, 48, 32, 1024},
+    {"block_ram_k16", PhotonMemory::kBlockRam, 16384, 16, 2, 16, 256, 512, 512, 48, 32, 1024},
+    {"block_ram_k50", PhotonMemory::kBlockRam, 16384, 50, 1, 8, 256, 512, 512, 48, 32, 1024},
+    {"sdram_k8", PhotonMemory::kSdram, 65536, 8, 3, 8, 256, 10992, 1024, 96, 64, 512},
+    {"sdram_k16", PhotonMemory::kSdram, 65536, 16, 3, 8, 256, 7152, 512, 48, 64, 1024},
+    {"sdram_k50", PhotonMemory::kSdram, 65536, 50, 2, 16, 2048, 12272, 512, 96, 128, 1024},
 };
 
 // The photons of a plan; a path that would overfill the map is cut.
@@ -99,7 +99,7 @@ Plan make_plan(const PlanOfBoard& p, const GatherLoad& load) {
   plan.cache_bytes = p.leaf_photons * plan.photon_bytes;
   plan.board_cache_bytes = p.cache_kb * 1024;
   plan.lut_ram_words = p.lut_ram_words;
-  plan.replay_queries = 1024;
+  plan.replay_queries = p.replay;
   check_plan(plan);
   return plan;
 }
