@@ -88,10 +88,10 @@ void generate(const GenerateOptions& o) {
   if (o.board == "ulx3s-85f" && o.unit.empty()) {
     const int blocks = board_memories(request.plan).total();
     if (blocks > kUlx3sBlockRams)
-      print_warnings(
-          {fmt::format("the top takes {} block RAMs, the part has {}; photonloom plan "
-                       "tells what takes them",
-                       blocks, kUlx3sBlockRams)});
+      print_warnings({fmt::format(
+          "{}: the top takes {} block RAMs, {} has {}; expected fewer photons in block RAM, a "
+          "smaller reorder.packets or gatherer.cache_bytes (photonloom plan tells what takes them)",
+          source, blocks, o.board, kUlx3sBlockRams)});
   }
   OutputFolder folder(o.output, "package.json");
   for (const auto& [name, text] : files) {

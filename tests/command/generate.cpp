@@ -246,7 +246,8 @@ TEST_CASE("a photon map too large for the board's block RAM is told before synth
   const Outcome made = run(board);
   CHECK(made.status == 0);
   CHECK_THAT(made.err, ContainsSubstring(fmt::format(
-                           "warning: the top takes {} block RAMs, the part has 208", blocks)));
+                           "warning: {}: the top takes {} block RAMs, ulx3s-85f has 208",
+                           scratch / "plan.toml", blocks)));
   CHECK_THAT(read_file(scratch / "hw" + "/README.md"),
              ContainsSubstring(fmt::format("| all of the top | | | | {} |", blocks)));
   CHECK_THAT(run(tell).out, ContainsSubstring(fmt::format("{}\n  more than the 208", blocks)));

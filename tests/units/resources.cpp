@@ -2,6 +2,7 @@
 // What a plan is predicted to take of an FPGA.
 #include "golden/planner/resources.hpp"
 
+#include "golden/packet/layout.hpp"
 #include "golden/planner/resource_fit.hpp"
 #include "tests/catch.hpp"
 
@@ -84,9 +85,13 @@ TEST_CASE("block RAMs of a board's top") {
   REQUIRE(plan.photon_bits() == 96);
   const BoardMemories one = board_memories(plan);
   CHECK(one.photons == 86);
-  CHECK(one.total() == one.photons + one.replayer + one.link + one.units);
-  plan.gatherers = 2;
   const double gatherer = estimate_resources(plan, "photon_gatherer").ebr;
+  const double buffer = estimate_resources(plan, "reorder_buffer").ebr;
+  // 5 of the link, one of 36 bits x 512 for each word of a query in the replayer.
+  plan.replay_queries = 512;
+  const int words = (PacketLayout::of<GatherQuery>(plan).bits() + 31) / 32;
+  CHECK(board_memories(plan).total() == 86 + 5 + words + gatherer + buffer);
+  plan.gatherers = 2;
   CHECK(board_memories(plan).units - one.units == gatherer);
   CHECK(board_memories(plan).photons == one.photons);
   plan.reorder_key = ReorderKey::kNone;

@@ -59,6 +59,7 @@ struct Options {
 // are block RAM too: it costs none of the wires that LUT RAM does. Before an SDRAM the pool is what
 // block RAM is best spent on: each sweep over it takes every line once or twice, however many
 // queries it serves. A pool of 16 places less than its memories have words wastes none of them.
+// sdram_k8's has fewer: with all of them it reads so few lines that it waits for the gatherers.
 // Where a query visits many leaves, 16 contexts hide what a leaf takes from there if leaves are few
 // and large, and if the gatherer's own cache, in block RAM, has most of them.
 struct PlanOfBoard {
