@@ -10,7 +10,7 @@
 #include "rtl/generate/sources.hpp"
 #include "tests/catch.hpp"
 #include "tests/command/run.hpp"
-#include "verilator_tb/bench.hpp"
+#include "verilator_tb/bench/bench.hpp"
 
 using namespace photonloom;
 using namespace photonloom::test;

@@ -16,8 +16,8 @@
 #include "golden/numeric/random.hpp"
 #include "tests/catch.hpp"
 #include "tests/command/run.hpp"
-#include "verilator_tb/model.hpp"
-#include "verilator_tb/stall.hpp"
+#include "verilator_tb/model/model.hpp"
+#include "verilator_tb/rig/stall.hpp"
 
 using namespace photonloom;
 

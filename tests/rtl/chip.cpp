@@ -9,8 +9,8 @@
 #include "rtl/generate/hardware.hpp"
 #include "tests/catch.hpp"
 #include "tests/command/run.hpp"
-#include "verilator_tb/clocked_unit.hpp"
-#include "verilator_tb/stall.hpp"
+#include "verilator_tb/rig/stall.hpp"
+#include "verilator_tb/unit/clocked_unit.hpp"
 
 using namespace photonloom;
 

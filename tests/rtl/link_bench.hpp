@@ -17,8 +17,8 @@
 #include "golden/unit/photon_gatherer_image.hpp"
 #include "tests/catch.hpp"
 #include "tests/photon_sets.hpp"
-#include "verilator_tb/board_model.hpp"
-#include "verilator_tb/stall.hpp"
+#include "verilator_tb/chip/board_model.hpp"
+#include "verilator_tb/rig/stall.hpp"
 
 namespace photonloom::test {
 

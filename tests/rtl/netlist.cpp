@@ -11,8 +11,8 @@
 #include "golden/numeric/output_file.hpp"
 #include "tests/catch.hpp"
 #include "tests/command/run.hpp"
-#include "verilator_tb/backends.hpp"
-#include "verilator_tb/compare.hpp"
+#include "verilator_tb/unit/backends.hpp"
+#include "verilator_tb/unit/compare_units.hpp"
 
 using namespace photonloom;
 

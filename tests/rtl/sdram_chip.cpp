@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The behavioural SDRAM keeps what was written, answers in time, and finds every rule broken.
-#include "verilator_tb/sdram_chip.hpp"
+#include "verilator_tb/chip/sdram_chip.hpp"
 
 #include <functional>
 

@@ -9,7 +9,7 @@
 
 #include "golden/numeric/output_file.hpp"
 #include "golden/plan/plan_file.hpp"
-#include "verilator_tb/backends.hpp"
+#include "verilator_tb/unit/backends.hpp"
 
 namespace photonloom {
 namespace {

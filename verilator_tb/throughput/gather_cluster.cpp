@@ -24,7 +24,7 @@
 
 #include "golden/numeric/output_file.hpp"
 #include "golden/plan/plan_file.hpp"
-#include "verilator_tb/sdram_chip.hpp"
+#include "verilator_tb/chip/sdram_chip.hpp"
 #include "verilator_tb/throughput/gather_load.hpp"
 
 namespace photonloom {

@@ -23,7 +23,7 @@
 #include "golden/transport/world.hpp"
 #include "golden/unit/backend.hpp"
 #include "golden/unit/pack_photons.hpp"
-#include "verilator_tb/backends.hpp"
+#include "verilator_tb/unit/backends.hpp"
 
 namespace photonloom {
 

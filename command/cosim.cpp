@@ -1,0 +1,401 @@
+// SPDX-License-Identifier: Apache-2.0
+// photonloom cosim SCENE --backend unit=rtl,...
+#include <fmt/core.h>
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <map>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <set>
+
+#include "command/board_option.hpp"
+#include "command/console.hpp"
+#include "command/frame_options.hpp"
+#include "golden/image/sheet.hpp"
+#include "golden/numeric/output_file.hpp"
+#include "verilator_tb/rig/rig_options.hpp"
+#include "verilator_tb/rig/timeline.hpp"
+#include "verilator_tb/unit/backends.hpp"
+#include "verilator_tb/unit/compare_units.hpp"
+
+namespace photonloom {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr const char* kUnits[] = {"photon_gatherer", "reorder_buffer", "cdf_sampler"};
+
+struct CosimOptions {
+  FrameOptions frame;
+  ThreadsOption threads;
+  RigFlags rig;
+  std::string backends = "photon_gatherer=rtl,reorder_buffer=rtl,cdf_sampler=rtl", output;
+  uint64_t timeline = 5000;
+  bool keep_going = false, json = false;
+  BoardFlags board;
+};
+
+constexpr const char* kBoard = "board";
+
+// The units that do not run as golden, each with its backend.
+struct Hardware {
+  std::map<std::string, std::string> units;
+  std::string device;  // of the board, where a unit runs on one
+};
+
+// From "a=rtl,b=golden,c=board:DEVICE".
+Hardware hardware_units(const std::string& text) {
+  std::set<std::string> named;
+  Hardware hardware;
+  for (size_t at = 0; at <= text.size();) {
+    const size_t end = std::min(text.find(',', at), text.size());
+    const std::string item = text.substr(at, end - at);
+    const size_t equals = item.find('=');
+    const std::string unit = item.substr(0, equals);
+    std::string backend = equals == std::string::npos ? "" : item.substr(equals + 1);
+    const std::optional<std::string> board = board_device(backend);
+    if (std::find(std::begin(kUnits), std::end(kUnits), unit) == std::end(kUnits) ||
+        (backend != "golden" && !board && !model_kind(backend)))
+      throw UsageError(fmt::format(
+          "--backend: '{}', expected UNIT=BACKEND with UNIT photon_gatherer, reorder_buffer or "
+          "cdf_sampler and BACKEND rtl, netlist, cxxrtl, board:DEVICE or golden",
+          item));
+    if (!named.insert(unit).second)
+      throw UsageError(fmt::format("--backend: {} stands twice", unit));
+    if (board) {
+      if (unit != "photon_gatherer")
+        throw UsageError(
+            fmt::format("--backend: '{}', a board has photon_gatherer only behind its link", item));
+      hardware.device = *board;
+      backend = kBoard;
+    }
+    if (backend != "golden") hardware.units[unit] = backend;
+    at = end + 1;
+  }
+  if (hardware.units.empty())
+    throw UsageError(
+        "--backend: names no unit as rtl, netlist, cxxrtl or board, there is nothing to compare");
+  return hardware;
+}
+
+// What the hardware is called: its backend where all units have the same.
+std::string hardware_name(const std::map<std::string, std::string>& hardware) {
+  for (const auto& [unit, backend] : hardware)
+    if (backend != hardware.begin()->second) return "hardware";
+  return hardware.begin()->second;
+}
+
+// This program's command line as a shell takes it.
+std::string command_line() {
+  std::ifstream in("/proc/self/cmdline", std::ios::binary);
+  const std::string all{std::istreambuf_iterator<char>(in), {}};
+  std::string text;
+  for (size_t at = 0; at < all.size();) {
+    const std::string word = all.substr(at, all.find('\0', at) - at);
+    at += word.size() + 1;
+    const bool plain = word.find_first_not_of(
+                           "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"
+                           "0123456789_-+=:,./") == std::string::npos;
+    text += (text.empty() ? "" : " ") + (plain && !word.empty() ? word : "'" + word + "'");
+  }
+  return text;
+}
+
+// One unit as hardware beside golden: owns both, and hands the frame the comparison.
+template <class Unit>
+struct Side {
+  std::unique_ptr<Unit> golden, hardware;
+  Clocked* clocked = nullptr;  // the hardware, where it has a clock
+  Comparing<Unit>* both = nullptr;
+
+  template <class HardwareUnit>
+  std::unique_ptr<Unit> start(const Plan& plan, const CompareContext& context,
+                              std::unique_ptr<Unit> golden_unit,
+                              std::unique_ptr<HardwareUnit> hardware_unit) {
+    golden = std::move(golden_unit);
+    clocked = dynamic_cast<Clocked*>(hardware_unit.get());
+    auto comparing = compare_units(plan, context, *golden, *hardware_unit);
+    hardware = std::move(hardware_unit);
+    both = comparing.get();
+    return comparing;
+  }
+};
+
+// What a unit did, for the table and the summary.
+struct UnitReport {
+  std::string unit, first_difference;
+  uint64_t compared = 0, differences = 0, packets_in = 0;
+  Counters counters;
+
+  uint64_t count(const std::string& name) const {
+    const auto at = counters.find(name);
+    return at == counters.end() ? 0 : at->second;
+  }
+  uint64_t bypassed() const { return packets_in - count("packets in"); }
+  double busy() const {
+    const uint64_t cycles = count("cycles");
+    const uint64_t busy = counters.count("busy") ? count("busy") : count("cycles busy");
+    return cycles ? 100.0 * static_cast<double>(busy) / static_cast<double>(cycles) : 0;
+  }
+};
+
+template <class Unit>
+UnitReport report_of(const std::string& name, Side<Unit>& side) {
+  if (side.clocked) side.clocked->finish();
+  return {name,
+          side.both->first_report(),
+          side.both->compared(),
+          side.both->differences(),
+          side.both->packets_in(),
+          side.both->counters()};
+}
+
+double ratio(uint64_t a, uint64_t b) {
+  return b ? static_cast<double>(a) / static_cast<double>(b) : 0;
+}
+
+void print_units(const std::vector<UnitReport>& units) {
+  fmt::print("{:<16}{:>10}{:>8}{:>10}{:>12}{:>8}{:>11}{:>11}\n", "unit", "packets", "differ",
+             "bypassed", "cycles", "busy %", "stalls in", "stalls out");
+  for (const UnitReport& u : units) {
+    fmt::print("{:<16}{:>10}{:>8}{:>10}{:>12}{:>8.1f}{:>11}{:>11}\n", u.unit, u.compared,
+               u.differences, u.bypassed(), u.count("cycles"), u.busy(), u.count("stalls in"),
+               u.count("stalls out"));
+    if (u.unit == "photon_gatherer") {
+      const bool board = u.counters.count("link bytes out");
+      const uint64_t hits = u.count("cache hits"), all = hits + u.count("cache misses"),
+                     asked = u.count("packets in") - u.count("packets resumed");
+      // The cycles of a board are those of its link.
+      std::string first, second = "a gather: ";
+      if (!board) {
+        first = fmt::format("cache hits {} of {} ({:.1f} %), ", hits, all, 100 * ratio(hits, all));
+        second = fmt::format("{:.1f} cycles a gather: ", ratio(u.count("cycles"), asked));
+      }
+      fmt::print("  {}{} bytes read, {:.1f} a gather\n", first, u.count("bytes read"),
+                 ratio(u.count("bytes read"), asked));
+      fmt::print("  {}{:.1f} nodes, {:.1f} leaves, {:.1f} insertions\n", second,
+                 ratio(u.count("nodes"), asked), ratio(u.count("leaves"), asked),
+                 ratio(u.count("insertions"), asked));
+      if (board) {
+        fmt::print("  link: {} bytes out, {} in, {} frames sent again, lost {} times\n",
+                   u.count("link bytes out"), u.count("link bytes in"),
+                   u.count("link frames again"), u.count("link lost"));
+        fmt::print("  {} packets were answered before; the other {} in {:.1f} s, {:.0f} a second\n",
+                   u.count("packets resumed"), asked,
+                   static_cast<double>(u.count("link milliseconds")) / 1000,
+                   1000 * ratio(asked, u.count("link milliseconds")));
+      }
+    }
+    if (u.unit == "reorder_buffer")
+      fmt::print("  mean displacement {:.1f} packets\n",
+                 ratio(u.count("displacement"), u.count("packets matched")));
+  }
+}
+
+void cosim(const CosimOptions& o) {
+  const FrameRequest request = o.frame.request();
+  const Hardware chosen = hardware_units(o.backends);
+  const std::map<std::string, std::string>& hardware = chosen.units;
+  const std::string name = hardware_name(hardware);
+  for (const char* unit : kUnits) o.rig.options(unit);  // bad values before long work
+  std::set<std::string> units_with_waves;
+  size_t netlists = 0;
+  for (const auto& [unit, backend] : hardware) {
+    if (backend != kBoard) units_with_waves.insert(unit);
+    netlists += backend == "netlist";
+  }
+  o.rig.check_netlist(netlists);
+  o.rig.check_waveform(units_with_waves);
+  o.threads.apply();
+  const std::string stem = std::filesystem::path(request.scene_file).stem().string();
+  const std::string output =
+      o.output.empty() ? o.rig.options("photon_gatherer").work_dir + "/" + stem : o.output;
+  OutputFolder folder(output, "summary.json");
+
+  ConsoleProgress progress;
+  PreparedFrame frame = prepare_frame(request, Arithmetic::kGolden, &progress);
+  print_warnings(frame.warnings);
+  if (!chosen.device.empty())  // a wrong board is refused before long work
+    o.board.check(frame.plan, chosen.device);
+  FrameUnits golden_units = make_golden_units(frame.plan);
+  FrameCounts golden_counts, counts;
+  Image golden_image =
+      render_frame(frame.input(Arithmetic::kGolden), golden_units, golden_counts, &progress);
+
+  Timeline timeline(o.timeline);
+  CompareContext context;
+  context.plan = plan_hash_text(frame.plan);
+  context.rerun = command_line();
+  context.keep_going = o.keep_going;
+  context.timeline = &timeline;
+  FrameUnits units = make_golden_units(frame.plan);
+  Side<PhotonGatherer> gatherer;
+  Side<ReorderBuffer> reorder;
+  Side<CdfSampler> sampler;
+  Image hardware_image;
+  std::vector<UnitReport> reports;
+  try {
+    const auto options = [&](const std::string& unit) {
+      RunOptions run = o.rig.options(unit);
+      context.unit = unit;
+      context.backend = hardware.at(unit);
+      context.waveform.clear();
+      if (const auto kind = model_kind(context.backend)) {
+        run.kind = *kind;
+        context.waveform = waveform_extension(*kind);
+      }
+      run.timeline = o.timeline > 0;
+      context.seed = run.seed;
+      return run;
+    };
+    {
+      const ProgressPhase phase(&progress, "models", hardware.size(), "units");
+      if (hardware.count("photon_gatherer")) {
+        const RunOptions run = options("photon_gatherer");
+        units.photon_gatherer =
+            chosen.device.empty()
+                ? gatherer.start(frame.plan, context, std::move(units.photon_gatherer),
+                                 make_rtl_photon_gatherer(frame.plan, run))
+                : gatherer.start(frame.plan, context, std::move(units.photon_gatherer),
+                                 o.board.photon_gatherer(frame.plan, chosen.device, run.work_dir));
+        phase.advance(1);
+      }
+      if (hardware.count("reorder_buffer")) {
+        const RunOptions run = options("reorder_buffer");
+        units.reorder_buffer = reorder.start(frame.plan, context, std::move(units.reorder_buffer),
+                                             make_rtl_reorder_buffer(frame.plan, run));
+        phase.advance(1);
+      }
+      if (hardware.count("cdf_sampler")) {
+        const RunOptions run = options("cdf_sampler");
+        units.cdf_sampler = sampler.start(frame.plan, context, std::move(units.cdf_sampler),
+                                          make_rtl_cdf_sampler(frame.plan, run));
+        phase.advance(1);
+      }
+    }
+    hardware_image = render_frame(frame.input(Arithmetic::kGolden), units, counts, &progress);
+    if (gatherer.hardware) reports.push_back(report_of("photon_gatherer", gatherer));
+    if (reorder.hardware) reports.push_back(report_of("reorder_buffer", reorder));
+    if (sampler.hardware) reports.push_back(report_of("cdf_sampler", sampler));
+  } catch (const RigError& error) {
+    throw std::runtime_error(
+        fmt::format("{}\n  again, with a waveform:\n    {} --wave {}.{} --wave-unit {}",
+                    error.what(), context.rerun, error.unit,
+                    waveform_extension(*model_kind(hardware.at(error.unit))), error.unit));
+  }
+
+  describe_frame(golden_image, frame, request, "golden");
+  describe_frame(hardware_image, frame, request, "golden");
+  const std::string golden_file = folder.temporary() + "/golden.exr",
+                    hardware_file = folder.temporary() + "/" + name + ".exr";
+  write_exr(golden_image, golden_file);
+  write_exr(hardware_image, hardware_file);
+  const auto exposure = exposure_for(golden_image, golden_file);
+  write_png(golden_image, folder.temporary() + "/golden.png", exposure);
+  write_png(hardware_image, folder.temporary() + "/" + name + ".png", exposure);
+  const bool same = read_file(golden_file) == read_file(hardware_file);
+  write_file(folder.temporary() + "/timeline.json", timeline.json());
+  write_plan(frame.plan, folder.temporary() + "/plan.toml", frame.reasons);
+
+  uint64_t compared = 0, differences = 0, bypassed = 0;
+  std::string idle;
+  Json summary;
+  summary["scene"] = request.scene_file;
+  summary["plan_hash"] = context.plan;
+  summary["camera_samples"] = counts.camera_samples;
+  summary["caustic_queries"] = counts.caustic_queries;
+  summary["table_gathers"] = counts.table_gathers;
+  summary["directions"] = counts.directions;
+  summary["final_gathers"] = counts.final_gathers;
+  for (const UnitReport& u : reports) {
+    compared += u.compared;
+    differences += u.differences;
+    bypassed += u.bypassed();
+    if (u.compared == 0 && idle.empty()) idle = u.unit;
+    Json entry = {{"backend", hardware.at(u.unit)}, {"packets", u.compared},
+                  {"differences", u.differences},   {"bypassed", u.bypassed()},
+                  {"busy_percent", u.busy()},       {"counters", u.counters}};
+    if (u.unit == "reorder_buffer")
+      entry["mean_displacement"] = ratio(u.count("displacement"), u.count("packets matched"));
+    summary["units"][u.unit] = entry;
+  }
+  summary["packets"] = compared;
+  summary["differences"] = differences;
+  summary["images_identical"] = same;
+  summary["output"] = output;
+  summary["phases"] = Json::array();
+  for (const PhaseTime& t : progress.times())
+    summary["phases"].push_back({{"phase", t.phase}, {"wall", t.wall}, {"cpu", t.cpu}});
+  write_file(folder.temporary() + "/summary.json", summary.dump(2) + "\n");
+  folder.commit();
+
+  if (o.json) {
+    fmt::print("{}\n", summary.dump(2));
+  } else {
+    fmt::print("{}", progress.table());
+    fmt::print("{} caustic queries, {} table gathers, {} directions, {} final gathers\n",
+               counts.caustic_queries, counts.table_gathers, counts.directions,
+               counts.final_gathers);
+    print_units(reports);
+    for (const UnitReport& u : reports)
+      if (!u.first_difference.empty()) fmt::print("{}\n", u.first_difference);
+    fmt::print("golden {} {}: {} packets, {} differences\n", differences ? "!=" : "==", name,
+               compared, differences);
+    fmt::print("image bytes of golden and {} are {}\n", name, same ? "identical" : "different");
+    fmt::print("wrote {}: golden.exr, {}.exr, timeline.json (Perfetto), summary.json, plan.toml\n",
+               output, name);
+  }
+  if (!idle.empty())
+    throw CheckFailed(
+        fmt::format("{} saw no packet: the plan of this scene gives it no work", idle));
+  if (differences) throw CheckFailed(fmt::format("{} packets differ from golden", differences));
+  if (bypassed) throw CheckFailed(fmt::format("{} packets bypassed the hardware", bypassed));
+  if (!same) throw CheckFailed(fmt::format("the image of {} is not the golden image", name));
+}
+
+void add_cosim(CLI::App& app) {
+  auto o = std::make_shared<CosimOptions>();
+  CLI::App* c = app.add_subcommand("cosim", "A frame through the hardware, compared with golden");
+  c->footer(
+      "Renders the frame twice: with golden units, and with the named units as hardware: rtl in\n"
+      "Verilator, its ECP5 netlist, cxxrtl, its model by Yosys (docs/netlist.md), or a board with\n"
+      "the plan's bitstream at the other end of a serial port (docs/board.md).\n"
+      "Every packet of those is compared with golden's; the frame goes on with what they gave.\n"
+      "Models are built once per plan and RTL source and kept in --work.\n"
+      "Exit status 0 when all packets and the image's bytes are equal.\n\n"
+      "Examples:\n"
+      "  photonloom cosim scenes/cornell.xml --size 64x64 --spp 1 --gather-rays 16 --k 16 \\\n"
+      "      --photons 50000\n"
+      "  photonloom cosim scenes/cornell.xml --size 32x32 --backend photon_gatherer=netlist\n"
+      "  photonloom cosim scenes/cornell.xml --size 32x32 --backend reorder_buffer=rtl \\\n"
+      "      --stall adversary --rig-seed 7\n"
+      "  photonloom cosim scenes/cornell.xml --plan plan.toml \\\n"
+      "      --backend photon_gatherer=board:/dev/ttyUSB0");
+  o->frame.add_to(*c);
+  c->add_option("--backend", o->backends,
+                "Units and what stands for them: UNIT=rtl, =netlist, =cxxrtl or =golden, with "
+                "commas between; photon_gatherer=board:DEVICE[@BAUD] too (default: all three as "
+                "rtl)")
+      ->type_name("UNIT=B,...");
+  c->add_flag("--keep-going", o->keep_going,
+              "Render to the end with the hardware's packets although they differ");
+  o->board.add_to(*c);
+  c->add_option("-o,--output", o->output,
+                "Folder for images, timeline and summary (default: WORK/SCENE)")
+      ->type_name("DIR");
+  c->add_option("--timeline", o->timeline, "Packets of each unit in timeline.json (default 5000)")
+      ->check(CLI::Range(uint64_t{0}, uint64_t{1} << 48))
+      ->type_name("N");
+  c->add_flag("--json", o->json, "Print the summary as one JSON object");
+  o->rig.add_to(*c, "--rig-seed");
+  o->threads.add_to(*c);
+  c->callback([o] { cosim(*o); });
+}
+
+const Command registered(50, add_cosim);
+
+}  // namespace
+}  // namespace photonloom

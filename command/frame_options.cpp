@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "command/frame_options.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <filesystem>
+
+namespace photonloom {
+namespace {
+
+// What the plan decides, so that it cannot be asked for beside --plan.
+constexpr const char* kPlanned[] = {"--size", "--spp",    "--photons", "--caustic-photons",
+                                    "--k",    "--radius", "--error",   "--gather-rays"};
+// What the path tracer does not read.
+constexpr const char* kPhotonOnly[] = {
+    "--photons", "--caustic-photons", "--gather-rays",   "--k",  "--radius",
+    "--error",   "--load-photons",    "--load-caustics", "--set"};
+
+// What a plan that is there already does not take: neither a scene nor another plan's lines.
+constexpr const char* kDerivation[] = {
+    "--plan",   "--size",  "--spp",  "--photons", "--caustic-photons", "--gather-rays",  "--k",
+    "--radius", "--error", "--seed", "--define",  "--load-photons",    "--load-caustics"};
+
+}  // namespace
+
+bool is_plan(const std::string& path) { return std::filesystem::path(path).extension() == ".toml"; }
+
+std::pair<int, int> parse_size(const std::string& text) {
+  int width = 0, height = 0;
+  const char* end = text.data() + text.size();
+  const auto w = std::from_chars(text.data(), end, width);
+  const bool ok = w.ec == std::errc() && w.ptr != end && (*w.ptr == 'x' || *w.ptr == 'X');
+  const auto h = ok ? std::from_chars(w.ptr + 1, end, height) : w;
+  if (!ok || h.ec != std::errc() || h.ptr != end || width < 1 || height < 1 || width > 16384 ||
+      height > 16384)
+    throw UsageError(
+        fmt::format("--size: '{}', expected WIDTHxHEIGHT of 1 to 16384 pixels each", text));
+  return {width, height};
+}
+
+void FrameOptions::add_to(CLI::App& c) {
+  command_ = &c;
+  scene_.add_to(c);
+  c.add_option(
+       "--plan", request_.plan_file,
+       "Use this plan.toml instead of deriving one; it then decides size, samples, photons, "
+       "k and radius")
+      ->type_name("FILE");
+  c.add_option("--set", request_.set,
+               "Change one line of the plan, e.g. photon.position_bits=12; may be repeated")
+      ->type_name("LINE=VALUE")
+      ->expected(1)
+      ->take_all();
+  c.add_option("--size", size_, "Pixels (default: the film's)")->type_name("WxH");
+  c.add_option("--spp", request_.spp, "Samples per pixel (default: the scene's sampleCount, or 16)")
+      ->check(CLI::Range(1, 1 << 20))
+      ->type_name("N");
+  c.add_option("--photons", request_.photons, "Photons stored in the global map (default 500000)")
+      ->check(CLI::Range(uint64_t{1}, uint64_t{1} << 28))
+      ->type_name("N");
+  c.add_option("--caustic-photons", request_.caustic_photons,
+               "Photons stored in the caustic map (default 500000)")
+      ->check(CLI::Range(uint64_t{1}, uint64_t{1} << 28))
+      ->type_name("N");
+  c.add_option("--gather-rays", request_.gather_rays,
+               "Final gather rays per sample (default: so that spp x rays = 256); 0: no indirect "
+               "light on diffuse surfaces")
+      ->check(CLI::Range(0, 65535))
+      ->type_name("N");
+  c.add_option("--k", request_.k, "Photons in an estimate (default 50)")
+      ->check(CLI::Range(1, 256))
+      ->type_name("N");
+  c.add_option("--radius", request_.radius,
+               "Maximum gather radius of both maps in scene units, 0 for none (default: a formula "
+               "of k, photons and surface area, docs/plan.md)")
+      ->type_name("R");
+  c.add_option("--error", request_.error,
+               "Relative error that the number formats may add; chooses their widths")
+      ->type_name("E");
+  add_seed_option(c, request_.seed, "Of all randomness (default 1)");
+  c.add_option(
+       "--load-photons", request_.load_photons,
+       "Global photons from a file that `photonloom photons` wrote, all of them; --photons beside "
+       "it must be their number")
+      ->type_name("PLY");
+  c.add_option(
+       "--load-caustics", request_.load_caustics,
+       "Caustic photons from a file that `photonloom photons --caustic` wrote, all of them; "
+       "--caustic-photons beside it must be their number")
+      ->type_name("PLY");
+}
+
+FrameRequest FrameOptions::request() const {
+  FrameRequest request = request_;
+  if (!request.plan_file.empty())
+    for (const char* option : kPlanned)
+      if (command_->count(option) > 0)
+        throw UsageError(fmt::format(
+            "{}: the plan given by --plan decides it; change its line with --set", option));
+  if (request.radius && !(*request.radius >= 0 && std::isfinite(*request.radius)))
+    throw UsageError(fmt::format(
+        "--radius: {}, expected a finite number of scene units, 0 for none", *request.radius));
+  if (request.error && !(*request.error > 0 && *request.error < 1))
+    throw UsageError(fmt::format("--error: {}, expected a number between 0 and 1", *request.error));
+  if (!size_.empty()) request.size = parse_size(size_);
+  request.scene_file = scene_.path();
+  request.parameters = scene_.parameters();
+  return request;
+}
+
+void FrameOptions::refuse_derivation(const std::string& plan_file) const {
+  for (const char* option : kDerivation)
+    if (command_->count(option) > 0)
+      throw UsageError(
+          fmt::format("{}: {} already is a plan; change its lines with --set", option, plan_file));
+}
+
+std::vector<std::string> FrameOptions::photon_options() const {
+  std::vector<std::string> given;
+  for (const char* option : kPhotonOnly)
+    if (command_->count(option) > 0) given.emplace_back(option);
+  return given;
+}
+
+void describe_frame(Image& image, const PreparedFrame& frame, const FrameRequest& request,
+                    const std::string& arithmetic) {
+  const Plan& plan = frame.plan;
+  auto& m = image.metadata;
+  m["scene"] = std::filesystem::path(request.scene_file).stem().string();
+  m["sceneHash"] = fmt::format("{:016x}", frame.world->scene().hash);
+  m["seed"] = fmt::format("{}", request.seed);
+  m["integrator"] = "photonmap";
+  m["arithmetic"] = arithmetic;
+  m["photons"] = fmt::format("{}", frame.global.count);
+  m["causticPhotons"] = fmt::format("{}", frame.caustic.count);
+  m["k"] = fmt::format("{}", plan.k);
+  m["radius"] = fmt::format("{}", plan.global.radius);
+  m["causticRadius"] = fmt::format("{}", plan.caustic.radius);
+  m["gatherRays"] = fmt::format("{}", plan.gather_rays);
+  m["spp"] = fmt::format("{}", plan.spp);
+  m["planHash"] = plan_hash_text(plan);
+}
+
+void print_warnings(const std::vector<std::string>& warnings) {
+  for (const std::string& w : warnings) fmt::print(stderr, "photonloom: warning: {}\n", w);
+}
+
+}  // namespace photonloom

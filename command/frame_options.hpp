@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+// The options of every command that prepares a frame, and what they say on stderr.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "command/command.hpp"
+#include "command/scene_option.hpp"
+#include "golden/pipeline/prepare.hpp"
+
+namespace photonloom {
+
+class FrameOptions {
+ public:
+  // SCENE and all that chooses photons, plan and samples.
+  void add_to(CLI::App& command);
+
+  // Checked; throws UsageError for options that exclude each other.
+  FrameRequest request() const;
+
+  // Throws UsageError where an option is given that changes a plan which is derived: `plan_file` is
+  // there already.
+  void refuse_derivation(const std::string& plan_file) const;
+  // Options given that only the photon mapper reads.
+  std::vector<std::string> photon_options() const;
+
+ private:
+  CLI::App* command_ = nullptr;
+  SceneOption scene_;
+  FrameRequest request_;
+  std::string size_;
+};
+
+// Whether a command that takes a scene or a plan was given a plan: a file name that ends in .toml.
+bool is_plan(const std::string& path);
+
+// "WxH" -> pixels; throws UsageError.
+std::pair<int, int> parse_size(const std::string& text);
+
+// What a photon-mapped image says of itself; the same from every command, so that equal pixels are
+// equal files.
+void describe_frame(Image& image, const PreparedFrame& frame, const FrameRequest& request,
+                    const std::string& arithmetic);
+
+void print_warnings(const std::vector<std::string>& warnings);
+
+}  // namespace photonloom

@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: Apache-2.0
+// photonloom generate PLAN|SCENE -o DIR
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <map>
+
+#include "command/console.hpp"
+#include "command/frame_options.hpp"
+#include "golden/numeric/output_file.hpp"
+#include "golden/planner/resources.hpp"
+#include "golden/unit/photon_gatherer_image.hpp"
+#include "rtl/generate/board.hpp"
+#include "rtl/generate/hardware.hpp"
+#include "rtl/generate/sources.hpp"
+
+namespace photonloom {
+namespace {
+
+struct GenerateOptions {
+  FrameOptions frame;
+  std::string output, unit, board, rtl;
+  double clock_mhz = 0;
+  bool check = false;
+};
+
+// The scene's photon maps as the hardware takes them, in hexadecimal: configuration words as
+// "address data", line memory as a beat a line, for $readmemh or a loader.
+std::map<std::string, std::string> images(const PreparedFrame& frame) {
+  std::map<std::string, std::string> files;
+  const PhotonGathererImage image = photon_gatherer_image(frame.plan, frame.global, frame.caustic);
+  const auto beat_bytes = static_cast<size_t>(frame.plan.beat_bits / 8);
+  std::string& cfg = files["images/cfg.hex"];
+  for (const CfgWrite& w : image.cfg) cfg += fmt::format("{:06x} {:016x}\n", w.address, w.data);
+  for (const bool is_caustic : {false, true}) {
+    const std::vector<uint8_t>& bytes = image.lines[is_caustic ? 1 : 0];
+    if (bytes.empty()) continue;
+    std::string& lines = files[is_caustic ? "images/caustic_lines.hex" : "images/global_lines.hex"];
+    for (size_t beat = 0; beat < bytes.size(); beat += beat_bytes) {
+      for (size_t i = beat_bytes; i-- > 0;)
+        lines += fmt::format("{:02x}", beat + i < bytes.size() ? bytes[beat + i] : 0);
+      lines += '\n';
+    }
+  }
+  return files;
+}
+
+void generate(const GenerateOptions& o) {
+  const FrameRequest asked = o.frame.request();
+  const std::string& source = asked.scene_file;
+  if (o.check) {
+    if (!o.output.empty() || !o.unit.empty() || !o.board.empty() || o.clock_mhz != 0)
+      throw UsageError(
+          "--check looks at the package in a folder; -o, --unit, --board and --clock do not go "
+          "with "
+          "it");
+    check_hardware(source, o.rtl.empty() ? default_rtl_dir() : o.rtl);
+    fmt::print("{}: is what its plan and the RTL sources give\n", source);
+    return;
+  }
+  if (o.output.empty()) throw UsageError("generate needs -o DIR, or --check");
+  if (o.clock_mhz != 0 && o.board.empty()) throw UsageError("--clock is a board's; give --board");
+  HardwareRequest request;
+  request.unit = o.unit;
+  request.board = o.board;
+  request.clock_khz = static_cast<int>(std::lround(1000 * o.clock_mhz));
+  request.rtl_dir = o.rtl;
+  std::map<std::string, std::string> files;
+  if (is_plan(source)) {
+    o.frame.refuse_derivation(source);
+    request.plan = read_plan(source);
+    for (const std::string& line : asked.set) set_plan_line(request.plan, line);
+    files = generate_hardware(request);
+  } else {
+    ConsoleProgress progress;
+    const PreparedFrame frame = prepare_frame(asked, Arithmetic::kGolden, &progress);
+    print_warnings(frame.warnings);
+    request.plan = frame.plan;
+    request.reasons = frame.reasons;
+    const std::vector<std::string> units = units_present(frame.plan);
+    if (o.unit == "photon_gatherer" ||
+        (o.unit.empty() && std::find(units.begin(), units.end(), "photon_gatherer") != units.end()))
+      request.images = images(frame);
+    files = generate_hardware(request);
+  }
+  if (o.board == "ulx3s-85f" && o.unit.empty()) {
+    const int blocks = board_memories(request.plan).total();
+    if (blocks > kUlx3sBlockRams)
+      print_warnings({fmt::format(
+          "{}: the top takes {} block RAMs, {} has {}; expected fewer photons in block RAM, a "
+          "smaller reorder.packets or gatherer.cache_bytes (photonloom plan tells what takes them)",
+          source, blocks, o.board, kUlx3sBlockRams)});
+  }
+  OutputFolder folder(o.output, "package.json");
+  for (const auto& [name, text] : files) {
+    const std::filesystem::path path = std::filesystem::path(folder.temporary()) / name;
+    std::filesystem::create_directories(path.parent_path());
+    write_file(path.string(), text);
+  }
+  folder.commit();
+  fmt::print("wrote {}: {} files, plan {}\n", o.output, files.size(), plan_hash_text(request.plan));
+}
+
+void add_generate(CLI::App& app) {
+  auto o = std::make_shared<GenerateOptions>();
+  CLI::App* c = app.add_subcommand("generate", "A hardware package: RTL for one plan");
+  c->footer(
+      "From a plan.toml, or from a scene: then the plan is derived as `photonloom plan` does, and\n"
+      "the scene's photon maps are added as memory images. The package holds the RTL that the "
+      "plan\n"
+      "uses, photonloom_pkg.sv with the plan's constants and packets, the wired top\n"
+      "photonloom_chip, a file list, a FuseSoC core and a README with ports, packets and budget.\n"
+      "With --board the top is that board's, with pins, clock, host link and a Makefile down to "
+      "the\n"
+      "bitstream; with --unit too, that unit alone on the board's part, to read its size and "
+      "speed.\n"
+      "Equal plans give equal packages.\n\n"
+      "Examples:\n"
+      "  photonloom generate plan.toml -o hw\n"
+      "  photonloom generate scenes/cornell.xml --photons 50000 --k 16 -o hw\n"
+      "  photonloom generate plan.toml -o gatherer --unit photon_gatherer\n"
+      "  photonloom generate plan.toml -o ulx3s --board ulx3s-85f\n"
+      "  photonloom generate --check hw");
+  o->frame.add_to(*c);
+  c->get_option("SCENE")->description(
+      "A plan.toml, or a Mitsuba XML scene; with --check the folder of a package");
+  c->add_option("-o,--output", o->output,
+                "Folder to write; an older package there is replaced, with what was built in it")
+      ->type_name("DIR");
+  c->add_option("--unit", o->unit, "This unit alone, to be built into another system")
+      ->type_name("NAME");
+  std::string boards;
+  for (const std::string& b : board_names()) boards += (boards.empty() ? "" : ", ") + b;
+  c->add_option("--board", o->board, "For this board: " + boards)->type_name("NAME");
+  c->add_option("--clock", o->clock_mhz, "The board's clock, if not its default")
+      ->type_name("MHZ")
+      ->check(number_range(1, 400));
+  c->add_flag("--check", o->check, "Only tell whether the package in a folder is stale");
+  c->add_option("--rtl", o->rtl, "Folder of the RTL sources, if not those of this build")
+      ->type_name("DIR");
+  c->callback([o] { generate(*o); });
+}
+
+const Command registered(40, add_generate);
+
+}  // namespace
+}  // namespace photonloom

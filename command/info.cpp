@@ -1,0 +1,192 @@
+// SPDX-License-Identifier: Apache-2.0
+// photonloom info SCENE: what is in a scene, and what hardware it would need.
+#include <fmt/core.h>
+
+#include <nlohmann/json.hpp>
+
+#include "command/command.hpp"
+#include "command/scene_option.hpp"
+#include "golden/planner/planner.hpp"
+#include "golden/transport/world.hpp"
+
+namespace photonloom {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+const char* name(BsdfKind kind) {
+  switch (kind) {
+    case BsdfKind::kDiffuse:
+      return "diffuse";
+    case BsdfKind::kPhong:
+      return "phong";
+    case BsdfKind::kConductor:
+      return "conductor";
+    default:
+      return "dielectric";
+  }
+}
+
+const char* name(LightKind kind) {
+  switch (kind) {
+    case LightKind::kPoint:
+      return "point";
+    case LightKind::kSpot:
+      return "spot";
+    default:
+      return "directional";
+  }
+}
+
+const char* name(ShapeKind kind) {
+  constexpr const char* kNames[] = {"mesh", "sphere", "disk", "rectangle", "cube"};
+  return kNames[static_cast<size_t>(kind)];
+}
+
+Json triple(const Vec3& v) { return {v.x, v.y, v.z}; }
+
+// Whether no photon can have another colour than the others: emission of everything in one colour
+// keeps photons in it where every surface is grey. The planner, which has the photons, may find one
+// colour in other scenes too.
+bool one_color(const World& world) {
+  const auto parallel = [](const Rgb& a, const Rgb& b) { return glm::cross(a, b) == Rgb(0); };
+  const Scene& s = world.scene();
+  for (const Emitter& e : world.emitters())
+    if (!parallel(e.power, world.emitters()[0].power)) return false;
+  for (const Shape& shape : s.shapes)
+    for (const int side : {shape.bsdf, shape.back_bsdf}) {
+      if (side < 0) continue;
+      const Bsdf& b = s.bsdfs[static_cast<size_t>(side)];
+      for (const Rgb& c : {b.diffuse, b.specular, b.transmission, b.eta, b.k})
+        if (!parallel(c, Rgb(1))) return false;
+    }
+  return true;
+}
+
+Json describe(const World& world) {
+  const Scene& s = world.scene();
+  Json j;
+  j["scene"] = s.name;
+  j["hash"] = fmt::format("{:016x}", s.hash);
+  j["film"] = {{"width", s.film.width}, {"height", s.film.height}};
+  j["max_depth"] = s.max_depth;
+  j["bounds"] = {{"lower", triple(world.lower())}, {"upper", triple(world.upper())}};
+  j["cube"] = {{"origin", triple(world.cube_origin())}, {"extent", world.cube_extent()}};
+  j["surface_area"] = world.surface_area();
+  uint64_t triangles = 0;
+  Json shapes = Json::array();
+  for (const Shape& shape : s.shapes) {
+    triangles += shape.mesh.triangles.size();
+    Json entry = {{"id", shape.id}, {"type", name(shape.kind)}};
+    if (!shape.mesh.triangles.empty()) entry["triangles"] = shape.mesh.triangles.size();
+    const Bsdf& b = s.bsdfs[static_cast<size_t>(shape.bsdf)];
+    entry["bsdf"] = b.id.empty() ? std::string(name(b.kind)) : b.id;
+    entry["two_sided"] = shape.back_bsdf >= 0;
+    if (shape.radiance) entry["radiance"] = triple(*shape.radiance);
+    shapes.push_back(entry);
+  }
+  j["triangles"] = triangles;
+  j["primitives"] = world.primitives().size();
+  j["shapes"] = shapes;
+  Json bsdfs = Json::array();
+  for (const Bsdf& b : s.bsdfs) bsdfs.push_back({{"id", b.id}, {"type", name(b.kind)}});
+  j["bsdfs"] = bsdfs;
+  // Area emitters by shape: a mesh is many emitting primitives.
+  Json emitters = Json::array();
+  for (size_t i = 0; i < s.shapes.size(); ++i) {
+    if (!s.shapes[i].radiance) continue;
+    Rgb power(0);
+    for (const Emitter& e : world.emitters())
+      if (e.primitive >= 0 && world.primitives()[static_cast<size_t>(e.primitive)].shape == i)
+        power += e.power;
+    emitters.push_back({{"type", "area"}, {"shape", s.shapes[i].id}, {"power", triple(power)}});
+  }
+  for (const Emitter& e : world.emitters())
+    if (e.light >= 0)
+      emitters.push_back({{"type", name(s.lights[static_cast<size_t>(e.light)].kind)},
+                          {"power", triple(e.power)}});
+  j["emitters"] = emitters;
+  j["power"] = triple(world.emitted_power());
+  // What asks a photon map needs the units that answer; a scene of mirrors and lamps needs none.
+  const MapsNeeded maps = maps_needed(world, 1);
+  Json units = Json::array();
+  if (maps.global)
+    for (const char* unit : {"cdf_sampler", "reorder_buffer", "photon_gatherer", "shader"})
+      units.push_back(unit);
+  j["needs"] = {{"units", units},
+                {"global_map", maps.global},
+                {"caustic_map", maps.caustic},
+                {"glossy_lobes", world.has_glossy()},
+                {"channels_at_most", one_color(world) ? 1 : 3}};
+  j["warnings"] = s.warnings;
+  return j;
+}
+
+std::string list(const Json& j) {
+  return fmt::format("{:.6g} {:.6g} {:.6g}", j[0].get<double>(), j[1].get<double>(),
+                     j[2].get<double>());
+}
+
+void print(const Json& j) {
+  fmt::print("scene      {}, hash {}\n", j["scene"].get<std::string>(),
+             j["hash"].get<std::string>());
+  fmt::print("film       {} x {}\n", j["film"]["width"].get<int>(), j["film"]["height"].get<int>());
+  const int depth = j["max_depth"].get<int>();
+  fmt::print("paths      {}\n",
+             depth < 0 ? "of any length" : fmt::format("of at most {} segments", depth));
+  fmt::print("bounds     {} to {}\n", list(j["bounds"]["lower"]), list(j["bounds"]["upper"]));
+  fmt::print("surfaces   {} shapes, {} triangles, {} primitives, area {:.6g}\n", j["shapes"].size(),
+             j["triangles"].get<uint64_t>(), j["primitives"].get<uint64_t>(),
+             j["surface_area"].get<double>());
+  for (const Json& s : j["shapes"])
+    fmt::print("  {:<10} {:<16} {}{}{}\n", s["type"].get<std::string>(), s["id"].get<std::string>(),
+               s["bsdf"].get<std::string>(), s["two_sided"].get<bool>() ? ", both sides" : "",
+               s.contains("triangles")
+                   ? fmt::format(", {} triangles", s["triangles"].get<uint64_t>())
+                   : "");
+  fmt::print("emitters   {} W (R G B)\n", list(j["power"]));
+  for (const Json& e : j["emitters"])
+    fmt::print("  {:<10} {:<16} {} W\n", e["type"].get<std::string>(), e.value("shape", ""),
+               list(e["power"]));
+  const Json& needs = j["needs"];
+  const auto yes = [](const Json& b) { return b.get<bool>() ? "yes" : "no"; };
+  std::string units;
+  for (const Json& unit : needs["units"])
+    units += (units.empty() ? "" : ", ") + unit.get<std::string>();
+  fmt::print("units      {}\n", units.empty() ? "none" : units);
+  fmt::print("needs      global map {}, caustic map {}, glossy lobes {}, {} of power\n",
+             yes(needs["global_map"]), yes(needs["caustic_map"]), yes(needs["glossy_lobes"]),
+             needs["channels_at_most"].get<int>() == 1 ? "1 channel" : "at most 3 channels");
+  for (const Json& w : j["warnings"]) fmt::print("warning    {}\n", w.get<std::string>());
+}
+
+void add_info(CLI::App& app) {
+  struct Options {
+    SceneOption scene;
+    bool json = false;
+  };
+  auto o = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("info", "What is in a scene, and what hardware it needs");
+  command->footer(
+      "What it needs is told from the file alone, for a frame with final gather rays; `photonloom\n"
+      "plan`, which traces the photons, finds 1 channel of power also where the file allows 3 and "
+      "all\n"
+      "photons have one colour.\n\n"
+      "Example: photonloom info scenes/cornell.xml --json");
+  o->scene.add_to(*command);
+  command->add_flag("--json", o->json, "One JSON object instead of text");
+  command->callback([o] {
+    const World world(o->scene.load());
+    const Json j = describe(world);
+    if (o->json) {
+      fmt::print("{}\n", j.dump(2, ' ', false, Json::error_handler_t::replace));
+    } else {
+      print(j);
+    }
+  });
+}
+
+const Command registered(10, add_info);
+
+}  // namespace
+}  // namespace photonloom

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+// photonloom mesh NAME -o FILE.ply: the generated meshes of the scenes in scenes/.
+#include <fmt/core.h>
+
+#include "command/command.hpp"
+#include "golden/scene/generate_mesh.hpp"
+
+namespace photonloom {
+namespace {
+
+void add_mesh(CLI::App& app) {
+  struct Options {
+    std::string name, output;
+    int triangles = 0;
+  };
+  auto o = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("mesh", "Write one of the meshes that scenes/ refers to");
+  command->footer(
+      "The build writes the meshes that scenes/*.xml name by default. Another size of the atrium:\n"
+      "  photonloom mesh atrium --triangles 100000 -o scenes/meshes/atrium_100000.ply\n"
+      "  photonloom info scenes/atrium.xml -D triangles=100000");
+  command
+      ->add_option("name", o->name, "atrium: two-storey colonnade; ring: mirror ring; water: waves")
+      ->required()
+      ->check(CLI::IsMember({"atrium", "ring", "water"}));
+  command
+      ->add_option("--triangles", o->triangles,
+                   "At most this many triangles (default 20000; ring 2048)")
+      ->check(CLI::Range(100, 10000000));
+  command->add_option("-o,--output", o->output, "PLY file to write")->required();
+  command->callback([o] {
+    const int triangles = o->triangles ? o->triangles : o->name == "ring" ? 2048 : 20000;
+    Mesh mesh;
+    if (o->name == "atrium") {
+      mesh = atrium_mesh(triangles);
+    } else if (o->name == "ring") {
+      mesh = ring_mesh(1.0, 1.06, 0.5, triangles / 8);
+    } else {
+      int cells = 1;
+      while (2 * (cells + 1) * (cells + 1) <= triangles) ++cells;
+      mesh = water_mesh(cells);
+    }
+    write_mesh(mesh, o->output);
+    fmt::print("{}: {} triangles\n", o->output, mesh.triangles.size());
+  });
+}
+
+const Command registered(90, add_mesh);
+
+}  // namespace
+}  // namespace photonloom

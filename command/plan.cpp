@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: Apache-2.0
+// photonloom plan SCENE -o plan.toml
+#include <fmt/core.h>
+
+#include <cmath>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "command/console.hpp"
+#include "command/frame_options.hpp"
+#include "golden/numeric/output_file.hpp"
+#include "golden/planner/resources.hpp"
+#include "rtl/generate/hardware.hpp"
+
+namespace photonloom {
+namespace {
+
+struct PlanOptions {
+  FrameOptions frame;
+  ThreadsOption threads;
+  std::string output;
+  bool json = false;
+};
+
+// Memory that the plan asks for, by place; exact, from the widths of the plan.
+std::vector<std::pair<std::string, uint64_t>> memory_bits(const Plan& plan) {
+  const auto n = [](int x) { return static_cast<uint64_t>(x); };
+  std::vector<std::pair<std::string, uint64_t>> rows;
+  for (const bool is_caustic : {false, true}) {
+    const MapPlan& m = plan.map(is_caustic);
+    if (!m.present) continue;
+    const std::string name = is_caustic ? "caustic map" : "global map";
+    rows.emplace_back(name + ", leaf lines (external)", plan.lines(m) * n(plan.line_bytes()) * 8);
+    rows.emplace_back(name + ", inner nodes", (plan.lines(m) - 1) * n(2 + plan.position_bits));
+  }
+  if (!rows.empty()) {
+    rows.emplace_back("photon_gatherer, leaf cache", n(plan.cache_bytes) * 8);
+    rows.emplace_back("photon_gatherer, candidate lists",
+                      n(plan.contexts) * n(plan.k) * n(plan.r2_bits() + plan.index_bits()));
+    rows.emplace_back(
+        "photon_gatherer, powers and directions of candidates",
+        n(plan.contexts) * n(plan.k) * n(plan.photon_bits() - 3 * plan.position_bits));
+  }
+  if (plan.global.present) {
+    int query = 0;
+    GatherQuery::fields(plan, [&](auto, const FieldInfo& f) { query += f.elements * f.bits; });
+    if (plan.reorder_key != ReorderKey::kNone) {
+      const int link = clog2(n(plan.reorder_packets));
+      rows.emplace_back("reorder_buffer, pool", n(plan.reorder_packets) * n(query + link));
+      rows.emplace_back("reorder_buffer, bins", n(plan.reorder_bins) * n(2 * link + 1));
+    }
+    rows.emplace_back("cdf_sampler, two tables",
+                      2 * (uint64_t{1} << (2 * plan.cell_bits)) * n(plan.total_bits()));
+  }
+  return rows;
+}
+
+// What the plan asks for: units, memory and an estimate of a part's resources.
+void describe(const Plan& plan, const std::string& file, const PlanOptions& o) {
+  const auto rows = memory_bits(plan);
+  const bool gathers = plan.global.present || plan.caustic.present;
+  if (o.json) {
+    nlohmann::ordered_json j;
+    j["plan"] = file;
+    j["hash"] = plan_hash_text(plan);
+    j["units"] = units_present(plan);
+    for (const auto& [name, bits] : rows) j["memory_bits"][name] = bits;
+    for (const std::string& unit : units_present(plan)) {
+      const UnitResources r = estimate_resources(plan, unit);
+      j["resources"][unit] = {{"lut", std::lround(r.lut)},
+                              {"ff", std::lround(r.ff)},
+                              {"dsp", std::lround(r.dsp)},
+                              {"ebr", std::lround(r.ebr)}};
+      for (const char* resource : {"lut", "ff", "dsp", "ebr"})
+        for (const auto& [term, value] : resource_terms(plan, unit, resource))
+          j["resource_terms"][unit][resource][term] = value;
+    }
+    if (gathers) {
+      const BoardMemories b = board_memories(plan);
+      j["board_ebr"] = {{"photons", b.photons},
+                        {"replayer", b.replayer},
+                        {"link", b.link},
+                        {"units", b.units},
+                        {"total", b.total()}};
+    }
+    fmt::print("{}\n", j.dump(2));
+    return;
+  }
+  for (const auto& [name, bits] : rows)
+    fmt::print("  {:<52} {:>12.1f} KiB\n", name, static_cast<double>(bits) / 8192);
+  fmt::print("  {:<40} {:>10} {:>8} {:>5} {:>7}\n", "predicted on an LFE5U", "LUT-eq", "FF", "DSP",
+             "EBR");
+  for (const std::string& unit : units_present(plan)) {
+    const UnitResources r = estimate_resources(plan, unit);
+    fmt::print("  {:<40} {:>10.0f} {:>8.0f} {:>5.0f} {:>7.0f}\n", unit, r.lut, r.ff, r.dsp, r.ebr);
+  }
+  if (!gathers) return;
+  const BoardMemories b = board_memories(plan);
+  const auto of_board = [](const std::string& what, int blocks) {
+    fmt::print("  {:<40} {:>33}\n", what, blocks);
+  };
+  of_board(plan.photon_memory == PhotonMemory::kSdram ? "a board's cache before its SDRAM"
+                                                      : "a board's photon memory",
+           b.photons);
+  of_board("its replayer and link", b.replayer + b.link);
+  of_board(
+      fmt::format("its whole top, {} gatherer{}", plan.gatherers, plan.gatherers == 1 ? "" : "s"),
+      b.total());
+  if (b.total() > kUlx3sBlockRams)
+    fmt::print("  more than the {} block RAMs of a ULX3S's LFE5U-85F\n", kUlx3sBlockRams);
+}
+
+// A plan that is there already, with lines changed.
+void edit(const FrameRequest& request, const PlanOptions& o) {
+  o.frame.refuse_derivation(request.scene_file);
+  Plan plan = read_plan(request.scene_file);
+  for (const std::string& line : request.set) set_plan_line(plan, line);
+  derive_plan(plan);
+  check_plan(plan);
+  if (o.output == "-") {
+    fmt::print("{}", plan_text(plan, {}));
+    return;
+  }
+  if (!o.output.empty()) write_plan(plan, o.output, {});
+  const std::string& file = o.output.empty() ? request.scene_file : o.output;
+  if (!o.json)
+    fmt::print("{}{} (hash {})\n", o.output.empty() ? "" : "wrote ", file, plan_hash_text(plan));
+  describe(plan, file, o);
+}
+
+void plan(const PlanOptions& o) {
+  const FrameRequest request = o.frame.request();
+  if (is_plan(request.scene_file)) return edit(request, o);
+  if (o.output.empty()) throw UsageError("a scene's plan needs -o FILE (- for standard output)");
+  o.threads.apply();
+  ConsoleProgress progress;
+  const PreparedFrame frame = prepare_frame(request, Arithmetic::kGolden, &progress, true);
+  print_warnings(frame.warnings);
+  if (o.output == "-") {
+    fmt::print("{}", plan_text(frame.plan, frame.reasons));
+    return;
+  }
+  write_plan(frame.plan, o.output, frame.reasons);
+  if (!o.json) fmt::print("wrote {} (hash {})\n", o.output, plan_hash_text(frame.plan));
+  describe(frame.plan, o.output, o);
+}
+
+void add_plan(CLI::App& app) {
+  auto o = std::make_shared<PlanOptions>();
+  CLI::App* c = app.add_subcommand("plan", "A hardware plan for a scene (plan.toml), with reasons");
+  c->footer(
+      "Traces the photons, for their number and powers are lines of the plan, and derives\n"
+      "everything else from them, the scene and the options. The file may be edited; render and\n"
+      "cosim take it with --plan, generate in the place of the scene, and refuse what cannot be\n"
+      "built. docs/plan.md explains every line.\n\n"
+      "Of a plan.toml instead of a scene it tells the same, with --set lines changed, and writes "
+      "the\n"
+      "changed plan only with -o.\n\n"
+      "Examples:\n"
+      "  photonloom plan scenes/cornell.xml -o plan.toml --photons 50000 --k 16\n"
+      "  photonloom plan scenes/cornell.xml -o - --error 0.001\n"
+      "  photonloom plan plan.toml --set gather.k=8");
+  o->frame.add_to(*c);
+  c->get_option("SCENE")->description("A Mitsuba XML scene, or a plan.toml to tell about");
+  c->add_option("-o,--output", o->output, "The file to write, - for standard output")
+      ->type_name("FILE");
+  c->add_flag("--json", o->json, "Print one JSON object: hash, units, memory, predicted resources");
+  o->threads.add_to(*c);
+  c->callback([o] { plan(*o); });
+}
+
+const Command registered(20, add_plan);
+
+}  // namespace
+}  // namespace photonloom

@@ -1,0 +1,214 @@
+// SPDX-License-Identifier: Apache-2.0
+// photonloom render SCENE -o out.exr
+#include <fmt/core.h>
+
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "command/console.hpp"
+#include "command/frame_options.hpp"
+#include "golden/image/pixel_sum.hpp"
+#include "golden/image/sheet.hpp"
+#include "golden/numeric/output_file.hpp"
+#include "golden/pipeline/record.hpp"
+#include "golden/transport/path.hpp"
+
+namespace photonloom {
+namespace {
+
+struct RenderOptions {
+  FrameOptions frame;
+  ThreadsOption threads;
+  std::string output, integrator = "photonmap", arithmetic = "golden", record;
+  bool json = false;
+};
+
+using Json = nlohmann::ordered_json;
+
+std::string png_beside(const std::string& exr) {
+  return std::filesystem::path(exr).replace_extension(".png").string();
+}
+
+Json counts_json(const FrameCounts& c) {
+  return {{"camera_samples", c.camera_samples},
+          {"caustic_queries", c.caustic_queries},
+          {"table_gathers", c.table_gathers},
+          {"directions", c.directions},
+          {"below_horizon", c.below_horizon},
+          {"final_gathers", c.final_gathers},
+          {"full", c.full},
+          {"clamped", c.clamped},
+          {"saturated_weights", c.shader.weights},
+          {"saturated_direct", c.shader.direct},
+          {"not_finite", c.shader.not_finite}};
+}
+
+// Renders by photon mapping; fills metadata and summary.
+Image photon_map(const RenderOptions& o, const FrameRequest& request, ConsoleProgress& progress,
+                 Json& summary) {
+  const Arithmetic arithmetic =
+      o.arithmetic == "golden" ? Arithmetic::kGolden : Arithmetic::kReference;
+  PreparedFrame frame = prepare_frame(request, arithmetic, &progress);
+  print_warnings(frame.warnings);
+  FrameUnits units = make_golden_units(frame.plan);
+  std::optional<OutputFolder> folder;
+  std::optional<PacketRecorder> recorder;
+  if (!o.record.empty()) {
+    folder.emplace(o.record, "plan.toml");
+    recorder.emplace(frame.plan, folder->temporary());
+    units = recorder->wrap(std::move(units));
+  }
+  FrameCounts counts;
+  Image image = render_frame(frame.input(arithmetic), units, counts, &progress);
+  if (recorder) {
+    recorder->close();
+    write_plan(frame.plan, folder->temporary() + "/plan.toml", frame.reasons);
+    folder->commit();
+  }
+  if (counts.shader.weights || counts.shader.direct)
+    print_warnings(
+        {fmt::format("{} weights and {} values of direct light exceed the pixel's "
+                     "integer bits and were taken as the largest that fit",
+                     counts.shader.weights, counts.shader.direct)});
+  if (counts.shader.not_finite)
+    print_warnings({fmt::format("{} values of light were no finite number and count as 0",
+                                counts.shader.not_finite)});
+  if (counts.unmatched || counts.unanswered)
+    throw std::runtime_error(fmt::format("{} results answer no query and {} queries have no result",
+                                         counts.unmatched, counts.unanswered));
+  const Plan& plan = frame.plan;
+  describe_frame(image, frame, request, o.arithmetic);
+  summary["spp"] = plan.spp;
+  summary["gather_rays"] = plan.gather_rays;
+  summary["photons"] = frame.global.count;
+  summary["caustic_photons"] = frame.caustic.count;
+  summary["paths"] = frame.global_pass.paths;
+  summary["caustic_paths"] = frame.caustic_pass.paths;
+  summary["zeroed_photons"] = frame.global_counts.zeroed + frame.caustic_counts.zeroed;
+  summary["saturated_photons"] = frame.global_counts.saturated + frame.caustic_counts.saturated;
+  summary["k"] = plan.k;
+  summary["radius"] = plan.global.radius;
+  summary["caustic_radius"] = plan.caustic.radius;
+  summary["arithmetic"] = o.arithmetic;
+  summary["plan_hash"] = plan_hash_text(plan);
+  summary["scene_hash"] = fmt::format("{:016x}", frame.world->scene().hash);
+  summary["counts"] = counts_json(counts);
+  if (arithmetic == Arithmetic::kGolden)
+    summary["units"] = {{"photon_gatherer", units.photon_gatherer->counters()},
+                        {"reorder_buffer", units.reorder_buffer->counters()},
+                        {"cdf_sampler", units.cdf_sampler->counters()}};
+  return image;
+}
+
+Image path_trace(const FrameRequest& request, ConsoleProgress& progress, Json& summary) {
+  std::unique_ptr<World> world;
+  std::unique_ptr<RayCaster> caster;
+  {
+    const ProgressPhase phase(&progress, "scene", 0, "");
+    world = load_world(request);
+    caster = make_embree(*world);
+  }
+  print_warnings(world->scene().warnings);
+  PathOptions options;
+  options.spp = samples_per_pixel(request, world->scene());
+  options.seed = request.seed;
+  options.progress = &progress;
+  Image image = render_path(*world, *caster, options);
+  image.metadata["spp"] = fmt::format("{}", options.spp);
+  summary["spp"] = options.spp;
+  summary["scene_hash"] = fmt::format("{:016x}", world->scene().hash);
+  return image;
+}
+
+void render(const RenderOptions& o) {
+  const FrameRequest request = o.frame.request();
+  const bool path = o.integrator == "path";
+  if (path && (!request.plan_file.empty() || !o.record.empty()))
+    throw UsageError(fmt::format("{}: has no meaning with --integrator path",
+                                 o.record.empty() ? "--plan" : "--record"));
+  require_suffix("--output", o.output, ".exr");
+  if (path)
+    for (const std::string& option : o.frame.photon_options())
+      print_warnings({option + " changes nothing with --integrator path"});
+  o.threads.apply();
+  // An unwritable target is found before the work, not after it.
+  for (const std::string& file : {o.output, png_beside(o.output)}) const OutputFile probe(file);
+
+  ConsoleProgress progress;
+  Json summary;
+  summary["scene"] = request.scene_file;
+  summary["integrator"] = o.integrator;
+  Image image =
+      path ? path_trace(request, progress, summary) : photon_map(o, request, progress, summary);
+  if (path) {
+    image.metadata["scene"] = std::filesystem::path(request.scene_file).stem().string();
+    image.metadata["sceneHash"] = summary["scene_hash"].get<std::string>();
+    image.metadata["seed"] = fmt::format("{}", request.seed);
+    image.metadata["integrator"] = o.integrator;
+  }
+  {
+    const ProgressPhase phase(&progress, "write", 0, "");
+    write_exr(image, o.output);
+    write_png(image, png_beside(o.output), exposure_for(image, o.output));
+  }
+  if (!o.json) {
+    fmt::print("{}", progress.table());
+    fmt::print("wrote {} and {}\n", o.output, png_beside(o.output));
+    return;
+  }
+  summary["width"] = image.width;
+  summary["height"] = image.height;
+  summary["seed"] = request.seed;
+  summary["threads"] = o.threads.threads();
+  summary["output"] = o.output;
+  summary["png"] = png_beside(o.output);
+  summary["pixels_sha256"] = pixel_sha256(image);
+  summary["cpu_seconds"] = cpu_seconds();
+  summary["phases"] = Json::array();
+  for (const PhaseTime& t : progress.times())
+    summary["phases"].push_back({{"phase", t.phase},
+                                 {"wall", t.wall},
+                                 {"cpu", t.cpu},
+                                 {"steps", t.steps},
+                                 {"unit", t.unit}});
+  fmt::print("{}\n", summary.dump(2));
+}
+
+void add_render(CLI::App& app) {
+  auto o = std::make_shared<RenderOptions>();
+  CLI::App* c = app.add_subcommand("render", "An image of a scene (EXR and PNG)");
+  c->footer(
+      "Photon mapping computes the frame of docs/frame.md with golden units: exact integers in "
+      "the\n"
+      "formats of the plan, the same bytes on every machine. --arithmetic reference answers the\n"
+      "same queries in double. --integrator path is the unbiased path tracer.\n"
+      "The EXR has the layers direct, caustic, indirect, emission (their sum is R, G, B), albedo,\n"
+      "N, Z, photonDensity and error (standard error of a pixel's mean).\n\n"
+      "Examples:\n"
+      "  photonloom render scenes/cornell.xml -o cornell.exr\n"
+      "  photonloom render scenes/cornell.xml -o path.exr --integrator path --spp 256\n"
+      "  photonloom render scenes/cornell.xml -o coarse.exr --set photon.position_bits=12");
+  o->frame.add_to(*c);
+  c->add_option("-o,--output", o->output, "The EXR to write; a PNG appears beside it")
+      ->required()
+      ->type_name("FILE.exr");
+  c->add_option("--integrator", o->integrator, "photonmap (default) or path")
+      ->check(CLI::IsMember({"photonmap", "path"}))
+      ->type_name("NAME");
+  c->add_option("--arithmetic", o->arithmetic, "golden (default) or reference")
+      ->check(CLI::IsMember({"golden", "reference"}))
+      ->type_name("NAME");
+  c->add_option("--record", o->record,
+                "Write every packet of the frame to this folder, as JSON lines")
+      ->type_name("DIR");
+  c->add_flag("--json", o->json, "Print one JSON object: what was rendered, counts, phase times");
+  o->threads.add_to(*c);
+  c->callback([o] { render(*o); });
+}
+
+const Command registered(10, add_render);
+
+}  // namespace
+}  // namespace photonloom

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: Apache-2.0
+// The photon gatherer's bench: eight plans at the ends of every parameter.
+#include "verilator_tb/bench/bench.hpp"
+#include "verilator_tb/bench/gather_cases.hpp"
+
+namespace photonloom {
+namespace {
+
+std::vector<BenchPlan> plans() {
+  std::vector<BenchPlan> list;
+  const auto add = [&](const char* name, auto&& change) {
+    Plan p;
+    p.position_bits = 12;
+    p.k = 16;
+    p.global = {.present = true, .photons = 1200};
+    p.caustic = {.present = true, .photons = 300};
+    p.cache_bytes = 2048;
+    p.width = p.height = 64;
+    change(p);
+    for (MapPlan* m : {&p.global, &p.caustic}) m->r2_max = p.r2_limit();
+    list.push_back({name, p});
+  };
+  add("base", [](Plan&) {});
+  add("one_context", [](Plan& p) {
+    p.contexts = 1;
+    p.lanes = 1;
+    p.k = 1;
+    p.reciprocal_bits = 0;
+    p.cache_bytes = 128;
+    p.cache_ways = 1;
+    p.cache_misses = 1;
+    p.caustic = {};
+  });
+  add("wide", [](Plan& p) {
+    p.position_bits = 24;
+    p.direction_bits = 12;
+    p.normal_bits = 12;
+    p.bucket = 16;
+    p.lanes = 16;
+    p.photon_bytes = 17;
+    p.k = 64;
+    p.cache_bytes = 272 * 4 * 4;
+    p.cache_ways = 4;
+    p.reciprocal_bits = 24;
+  });
+  add("fifty", [](Plan& p) {
+    p.k = 50;
+    p.lanes = 8;
+    p.cache_ways = 3;
+    p.cache_bytes = 3 * 128 * 8;
+  });
+  add("approximate", [](Plan& p) {
+    p.k = 8;
+    p.lanes = 2;
+    p.epsilon_factor = 13;
+    p.epsilon_shift = 3;
+    p.leaf_limit = 4;
+    p.r2_floor = 5000;
+  });
+  add("one_colour", [](Plan& p) {
+    p.position_bits = 10;
+    p.channels = 1;
+    p.mantissa_bits = 7;
+    p.exponent_bits = 3;
+    p.direction_bits = 5;
+    p.normal_bits = 3;
+    p.photon_bytes = 8;
+    p.contexts = 3;
+    p.cache_bytes = 64;
+    p.cache_ways = 1;
+    p.cache_misses = 2;
+    p.reciprocal_bits = 8;
+  });
+  add("coarse", [](Plan& p) {
+    p.position_bits = 4;
+    p.k = 7;
+    p.contexts = 5;
+    p.global.photons = 700;
+    p.cache_misses = 16;
+  });
+  add("one_line", [](Plan& p) {
+    p.k = 3;
+    p.global.photons = 8;
+    p.caustic.photons = 30;
+    p.contexts = 2;
+    p.lanes = 1;
+  });
+  add("luts", [](Plan& p) {  // what block_ram's other half is made of shows in a netlist only
+    p.k = 6;
+    p.contexts = 4;
+    p.lut_ram_words = 128;
+  });
+  return list;
+}
+
+}  // namespace
+}  // namespace photonloom
+
+int main(int argc, char** argv) {
+  return photonloom::bench_main(
+      argc, argv, photonloom::PhotonGathererBench{photonloom::plans(), photonloom::gather_cases()});
+}

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+
+#include "golden/plan/plan_file.hpp"
+#include "verilator_tb/bench/bench.hpp"
+
+namespace photonloom {
+
+namespace {
+
+Plan draw(RoleRandom& random) {
+  const auto between = [&](int low, int high) {
+    return low + static_cast<int>(random.below(static_cast<uint64_t>(high - low) + 1));
+  };
+  Plan p;
+  p.position_bits = between(4, 24);
+  p.direction_bits = between(2, 12);
+  p.mantissa_bits = between(4, 12);
+  p.exponent_bits = between(2, 5);
+  p.channels = random.below(3) ? 3 : 1;
+  p.bucket = random.below(2) ? 8 : 16;
+  p.photon_bytes = std::max(4, (p.photon_bits() + 7) / 8);
+  // Lines fill whole beats of 16 bytes.
+  while (p.bucket * p.photon_bytes % 16 != 0) ++p.photon_bytes;
+  p.normal_bits = between(2, 12);
+  p.k = between(1, 64);
+  p.global.present = true;
+  p.global.photons = static_cast<uint64_t>(between(200, 3000));
+  p.caustic.present = random.below(2) != 0;
+  if (p.caustic.present) p.caustic.photons = static_cast<uint64_t>(between(1, 1000));
+  for (MapPlan* m : {&p.global, &p.caustic})
+    if (m->present)
+      m->r2_max = random.below(2) ? p.r2_limit() : random.bits() & ones(between(1, p.r2_bits()));
+  p.r2_floor = 1 + (random.bits() & ones(between(0, p.position_bits)));
+  p.epsilon_factor = 1;
+  if (random.below(3) == 0) {
+    p.epsilon_shift = between(0, 6);
+    p.epsilon_factor = static_cast<uint32_t>(between(1 << p.epsilon_shift, 3 << p.epsilon_shift));
+  }
+  p.leaf_limit = random.below(3) == 0 ? static_cast<uint32_t>(between(1, 12)) : 0;
+  p.reciprocal_bits = random.below(4) == 0 ? 0 : between(8, 24);
+  p.contexts = between(1, 32);
+  p.lanes = 1 << between(0, 3);
+  const int line_bytes = p.bucket * p.photon_bytes;
+  p.cache_ways = 1 << between(0, 2);
+  const int sets = 1 << between(0, 5);
+  p.cache_bytes = line_bytes * p.cache_ways * sets;
+  p.cache_misses = between(1, 16);
+  p.reorder_key = static_cast<ReorderKey>(between(0, 2));
+  p.reorder_drain = static_cast<ReorderDrain>(between(0, 1));
+  p.reorder_packets = between(1, 600);
+  p.reorder_bins = 1 << between(0, 9);
+  p.reorder_cell_bits = std::min(between(3, 5), p.position_bits);
+  p.cell_bits = between(1, std::min(4, p.direction_bits));
+  p.probability_bits = between(8, 20);
+  p.u_bits = std::min(48, p.total_bits() + between(8, 12));
+  p.v_bits = between(1, 10);
+  p.combine = static_cast<TableCombine>(between(0, 1));
+  p.width = between(1, 300);
+  p.height = between(1, 300);
+  p.spp = between(1, 64);
+  p.gather_rays = between(1, 64);
+  // Half the plans with a line in one beat, or in halves.
+  if (random.below(2)) p.beat_bits = 8 * line_bytes >> between(0, 1);
+  p.gatherers = between(1, 4);
+  p.photon_memory = static_cast<PhotonMemory>(between(0, 1));
+  p.board_cache_bytes = line_bytes << between(2, 6);
+  return p;
+}
+
+}  // namespace
+
+Plan random_plan(uint64_t seed) {
+  RoleRandom random(seed, "plan");
+  for (;;) {
+    const Plan plan = draw(random);
+    if (!find_problem(plan)) return plan;
+  }
+}
+
+}  // namespace photonloom

@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "verilator_tb/model/model.hpp"
+
+#include <dlfcn.h>
+#include <fmt/core.h>
+
+#include <filesystem>
+#include <iterator>
+#include <stdexcept>
+
+#include "golden/numeric/output_file.hpp"
+#include "golden/numeric/random.hpp"
+#include "golden/plan/plan_file.hpp"
+#include "rtl/generate/package.hpp"
+#include "rtl/generate/sources.hpp"
+#include "verilator_tb/model/tools.hpp"
+
+namespace photonloom {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+using model_tools::ModelInput;
+
+struct Builder {
+  const char* name;
+  std::string (*key)(const ModelInput&);
+  void (*build)(const ModelInput&);
+  const char* waveform;
+};
+
+// In the order of ModelKind.
+constexpr Builder kBuilders[] = {
+    {"rtl", [](const ModelInput&) { return model_tools::verilator_key(); },
+     model_tools::build_verilator, "fst"},
+    {"netlist", model_tools::netlist_key, model_tools::build_netlist, "fst"},
+    {"cxxrtl", model_tools::cxxrtl_key, model_tools::build_cxxrtl, "vcd"},
+};
+
+}  // namespace
+
+std::optional<ModelKind> model_kind(const std::string& name) {
+  for (size_t i = 0; i < std::size(kBuilders); ++i)
+    if (name == kBuilders[i].name) return static_cast<ModelKind>(i);
+  return std::nullopt;
+}
+
+std::string model_kind_name(ModelKind kind) { return kBuilders[static_cast<size_t>(kind)].name; }
+
+std::string waveform_extension(ModelKind kind) {
+  return kBuilders[static_cast<size_t>(kind)].waveform;
+}
+
+namespace {
+
+std::string find_or_build(const Plan& plan, const ModelSource& source) {
+  using namespace model_tools;
+  ModelInput in;
+  const std::string rtl = source.rtl_dir.empty() ? default_rtl_dir() : source.rtl_dir;
+  in.unit = source.unit;
+  in.ports = module_ports(rtl, source.unit);
+  in.parameters = source.parameters;
+  in.waveform = source.waveform;
+  in.yosys = source.yosys;
+  in.netlist = source.netlist;
+  const Builder& builder = kBuilders[static_cast<size_t>(source.kind)];
+  const std::vector<std::string> files = module_files(rtl, source.unit);
+  // A unit alone does not read PlanHash; without it plans that differ elsewhere share a model.
+  const bool reads_hash = std::any_of(files.begin(), files.end(), [&](const std::string& file) {
+    return read_file(rtl + "/" + file).find("photonloom_pkg::PlanHash") != std::string::npos;
+  });
+  const std::string package = write_package(plan, reads_hash ? plan_hash(plan) : 0);
+  uint64_t key = text_hash(builder.key(in), 1);
+  key = text_hash(package, key);
+  for (const std::string& file : files) key = text_hash(read_file(rtl + "/" + file), key);
+  key = text_hash(source.waveform ? "waveform" : "", key);
+  for (const std::string& p : source.parameters) key = text_hash(p, key);
+
+  std::error_code ignored;
+  fs::create_directories(source.work_dir, ignored);
+  if (!fs::is_directory(source.work_dir))
+    throw std::runtime_error(source.work_dir + ": cannot be made, needed for models");
+  in.work = fs::canonical(source.work_dir).string();
+  in.base = fmt::format("{}/{}{}-{:016x}", in.work, source.unit,
+                        source.kind == ModelKind::kRtl ? "" : std::string("-") + builder.name, key);
+  const std::string library = in.base + "/model.so";
+  if (fs::exists(library)) return library;
+  const Lock lock(in.base + ".lock");
+  if (fs::exists(library)) return library;
+
+  OutputFolder folder(in.base);
+  in.dir = folder.temporary();
+  in.files = {"photonloom_pkg.sv"};
+  write_file(in.dir + "/photonloom_pkg.sv", package);
+  for (const std::string& file : files) {
+    in.files.push_back(fs::path(file).filename().string());
+    write_file(in.dir + "/" + in.files.back(), read_file(rtl + "/" + file));
+  }
+  builder.build(in);
+  folder.commit();
+  return library;
+}
+
+}  // namespace
+
+std::string build_model(const Plan& plan, const ModelSource& source) {
+  try {
+    return find_or_build(plan, source);
+  } catch (const std::exception& error) {
+    throw ModelBuildError(error.what());
+  }
+}
+
+struct Model::Abi {
+  struct Port {
+    const char* name;
+    int output;
+    void* data;
+    unsigned long bytes;
+  };
+  void* library = nullptr;
+  void* instance = nullptr;
+  void (*destroy)(void*) = nullptr;
+  int (*eval)(void*) = nullptr;
+  int (*trace_open)(void*, const char*) = nullptr;
+  void (*trace_dump)(void*, unsigned long long) = nullptr;
+  void (*trace_close)(void*) = nullptr;
+  bool tracing = false;
+
+  template <class F>
+  void symbol(F& f, const char* name) const {
+    f = reinterpret_cast<F>(dlsym(library, name));
+    if (!f) throw std::runtime_error(fmt::format("model library: has no {}", name));
+  }
+};
+
+Model::Model(const std::string& library, uint64_t initial_seed) : abi_(std::make_unique<Abi>()) {
+  abi_->library = dlopen(library.c_str(), RTLD_NOW | RTLD_LOCAL);
+  if (!abi_->library) throw std::runtime_error(fmt::format("{}: {}", library, dlerror()));
+  void* (*create)(int, int) = nullptr;
+  const Abi::Port* (*ports)(void*) = nullptr;
+  abi_->symbol(create, "model_create");
+  abi_->symbol(ports, "model_ports");
+  abi_->symbol(abi_->destroy, "model_destroy");
+  abi_->symbol(abi_->eval, "model_eval");
+  abi_->symbol(abi_->trace_open, "model_trace_open");
+  abi_->symbol(abi_->trace_dump, "model_trace_dump");
+  abi_->symbol(abi_->trace_close, "model_trace_close");
+  // Verilator takes 31 bits, not 0.
+  abi_->instance = create(static_cast<int>(mix64(initial_seed) % 0x7ffffffe) + 1, 1);
+  for (const Abi::Port* p = ports(abi_->instance); p->name; ++p)
+    ports_.push_back({p->name, p->output != 0, static_cast<uint8_t*>(p->data), p->bytes});
+}
+
+Model::~Model() {
+  if (abi_->instance) {
+    if (abi_->tracing) abi_->trace_close(abi_->instance);
+    abi_->destroy(abi_->instance);
+  }
+  // The library stays loaded: another instance may use it, and loading is what costs.
+}
+
+const ModelPort& Model::port(const std::string& name) const {
+  for (const ModelPort& p : ports_)
+    if (p.name == name) return p;
+  throw std::runtime_error(fmt::format("the model has no port {}", name));
+}
+
+bool Model::has_port(const std::string& name) const {
+  for (const ModelPort& p : ports_)
+    if (p.name == name) return true;
+  return false;
+}
+
+void Model::eval() {
+  if (abi_->eval(abi_->instance))
+    throw std::runtime_error("the RTL stopped: an assertion failed (see above)");
+}
+
+void Model::open_waveform(const std::string& path) {
+  if (abi_->trace_open(abi_->instance, path.c_str()) != 0)
+    throw std::runtime_error(path + ": cannot be opened for writing a waveform");
+  abi_->tracing = true;
+}
+
+void Model::dump(uint64_t time) { abi_->trace_dump(abi_->instance, time); }
+
+void Model::close_waveform() {
+  if (abi_->tracing) abi_->trace_close(abi_->instance);
+  abi_->tracing = false;
+}
+
+}  // namespace photonloom

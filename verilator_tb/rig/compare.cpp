@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "verilator_tb/rig/compare.hpp"
+
+#include <fmt/core.h>
+
+#include "golden/packet/trace.hpp"
+
+namespace photonloom {
+
+StreamComparer::StreamComparer(const PacketLayout& layout, std::string stream,
+                               const CompareContext& context)
+    : layout_(layout), stream_(std::move(stream)), context_(context) {}
+
+void StreamComparer::report(const std::string& text) {
+  ++differences_;
+  if (first_report_.empty()) first_report_ = text;
+  if (!context_.keep_going) throw Divergence(text);
+}
+
+void StreamComparer::differ(const void* golden, const void* other, uint64_t cycle,
+                            const std::string& input) {
+  if (!first_report_.empty()) {
+    ++differences_;
+    return;
+  }
+  std::vector<uint32_t> g(layout_.words()), o(layout_.words());
+  layout_.pack(golden, g.data());
+  layout_.pack(other, o.data());
+  const bool simulated = !context_.waveform.empty();
+  std::string text = fmt::format(
+      "{0}, stream {1}: packet {2} differs from golden ({3} matched before)\n"
+      "  {4}plan {5}\n  input  {6}\n  golden {7}\n  {8:6} {9}\n"
+      "    {10:<24}{11:>24}{12:>24}  unit\n",
+      context_.unit, stream_, compared_, matched_,
+      simulated ? fmt::format("cycle {}, seed {}, ", cycle, context_.seed) : "", context_.plan,
+      input, to_hex(g.data(), layout_.bits()), context_.backend, to_hex(o.data(), layout_.bits()),
+      "field", "golden", context_.backend);
+  for (const FieldPlace& f : layout_.fields())
+    for (int i = 0; i < f.elements; ++i) {
+      const uint64_t a = layout_.get(golden, f, i), b = layout_.get(other, f, i);
+      text += fmt::format("  {} {:<24}{:>24}{:>24}{}{}\n", a == b ? ' ' : '*',
+                          f.array ? fmt::format("{}[{}]", f.name, i) : f.name, a, b,
+                          f.unit.empty() ? "" : "  ", f.unit);
+    }
+  if (!context_.rerun.empty() && !simulated)
+    text += "  again:\n    " + context_.rerun;
+  else if (!context_.rerun.empty())
+    text += fmt::format(
+        "  again, with a waveform of the window around it:\n"
+        "    {} --wave {}.{} --wave-unit {} --wave-cycles {}:{}",
+        context_.rerun, context_.unit, context_.waveform, context_.unit,
+        cycle > 1000 ? cycle - 1000 : 0, cycle + 50);
+  report(text);
+}
+
+void StreamComparer::count_differs(size_t golden, size_t other) {
+  report(
+      fmt::format("{}, stream {}: {} packets where golden gives {}, after {} compared; seed {}, "
+                  "plan {}{}{}",
+                  context_.unit, stream_, other, golden, compared_, context_.seed, context_.plan,
+                  context_.rerun.empty() ? "" : "\n  again: ", context_.rerun));
+}
+
+}  // namespace photonloom

@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "verilator_tb/rig/rig_options.hpp"
+
+#include <fmt/core.h>
+
+#include <cstdlib>
+
+namespace photonloom {
+
+void RigFlags::add_to(CLI::App& command, const std::string& seed_flag) {
+  // The last one counts, so that a report's command can append its own.
+  const auto add = [&](const std::string& flag, auto& value, const std::string& help) {
+    return command.add_option(flag, value, help)->take_last();
+  };
+  add(seed_flag, seed_,
+      "Seed of stalls, latencies and initial register values; changes when packets "
+      "move, never which. Default 1.");
+  add("--initial-seed", initial_seed_, "Mixed into the initial register values alone. Default 1.");
+  add("--stall", stall_,
+      "When streams hold back: none, bernoulli:P, bursts or adversary. Default "
+      "none.");
+  add("--stall-in", stall_in_, "The same for input streams only.");
+  add("--stall-out", stall_out_, "The same for output streams only.");
+  add("--stall-memory", stall_memory_, "The same for the line memory only.");
+  add("--latency", latency_,
+      "Cycles from a line request to its first beat: N, random (mean 20, out of "
+      "order) or random:MEAN. Default 20.");
+  add("--banks", banks_, "Banks of the line memory. Default 8.")->check(CLI::Range(1, 1024));
+  command
+      .add_option("--bank-cycles", bank_cycles_,
+                  "A bank takes one request in so many cycles; 0: no limit. Default 0.")
+      ->check(CLI::Range(0, 100000));
+  add("--watchdog", watchdog_,
+      "Cycles without a handshake after which a unit counts as stuck. Default "
+      "500000.")
+      ->check(CLI::Range(uint64_t{1}, uint64_t{1} << 48));
+  add("--rtl", rtl_, "Folder of the RTL sources, if not those of this build.");
+  add("--work", work_, "Folder of the built models. Default build/cosim.");
+  add("--yosys", yosys_, "The Yosys that makes netlists and CXXRTL models. Default yosys.");
+  add("--netlist", netlist_,
+      "With backend netlist: this Verilog netlist of the unit, made for the same plan, instead of "
+      "a synthesis.");
+  add("--wave", wave_, "Write a waveform to this file: FST, of CXXRTL models VCD.");
+  add("--wave-unit", wave_unit_, "The unit to write it of.");
+  add("--wave-cycles", wave_cycles_, "The cycles to write, FROM:TO.");
+}
+
+RunOptions RigFlags::options(const std::string& unit) const {
+  RunOptions o;
+  o.seed = seed_;
+  o.initial_seed = initial_seed_;
+  const auto policy = [&](const std::string& own) {
+    return StallPolicy::parse(own.empty() ? stall_ : own);
+  };
+  o.stall_in = policy(stall_in_);
+  o.stall_out = policy(stall_out_);
+  o.stall_memory = policy(stall_memory_);
+  std::string latency = latency_;
+  if (latency == "random") latency = "random:20";
+  if (latency.rfind("random:", 0) == 0) {
+    o.random_latency = true;
+    latency = latency.substr(7);
+  }
+  char* end = nullptr;
+  const long cycles = std::strtol(latency.c_str(), &end, 10);
+  if (latency.empty() || *end || cycles < 1 || cycles > 1000000)
+    throw std::runtime_error(
+        fmt::format("--latency {}: expected 1 to 1000000 cycles, random or random:MEAN", latency_));
+  o.latency = static_cast<int>(cycles);
+  o.banks = banks_;
+  o.bank_cycles = bank_cycles_;
+  o.watchdog = watchdog_;
+  o.rtl_dir = rtl_;
+  o.work_dir = work_;
+  o.yosys = yosys_;
+  o.netlist = netlist_;
+  if (wave_.empty() || (!wave_unit_.empty() && wave_unit_ != unit)) return o;
+  o.waveform = wave_;
+  if (!wave_cycles_.empty()) {
+    unsigned long long from = 0, to = 0;
+    char extra = 0;
+    if (std::sscanf(wave_cycles_.c_str(), "%llu:%llu%c", &from, &to, &extra) != 2 || from > to)
+      throw std::runtime_error(
+          fmt::format("--wave-cycles {}: expected FROM:TO, FROM not after TO", wave_cycles_));
+    o.waveform_from = from;
+    o.waveform_to = to;
+  }
+  return o;
+}
+
+void RigFlags::check_netlist(size_t units) const {
+  if (!netlist_.empty() && units != 1)
+    throw std::runtime_error(fmt::format(
+        "--netlist {}: is of one unit, but {} run with backend netlist", netlist_, units));
+}
+
+void RigFlags::check_waveform(const std::set<std::string>& units) const {
+  if (wave_.empty() && (!wave_unit_.empty() || !wave_cycles_.empty()))
+    throw std::runtime_error("--wave-unit and --wave-cycles need --wave FILE");
+  if (wave_.empty()) return;
+  if (units.empty()) throw std::runtime_error("--wave: no unit is simulated");
+  if (wave_unit_.empty() && units.size() > 1)
+    throw std::runtime_error("--wave: several units run as hardware; name one with --wave-unit");
+  if (!wave_unit_.empty() && !units.count(wave_unit_))
+    throw std::runtime_error(
+        fmt::format("--wave-unit {}: no such unit runs as hardware", wave_unit_));
+}
+
+}  // namespace photonloom

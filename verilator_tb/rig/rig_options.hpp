@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+// RunOptions on a command line, the same flags for benches, cosim and replay.
+#pragma once
+#include <CLI/CLI.hpp>
+#include <set>
+#include <string>
+
+#include "verilator_tb/rig/rig.hpp"
+
+namespace photonloom {
+
+class RigFlags {
+ public:
+  // `seed_flag` names the flag that seeds the rig.
+  void add_to(CLI::App& command, const std::string& seed_flag);
+  // The options for one unit; throws std::runtime_error for a bad value.
+  RunOptions options(const std::string& unit) const;
+
+  // A waveform is of one unit: an error where --wave does not say of which of several.
+  void check_waveform(const std::set<std::string>& units) const;
+  // So is a netlist: an error where --netlist is given and not just one unit runs as netlist.
+  void check_netlist(size_t units) const;
+
+ private:
+  uint64_t seed_ = 1, initial_seed_ = 1;
+  std::string stall_ = "none", stall_in_, stall_out_, stall_memory_;
+  std::string latency_ = "20";
+  int banks_ = 8, bank_cycles_ = 0;
+  uint64_t watchdog_ = 500000;
+  std::string rtl_, work_ = "build/cosim", yosys_ = "yosys", netlist_;
+  std::string wave_, wave_unit_, wave_cycles_;
+};
+
+}  // namespace photonloom
