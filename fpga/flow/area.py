@@ -1,0 +1,126 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Whether the units grew: their size on the small plan fpga/area.toml, by synth_ecp5 of the Yosys on PATH, beside
+fpga/baseline.json, which has a section for each version of Yosys. Exit status 1 where a resource is more than 3 % over
+its baseline, 77 (skipped) where this version has none, unless it is the version that CI runs."""
+import argparse
+import os
+import tempfile
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from flow.boards import FAMILIES
+from flow.goals import area_goals
+from flow.package import PHOTONLOOM, UNITS, describe
+from flow.shell import ROOT, Failure, first_line, read_json, read_text, run, say, write_json
+from flow.synthesis import Counts, counts_of
+from flow.tools import yosys_version
+
+PLAN = ROOT / "fpga" / "area.toml"
+FAMILY = FAMILIES["ecp5"]
+SKIPPED = 77
+
+
+def compare(unit: str, counts: Mapping[str, int], baseline: Mapping[str, int], limit: float) -> tuple[list[str], list[str]]:
+    """(grown, shrunk): a sentence for each resource that is more than `limit`, a share, from its baseline."""
+    grown, shrunk = [], []
+    for name in FAMILY.cells:
+        now, before = counts[name], baseline[name]
+        if now == before:
+            continue
+        change = f"{unit}: {name} {before} -> {now}" + (f" ({100 * (now - before) / before:+.1f} %)" if before else "")
+        if now - before > limit * before:
+            grown.append(change)
+        elif before - now > limit * before:
+            shrunk.append(change)
+    return grown, shrunk
+
+
+def measure(unit: str, yosys: str) -> Counts:
+    """Counts of one unit on the plan."""
+    with tempfile.TemporaryDirectory() as folder:
+        package = Path(folder, "hw")
+        run([PHOTONLOOM, "generate", str(PLAN), "--unit", unit, "-o", str(package)])
+        files = " ".join(read_text(package / "files.f").split())
+        run([yosys, "-q", "-p", f"read_verilog -sv {files}; synth_ecp5 -top {unit}; tee -q -o stat.json stat -json"],
+            cwd=package)
+        return counts_of(package / "stat.json", FAMILY, unit)
+
+
+@dataclass(frozen=True)
+class Section:
+    """The part of a baseline that one version of Yosys measured: plan's hash, and unit -> resource -> number."""
+    path: Path
+    version: str
+    values: dict[str, Any]
+
+    def check(self, units: Sequence[str], yosys: str, limit: float) -> None:
+        """Tells what changed; fails where a resource grew."""
+        grown = []
+        for unit in units:
+            counts = counted(unit, yosys)
+            if unit not in self.values:
+                raise Failure(f"{self.path}: has no {unit} for Yosys {self.version}")
+            more, less = compare(unit, counts, self.values[unit], limit)
+            for change in less:
+                say(f"shrank, scripts/area-check --update keeps it: {change}")
+            for change in more:
+                say(f"GREW: {change}")
+            grown += more
+        if grown:
+            raise Failure(f"{len(grown)} resources grew by more than {100 * limit:.0f} %; make them smaller, or show "
+                          "the price in the same commit with scripts/area-check --update")
+
+    def update(self, units: Sequence[str], yosys: str) -> None:
+        for unit in units:
+            counts = counted(unit, yosys)
+            self.values[unit] = {name: counts[name] for name in FAMILY.cells}
+
+
+def counted(unit: str, yosys: str) -> Counts:
+    counts = measure(unit, yosys)
+    say(f"{unit}: " + ", ".join(f"{name} {number}" for name, number in counts.items()))
+    return counts
+
+
+def main() -> int:
+    p = argparse.ArgumentParser(prog="area-check", description=__doc__)
+    p.add_argument("units", nargs="*", help="these alone (default: " + ", ".join(UNITS) + ")")
+    p.add_argument("--update", action="store_true", help="write what is measured into the baseline")
+    p.add_argument("--yosys", default="yosys", help="another Yosys than the one on PATH")
+    p.add_argument("--baseline", type=Path, default=ROOT / "fpga" / "baseline.json")
+    o = p.parse_args()
+    for unit in o.units:
+        if unit not in UNITS:
+            p.error(f"there is no unit {unit}, expected some of {', '.join(UNITS)}")
+    goals, units = area_goals(), o.units or UNITS
+    version = yosys_version(first_line([o.yosys, "-V"]))
+    if not version:
+        raise Failure(f"{o.yosys} does not start or does not say its version, expected Yosys")
+    if os.sep in o.yosys:  # it runs in other folders too
+        o.yosys = os.path.abspath(o.yosys)
+    baseline = read_json(o.baseline)
+    plan_hash = describe(PLAN)["hash"]
+    if not o.update and version not in baseline:
+        known = ", ".join(baseline)
+        text = f"NO BASELINE for Yosys {version} (there are {known}): nothing was compared; scripts/area-check --update writes one"
+        if version == goals.ci_yosys:
+            raise Failure(text)
+        say(text)
+        return SKIPPED
+    section = Section(o.baseline, version, baseline.setdefault(version, {}))
+    if not o.update:
+        if section.values.get("plan") != plan_hash:
+            raise Failure(f"{o.baseline}: was made of plan {section.values.get('plan')}, but fpga/area.toml is {plan_hash}; "
+                          "scripts/area-check --update writes it anew")
+        section.check(units, o.yosys, goals.growth)
+        return 0
+    section.values["plan"] = plan_hash
+    section.update(units, o.yosys)
+    write_json(o.baseline, dict(sorted(baseline.items())), indent=2)
+    say(f"wrote Yosys {version} into {os.path.relpath(o.baseline, ROOT)}")
+    others = [v for v in baseline if v != version]
+    if others:
+        say(f"the sections of Yosys {', '.join(others)} are what they were: update them too where the RTL changed")
+    return 0

@@ -1,0 +1,96 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The boards of fpga/boards, and the families of their parts."""
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field as member
+from pathlib import Path
+
+from flow.shell import ROOT, Failure, field, read_toml
+
+BOARDS = ROOT / "fpga" / "boards"
+
+
+class UnknownBoard(Failure):
+    """There is no folder of that name."""
+
+
+@dataclass(frozen=True)
+class Family:
+    """What is the same for all parts of a family.
+
+    cells: our name of a resource -> the cells that are one; a name that ends in * stands for all that begin so.
+    lut_equivalents: LUTs of a resource that is made of them; empty where LUT4 counts all.
+    tools: variable of a package's Makefile -> the program. fetched: `make fpga-tools` gets them.
+    """
+    cells: Mapping[str, Sequence[str]]
+    tools: Mapping[str, str]
+    lut_equivalents: Mapping[str, int] = member(default_factory=dict)
+    fetched: bool = False
+
+    @property
+    def nextpnr(self) -> str:
+        return self.tools["NEXTPNR"]
+
+
+# A carry cell takes two LUTs of a slice, a 16 x 4 memory four.
+FAMILIES = {
+    "ecp5": Family({"LUT4": ["LUT4"], "FF": ["TRELLIS_FF"], "CCU2C": ["CCU2C"], "DPR16X4": ["TRELLIS_DPR16X4"],
+                    "DP16KD": ["DP16KD"], "MULT18X18D": ["MULT18X18D"]},
+                   {"YOSYS": "yosys", "NEXTPNR": "nextpnr-ecp5", "ECPPACK": "ecppack"},
+                   {"LUT4": 1, "CCU2C": 2, "DPR16X4": 4}, fetched=True),
+    "ice40": Family({"LUT4": ["SB_LUT4"], "FF": ["SB_DFF*"], "SB_RAM40_4K": ["SB_RAM40_4K"], "SB_MAC16": ["SB_MAC16"]},
+                    {"YOSYS": "yosys", "NEXTPNR": "nextpnr-ice40", "ICEPACK": "icepack"}),
+}
+# Families of a vendor's tool, and how it is run.
+VENDORS = {"xc7": "Vivado's: photonloom generate PLAN --board {}, then board/vivado.tcl"}
+
+
+@dataclass(frozen=True)
+class Board:
+    """name: of its folder. resources: how many of a resource the part has. plan, units: what is measured by default, all
+    units of the plan and the board's top where `units` is empty."""
+    name: str
+    family: Family
+    resources: Mapping[str, int]
+    plan: Path
+    units: Sequence[str]
+
+    def top(self, unit: str | None = None) -> str:
+        """The module that is the whole part: around a unit, or the board's own."""
+        prefix = self.name.replace("-", "_")
+        return f"{prefix}_{unit}_top" if unit else f"{prefix}_top"
+
+
+def family_of(path: Path) -> str:
+    """The family that a board.toml names."""
+    known = list(FAMILIES) + list(VENDORS)
+    name = str(field(read_toml(path), path, "part.family", str, f"one of {', '.join(known)}"))
+    if name not in known:
+        raise Failure(f"{path}: part.family is {name}, expected one of {', '.join(known)}")
+    return name
+
+
+def board_names(folder: Path = BOARDS) -> list[str]:
+    """The boards whose flow is ours."""
+    return [path.parent.name for path in sorted(folder.glob("*/board.toml")) if family_of(path) in FAMILIES]
+
+
+def read_board(name: str, folder: Path = BOARDS) -> Board:
+    """A board by its name."""
+    path = folder / name / "board.toml"
+    if not path.is_file():
+        raise UnknownBoard(f"there is no board {name}, expected one of {', '.join(board_names(folder))}")
+    kind = family_of(path)
+    if kind in VENDORS:
+        raise Failure(f"{name} is {VENDORS[kind].format(name)}")
+    family, said = FAMILIES[kind], read_toml(path)
+    resources = field(said, path, "part.resources", dict, "a table")
+    for resource, number in resources.items():
+        if resource not in family.cells:
+            raise Failure(f"{path}: part.resources.{resource} is unknown, expected some of {', '.join(family.cells)}")
+        if type(number) is not int or number < 1:
+            raise Failure(f"{path}: part.resources.{resource} is {number!r}, expected a count")
+    if "LUT4" not in resources:
+        raise Failure(f"{path}: part.resources.LUT4 is missing, expected a count")
+    plan = field(said, path, "measure.plan", str, "a plan below the repository's root")
+    units = field(said, path, "measure.units", list, "a list of units") if "units" in said["measure"] else []
+    return Board(name, family, resources, ROOT / plan, units)

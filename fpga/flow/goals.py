@@ -1,0 +1,49 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the commands judge by: fpga/goals.toml."""
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from flow.shell import ROOT, Failure, field, read_toml
+
+GOALS = ROOT / "fpga" / "goals.toml"
+
+
+@dataclass(frozen=True)
+class AreaGoals:
+    """growth: share of its baseline by which a resource may grow. ci_yosys: the version that must have a baseline."""
+    growth: float
+    ci_yosys: str
+
+
+@dataclass(frozen=True)
+class HeadlineGoals:
+    """board: where queries a second are those of its routed top. of_bound: share of the bound that is asked where the bound
+    is under the goal. times: multiples of one core, photon memory -> k as text -> multiple."""
+    board: str
+    of_bound: float
+    times: dict[str, dict[str, float]]
+    path: Path
+
+    def times_core(self, memory: str, k: int) -> float:
+        """Times one core that a plan is to do."""
+        goal = self.times.get(memory, {}).get(str(k))
+        if goal is None:
+            raise Failure(f"{self.path}: headline.times_core.{memory}.{k} is missing, expected a goal for this plan")
+        return goal
+
+
+def area_goals(path: Path = GOALS) -> AreaGoals:
+    said = read_toml(path)
+    return AreaGoals(field(said, path, "area.growth", (int, float), "a share"),
+                     field(said, path, "area.ci_yosys", str, "a version of Yosys"))
+
+
+def headline_goals(path: Path = GOALS) -> HeadlineGoals:
+    said = read_toml(path)
+    times: dict[str, Any] = field(said, path, "headline.times_core", dict, "a table")
+    for memory in times:
+        for k in field(said, path, f"headline.times_core.{memory}", dict, "a table"):
+            field(said, path, f"headline.times_core.{memory}.{k}", (int, float), "a multiple of one core")
+    return HeadlineGoals(field(said, path, "headline.board", str, "a board"),
+                         field(said, path, "headline.of_bound", (int, float), "a share"), times, path)

@@ -1,0 +1,152 @@
+# SPDX-License-Identifier: Apache-2.0
+"""From a plan to resources, Fmax and bitstreams: synthesis and place-and-route of each unit out of context and of the
+board's whole top, with several seeds. Writes build/fpga/BOARD-PLANHASH/report.json and report.md; exit status 1 where a
+median misses the clock that it is constrained to."""
+import argparse
+import os
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from flow.boards import FAMILIES, Board, UnknownBoard, board_names, read_board
+from flow.package import UNITS, PackageFacts, describe, digest, generate
+from flow.results import Entry, Report, add_placements, entries_of, missed_clocks, report_folder
+from flow.routing import place, placements
+from flow.shell import ROOT, Failure, say, warn, write_json
+from flow.synthesis import binding, synthesise
+from flow.tables import markdown, replace_between
+from flow.tools import Tools, find_tools
+
+PARTS = UNITS + ["board"]
+
+
+@dataclass(frozen=True)
+class Options:
+    """How each part is measured."""
+    plan: Path
+    board: Board
+    seeds: Sequence[int]
+    clock: float | None
+    route_speed: int | None
+    placer: str
+    synthesis_only: bool
+
+
+def package(o: Options, folder: Path, name: str, versions: dict[str, str]) -> tuple[Path, PackageFacts, str]:
+    """Writes the package of a unit or of the board: (its folder, what package.json says, its digest)."""
+    where, whole = folder / name, name == "board"
+    said = generate(o.plan, where, o.board, None if whole else name, o.clock if whole else None)
+    return where, said, digest(where, versions)
+
+
+def measure(o: Options, folder: Path, name: str, tools: Tools) -> Entry:
+    """One package through the flow: its entry of the report."""
+    where, said, of_sources = package(o, folder, name, tools.versions)
+    top = o.board.top(None if name == "board" else name)
+    say(f"{name}: synthesis")
+    counts = synthesise(where, o.board, top, top if name == "board" else name, tools)
+    entry: Entry = {"name": name, "digest": of_sources, "top": top, "constraint_mhz": said["clock_khz"] / 1000,
+                    "resources": counts, "binding": binding(counts, o.board), "seeds": []}
+    if o.route_speed:
+        entry["route_speed"] = o.route_speed
+    if o.placer != "heap":
+        entry["placer"] = o.placer
+    if o.synthesis_only:
+        return entry
+    full = entry["binding"]
+    if full["used"] > full["of"]:  # nextpnr would look for places without end
+        raise Failure(f"{o.plan}: its {name} needs {full['used']} {full['resource']}, the part has {full['of']}")
+    placed = placements(name, o.seeds, o.placer, lambda seed, placer: place(where, top, seed, tools, o.route_speed, placer))
+    add_placements(entry, placed, where)
+    return entry
+
+
+def table(entries: Sequence[Entry]) -> str:
+    resources = list(entries[0]["resources"])
+    rows = []
+    for e in entries:
+        full = e["binding"]
+        fmax = ["–", "–", "–"]
+        if f := e.get("fmax_mhz"):
+            fmax = [f"{f['median']:.1f}", f"{f['low']:.1f} – {f['high']:.1f}", str(len(e["seeds"]))]
+        rows.append([f"`{e['name']}`"] + [f"{e['resources'][r]:,}" for r in resources] + fmax +
+                    [f"{e['constraint_mhz']:g}", f"{full['resource']} {full['used']:,} of {full['of']:,}"])
+    return markdown(rows, [""] + resources + ["Fmax, MHz", "range", "seeds", "constraint", "fullest"])
+
+
+def parser() -> argparse.ArgumentParser:
+    p = argparse.ArgumentParser(prog="fpga", description=__doc__)
+    p.add_argument("plan", nargs="?", help="a plan.toml (default: fpga/gatherer.toml, that of make bench-rtl; for up5k "
+                                           "the small fpga/up5k.toml)")
+    p.add_argument("--board", default="ulx3s-85f", help=" or ".join(board_names()))
+    p.add_argument("--units", help="these alone, separated by commas: photon_gatherer, reorder_buffer, cdf_sampler, "
+                                   "board (default: all that the plan has, and the board's top; on a UP5K the reorder buffer)")
+    p.add_argument("--seeds", type=int, default=3, help="placements of each")
+    p.add_argument("--first-seed", type=int, default=1)
+    p.add_argument("--clock", type=float, help="MHz of the board's core, if not its default")
+    p.add_argument("--route-speed", type=int, choices=(6, 7, 8),
+                   help="speed grade of an ECP5 by whose delays the router searches (default: 6, the part's); 8 routes tops "
+                        "that 6 does not finish. The result is always analysed at grade 6")
+    p.add_argument("--placer", choices=("heap", "static"), default="heap",
+                   help="of nextpnr, on an ECP5 (default: heap); static leaves shorter wires in wide tops")
+    p.add_argument("--synthesis-only", action="store_true", help="counts alone")
+    p.add_argument("--readme", action="store_true", help="put the table into README.md too")
+    return p
+
+
+def options() -> tuple[Options, list[str] | None, bool]:
+    """What was asked for: how, which parts (None: the default ones), and whether README.md takes the table."""
+    p = parser()
+    o = p.parse_args()
+    try:
+        board = read_board(o.board)
+    except UnknownBoard as unknown:
+        p.error(str(unknown))
+    ecp5 = board.family is FAMILIES["ecp5"]
+    if o.route_speed and not ecp5:
+        p.error("--route-speed is the ulx3s-85f's")
+    if o.placer != "heap" and not ecp5:
+        p.error("--placer is the ulx3s-85f's")
+    if o.seeds < 1:
+        p.error("--seeds must be at least 1")
+    asked = o.units.split(",") if o.units else None
+    for unit in asked or []:
+        if unit not in PARTS:
+            p.error(f"--units: there is no {unit}, expected some of {', '.join(PARTS)}")
+    plan = Path(o.plan) if o.plan else board.plan
+    if not plan.is_file():
+        raise Failure(f"{plan}: there is no such plan")
+    return Options(plan, board, range(o.first_seed, o.first_seed + o.seeds), o.clock, o.route_speed, o.placer,
+                   o.synthesis_only), asked, o.readme
+
+
+def main() -> int:
+    o, asked, readme = options()
+    tools = find_tools(o.board)
+    for name, version in tools.versions.items():
+        say(f"{name}: {version}")
+    what = describe(o.plan)
+    units = asked or list(o.board.units) or what["units"] + ["board"]
+    for unit in units:
+        if unit != "board" and unit not in what["units"]:
+            raise Failure(f"{o.plan}: the plan has no {unit}, only {', '.join(what['units'])}")
+    folder = report_folder(o.board, what["hash"])
+    folder.mkdir(parents=True, exist_ok=True)
+    path = folder / "report.json"
+    entries = [measure(o, folder, unit, tools) for unit in units]
+    # What was measured of the other parts stays while their sources are the same.
+    kept = [e for e in entries_of(path)
+            if e["name"] not in units and e.get("digest") == package(o, folder, e["name"], tools.versions)[2]] if asked else []
+    entries = sorted(kept + entries, key=lambda e: PARTS.index(e["name"]))
+    report: Report = {"board": o.board.name, "plan": what["hash"], "versions": tools.versions, "entries": entries}
+    write_json(path, report)
+    text, by = table(entries), "; ".join(tools.versions.values())
+    (folder / "report.md").write_text(f"{o.board.name}, plan {what['hash']}; {by}\n\n{text}")
+    print("\n" + text)
+    print(f"wrote {os.path.relpath(path, ROOT)}")
+    if readme:
+        replace_between(ROOT / "README.md", "size and speed", f"{text}\n{by}.\n")
+    missed = [(e["name"], clock, c) for e in entries for clock, c in missed_clocks(e)]
+    for name, clock, c in missed:
+        warn(f"{name}: {clock} reaches {c['median']:.1f} MHz, constrained to {c['constraint']:.1f} MHz")
+    return 1 if missed else 0

@@ -1,0 +1,92 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The plans that are measured: fpga/plans.toml, and the files that it stands for."""
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from flow.boards import Board, read_board
+from flow.package import PHOTONLOOM, UNITS, PlanFacts, describe, set_options
+from flow.shell import ROOT, Failure, field, read_toml, run
+
+CATALOGUE = ROOT / "fpga" / "plans.toml"
+PLANS = ROOT / "fpga" / "plans"
+
+
+@dataclass(frozen=True)
+class Variation:
+    """A plan of fpga and lines of it that change; the unit that changes by them, "" where it is not asked."""
+    base: str
+    settings: Sequence[str]
+    unit: str = ""
+
+
+@dataclass(frozen=True)
+class Catalogue:
+    """scenes: name -> arguments of `photonloom plan`. derived: plans beside fpga/plans."""
+    board: Board
+    derived: Mapping[str, Variation]
+    scenes: Mapping[str, Sequence[str]]
+    variations: Mapping[str, Variation]
+
+    def names(self) -> list[str]:
+        return list(self.scenes) + list(self.variations)
+
+
+def read_catalogue(path: Path = CATALOGUE) -> Catalogue:
+    said = read_toml(path)
+
+    def words(name: str) -> list[str]:
+        value = field(said, path, name, list, "a list of strings")
+        if not all(isinstance(word, str) for word in value):
+            raise Failure(f"{path}: {name} is {value!r}, expected a list of strings")
+        return list(value)
+
+    def table(name: str) -> dict[str, Any]:
+        value: dict[str, Any] = field(said, path, name, dict, "a table")
+        return value
+
+    def base(name: str) -> str:
+        return str(field(said, path, f"{name}.base", str, "a plan of fpga"))
+
+    derived = {name: Variation(base(f"derived.{name}"), words(f"derived.{name}.set")) for name in table("derived")}
+    common = words("scenes.common")
+    scenes = {name: words(f"scenes.plans.{name}") + common for name in table("scenes.plans")}
+    variations = {}
+    for unit in table("variations"):
+        if unit not in UNITS:
+            raise Failure(f"{path}: variations.{unit} is no unit, expected some of {', '.join(UNITS)}")
+        for name in table(f"variations.{unit}.plans"):
+            variations[name] = Variation(base(f"variations.{unit}"), words(f"variations.{unit}.plans.{name}"), unit)
+    board = read_board(field(said, path, "board", str, "a board"))
+    return Catalogue(board, derived, scenes, variations)
+
+
+def plan_file(name: str) -> Path:
+    return PLANS / f"{name}.toml"
+
+
+def write_plans(catalogue: Catalogue) -> None:
+    """fpga/plans/NAME.toml of every plan, and the plans of make fpga and make area-check that follow from gatherer.toml."""
+    def vary(variation: Variation, path: Path) -> None:
+        run([PHOTONLOOM, "plan", str(ROOT / "fpga" / f"{variation.base}.toml"), "-o", str(path)] +
+            set_options(variation.settings))
+
+    PLANS.mkdir(exist_ok=True)
+    for name, variation in catalogue.derived.items():
+        vary(variation, ROOT / "fpga" / f"{name}.toml")
+    for name, arguments in catalogue.scenes.items():
+        run([PHOTONLOOM, "plan", *arguments, "-o", str(plan_file(name))], cwd=ROOT)
+    for name, variation in catalogue.variations.items():
+        vary(variation, plan_file(name))
+
+
+def facts_of(name: str) -> PlanFacts:
+    """What photonloom says of a plan: its units and the terms of the prediction."""
+    return describe(plan_file(name))
+
+
+def line_of(name: str, line: str) -> Any:
+    """A line of a plan, such as gather.k."""
+    path = plan_file(name)
+    return field(read_toml(path), path, line, (str, int, float), "a value")

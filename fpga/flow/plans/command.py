@@ -1,0 +1,90 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a plan costs: synthesizes the units of several plans, routes some of them, and fits the coefficients from which
+`photonloom plan` predicts resources. Writes the plans (fpga/plans/), the measurements (fpga/plans.json), the coefficients
+(golden/planner/resource_fit.hpp; build again to use them) and docs/fpga-plans.md. What was measured of the same sources
+before is kept in build/fpga-plans. With --fit it only fits the committed measurements again, with --check it tells
+whether coefficients and page are those of the measurements."""
+import argparse
+import concurrent.futures
+import os
+
+from flow.plans.catalogue import Catalogue, read_catalogue, write_plans
+from flow.plans.fit import Fits, fit
+from flow.plans.measurements import DATA, WORK, Measurements, jobs_of, measure, merge
+from flow.plans.pages import header, page
+from flow.shell import ROOT, Failure, read_json, read_text, say, write_json
+from flow.tables import replace_between
+from flow.tools import find_tools
+
+HEADER = ROOT / "golden" / "planner" / "resource_fit.hpp"
+PAGE = ROOT / "docs" / "fpga-plans.md"
+
+
+def options(catalogue: Catalogue) -> argparse.Namespace:
+    p = argparse.ArgumentParser(prog="fpga-plans", description=__doc__)
+    p.add_argument("plans", nargs="*", help="measure these alone; without --update nothing is written but build/fpga-plans")
+    p.add_argument("--units", help="with plans: these units of them alone, separated by commas")
+    p.add_argument("--update", action="store_true",
+                   help="with plans: put what was measured in the place of what fpga/plans.json has of them, and fit again")
+    p.add_argument("--no-route", action="store_true", help="synthesis alone")
+    p.add_argument("--plans-only", action="store_true", help="write the plans alone")
+    p.add_argument("--fit", action="store_true", help="fit the committed measurements again")
+    p.add_argument("--check", action="store_true", help="tell whether the fit is that of the committed measurements")
+    p.add_argument("--jobs", type=int, default=os.cpu_count())
+    o = p.parse_args()
+    if (o.units or o.update) and not o.plans:
+        p.error(f"{'--units' if o.units else '--update'} goes with plans")
+    if o.update and o.no_route and any(name in catalogue.scenes for name in o.plans):
+        p.error("--update takes no Fmax from a scene's plan; leave out --no-route")
+    for name in o.plans:
+        if name not in catalogue.names():
+            p.error(f"there is no plan {name}, expected some of {', '.join(catalogue.names())}")
+    return o
+
+
+def measured_now(o: argparse.Namespace, catalogue: Catalogue) -> Measurements | None:
+    """Measures, and writes fpga/plans.json; None where it stays as it is."""
+    tools = find_tools(catalogue.board)
+    WORK.mkdir(parents=True, exist_ok=True)
+    if not o.plans:
+        write_plans(catalogue)
+    jobs = [job for job in jobs_of(catalogue, o.plans) if not o.units or job["unit"] in o.units.split(",")]
+    with concurrent.futures.ThreadPoolExecutor(o.jobs) as pool:
+        measured = list(pool.map(lambda job: measure(job, catalogue, tools, not o.no_route), jobs))
+    if o.plans and not o.update:
+        return None
+    data: Measurements = {"board": catalogue.board.name, "versions": tools.versions, "measurements": measured}
+    if o.update:
+        data = read_json(DATA)
+        merge(data, measured, tools.versions)
+    write_json(DATA, data)
+    return data
+
+
+def check(catalogue: Catalogue, data: Measurements, fitted: Fits) -> None:
+    """Fails where what is committed is not what the measurements give."""
+    if read_text(HEADER) != header(fitted) or page(catalogue, data, fitted) not in read_text(PAGE):
+        raise Failure("golden/planner/resource_fit.hpp or docs/fpga-plans.md is not what fpga/plans.json gives; "
+                      "scripts/fpga-plans --fit writes them")
+    say("coefficients and page are those of fpga/plans.json")
+
+
+def main() -> int:
+    catalogue = read_catalogue()
+    o = options(catalogue)
+    if o.plans_only:
+        write_plans(catalogue)
+        return 0
+    data: Measurements | None = read_json(DATA) if o.fit or o.check else measured_now(o, catalogue)
+    if data is None:
+        return 0
+    fitted = fit(data["measurements"])
+    if o.check:
+        check(catalogue, data, fitted)
+        return 0
+    HEADER.write_text(header(fitted))
+    replace_between(PAGE, "tables", page(catalogue, data, fitted))
+    for unit, resources in fitted.items():
+        say(f"{unit}: largest cross-validated error " +
+            ", ".join(f"{r} {100 * f.error:.1f} %" for r, f in resources.items()))
+    return 0

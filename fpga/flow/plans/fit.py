@@ -1,0 +1,88 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Coefficients that predict resources from the terms of a plan, and how far off they are."""
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from flow.package import UNITS
+from flow.plans.catalogue import facts_of
+from flow.plans.measurements import Measurement
+
+# photonloom's name of a resource -> the flow's.
+RESOURCES = {"lut": "LUT-eq", "ff": "FF", "dsp": "MULT18X18D", "ebr": "DP16KD"}
+Terms = Mapping[str, float]
+
+
+@dataclass(frozen=True)
+class Point:
+    """A resource of a plan: measured, and predicted from the other plans."""
+    plan: str
+    measured: int
+    predicted: float
+
+
+@dataclass(frozen=True)
+class Fit:
+    """error: relative, the largest of all points."""
+    coefficients: dict[str, float]
+    points: list[Point]
+    error: float
+
+
+Fits = dict[str, dict[str, Fit]]  # unit -> resource
+
+
+def least_squares(rows: Sequence[Terms], targets: Sequence[int]) -> dict[str, float]:
+    """Coefficients that are not negative with the least sum of squared relative errors, by coordinate descent."""
+    names = list(rows[0])
+    scaled = [[row[n] / max(1, t) for n in names] for row, t in zip(rows, targets)]
+    wanted = [1 if t > 0 else 0 for t in targets]
+    norms = [sum(r[j] ** 2 for r in scaled) ** 0.5 or 1 for j in range(len(names))]
+    scaled = [[x / n for x, n in zip(r, norms)] for r in scaled]
+    gram = [[sum(r[i] * r[j] for r in scaled) for j in range(len(names))] for i in range(len(names))]
+    right = [sum(r[i] * w for r, w in zip(scaled, wanted)) for i in range(len(names))]
+    x = [0.0] * len(names)
+    for _ in range(20000):
+        moved = 0.0
+        for i in range(len(names)):
+            if gram[i][i] == 0:
+                continue
+            slope = right[i] - sum(gram[i][j] * x[j] for j in range(len(names)))
+            new = max(0.0, x[i] + slope / (gram[i][i] + 1e-6))
+            moved = max(moved, abs(new - x[i]))
+            x[i] = new
+        if moved < 1e-9:
+            break
+    return {n: value / norm for n, value, norm in zip(names, x, norms)}
+
+
+def predict(coefficients: Terms, row: Terms) -> float:
+    return sum(coefficients[n] * value for n, value in row.items())
+
+
+def relative_error(predicted: float, measured: int) -> float:
+    """Of whole numbers."""
+    predicted = round(predicted)
+    if measured == 0:
+        return 0.0 if predicted == 0 else float("inf")
+    return (predicted - measured) / measured
+
+
+def fit_one(plans: Sequence[str], rows: Sequence[Terms], targets: Sequence[int]) -> Fit:
+    """Each plan is predicted from the coefficients of all others."""
+    points = []
+    for out, row in enumerate(rows):
+        others = least_squares([*rows[:out], *rows[out + 1:]], [*targets[:out], *targets[out + 1:]])
+        points.append(Point(plans[out], targets[out], predict(others, row)))
+    return Fit(least_squares(rows, targets), points, max(abs(relative_error(p.predicted, p.measured)) for p in points))
+
+
+def fit(measurements: Sequence[Measurement]) -> Fits:
+    said = {name: facts_of(name) for name in {m["plan"] for m in measurements}}
+    result: Fits = {}
+    for unit in UNITS:
+        of_unit = [m for m in measurements if m["unit"] == unit]
+        plans = [m["plan"] for m in of_unit]
+        result[unit] = {resource: fit_one(plans, [said[plan]["resource_terms"][unit][resource] for plan in plans],
+                                          [m["resources"][column] for m in of_unit])
+                        for resource, column in RESOURCES.items()}
+    return result

@@ -1,0 +1,88 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Counts and clocks of the units of the plans: fpga/plans.json, and what was measured before in build/fpga-plans."""
+from collections.abc import Sequence
+from typing import TypedDict
+
+from flow.package import digest, generate
+from flow.plans.catalogue import Catalogue, facts_of, plan_file
+from flow.routing import place
+from flow.shell import ROOT, Failure, read_json, say, write_json
+from flow.synthesis import Counts, synthesise
+from flow.tools import Tools
+
+DATA = ROOT / "fpga" / "plans.json"
+WORK = ROOT / "build" / "fpga-plans"
+
+
+class Synthesized(TypedDict):
+    plan: str
+    unit: str
+    resources: Counts
+
+
+class Measurement(Synthesized, total=False):
+    """The slowest clock of one seed, where the plan is a scene's; placed_by: nextpnr's version."""
+    fmax_mhz: float
+    constraint_mhz: float
+    placed_by: str
+
+
+class Measurements(TypedDict):
+    board: str
+    versions: dict[str, str]
+    measurements: list[Measurement]
+
+
+class Job(TypedDict):
+    plan: str
+    unit: str
+    routed: bool
+
+
+def jobs_of(catalogue: Catalogue, names: Sequence[str]) -> list[Job]:
+    """Everything that is measured, or what belongs to the named plans."""
+    jobs: list[Job] = [{"plan": name, "unit": unit, "routed": True}
+                       for name in catalogue.scenes for unit in facts_of(name)["units"]]
+    jobs += [{"plan": name, "unit": v.unit, "routed": False} for name, v in catalogue.variations.items()]
+    return [job for job in jobs if not names or job["plan"] in names]
+
+
+def measure(job: Job, catalogue: Catalogue, tools: Tools, route: bool) -> Measurement:
+    """Counts and, where routed, Fmax of one unit of one plan; from build/fpga-plans where the sources are the same."""
+    name, unit, board = job["plan"], job["unit"], catalogue.board
+    folder, kept = WORK / f"{name}-{unit}", WORK / f"{name}-{unit}.json"
+    package = generate(plan_file(name), folder, board, unit)
+    key = digest(folder, tools.versions)
+    found = read_json(kept) if kept.is_file() else {}
+    if found.get("key") != key:
+        found = {"key": key}
+    top = board.top(unit)
+    if "resources" not in found:
+        say(f"{name}: {unit}: synthesis")
+        found["resources"] = synthesise(folder, board, top, unit, tools)
+    if job["routed"] and route and "placed_by" not in found:  # an Fmax of who knows which nextpnr is none
+        say(f"{name}: {unit}: placement")
+        placed = place(folder, top, 1, tools)
+        if placed is None:
+            raise Failure(f"{folder}: the default placer does not end")
+        found["fmax_mhz"] = min(c["achieved"] for c in placed["clocks"].values())
+        found["constraint_mhz"] = package["clock_khz"] / 1000
+        found["placed_by"] = tools.versions[board.family.nextpnr]
+    write_json(kept, found, indent=None)
+    result: Measurement = {"plan": name, "unit": unit, "resources": found["resources"]}
+    if "placed_by" in found:
+        result["fmax_mhz"], result["constraint_mhz"] = found["fmax_mhz"], found["constraint_mhz"]
+        result["placed_by"] = found["placed_by"]
+    return result
+
+
+def merge(data: Measurements, measured: Sequence[Measurement], versions: dict[str, str]) -> None:
+    """The committed measurements with those that are new in the place of theirs."""
+    if data["versions"]["yosys"] != versions["yosys"]:
+        raise Failure(f"{DATA} was measured with {data['versions']['yosys']}, expected that of {versions['yosys']}; "
+                      "scripts/fpga-plans without plans measures all again")
+    new = {(m["plan"], m["unit"]): m for m in measured}
+    old = [(m["plan"], m["unit"]) for m in data["measurements"]]
+    data["measurements"] = [new.get(key, m) for key, m in zip(old, data["measurements"])]
+    data["measurements"] += [m for key, m in new.items() if key not in old]
+    data["versions"] = versions

@@ -1,0 +1,78 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What is written of measurements and fit: a C++ header for `photonloom plan`, tables for people."""
+from flow.plans.catalogue import Catalogue, line_of
+from flow.plans.fit import RESOURCES, Fits
+from flow.plans.measurements import Measurement, Measurements
+from flow.tables import markdown
+from flow.tools import nextpnr_version
+
+COLUMNS = {"LUT4": "LUT4", "CCU2C": "CCU2C", "DPR16X4": "DPR16X4", "LUT-eq": "LUT-eq", "FF": "FF", "MULT18X18D": "DSP",
+           "DP16KD": "EBR"}
+
+
+def header(fitted: Fits) -> str:
+    """golden/planner/resource_fit.hpp."""
+    lines = ["// SPDX-License-Identifier: Apache-2.0",
+             "// Coefficients of the terms in resources.cpp, written by scripts/fpga-plans from fpga/plans.json.",
+             "#pragma once", "", "// clang-format off", "namespace photonloom {", "",
+             "struct ResourceCoefficient {", "  const char *unit, *resource, *term;", "  double coefficient;", "};",
+             "inline constexpr ResourceCoefficient kResourceCoefficients[] = {"]
+    for unit, resources in fitted.items():
+        for resource, f in resources.items():
+            for term, value in f.coefficients.items():
+                lines.append(f'    {{"{unit}", "{resource}", "{term}", {value:.6g}}},')
+    lines += ["};", "", "struct ResourceError {", "  const char *unit, *resource;",
+              "  double error;  // relative, the largest of all plans, each predicted from the others", "};",
+              "inline constexpr ResourceError kResourceErrors[] = {"]
+    for unit, resources in fitted.items():
+        for resource, f in resources.items():
+            lines.append(f'    {{"{unit}", "{resource}", {f.error:.4f}}},')
+    return "\n".join(lines + ["};", "", "}  // namespace photonloom", "// clang-format on", ""])
+
+
+def plan_cells(name: str) -> list[str]:
+    """What a plan is, in the cells of its rows."""
+    key, caustic = line_of(name, "reorder.key"), line_of(name, "caustic.photons")
+    return [f"`{name}`", f"{line_of(name, 'global.photons'):,}" + (f" + {caustic:,}" if caustic else ""),
+            str(line_of(name, "gather.k")), str(line_of(name, "photon.position_bits")),
+            "none" if key == "none" else f"{key}, {line_of(name, 'reorder.drain')}"]
+
+
+def fmax_cells(m: Measurement) -> list[str]:
+    if "fmax_mhz" not in m:
+        return ["–", "–"]
+    return [f"{m['fmax_mhz']:.1f}", nextpnr_version(m["placed_by"]) or m["placed_by"]]
+
+
+def measured_table(catalogue: Catalogue, data: Measurements) -> str:
+    """Units of the scenes' plans."""
+    rows = [plan_cells(name) + [f"`{m['unit']}`"] + [f"{m['resources'][c]:,}" for c in COLUMNS] + fmax_cells(m)
+            for name in catalogue.scenes for m in data["measurements"] if m["plan"] == name]
+    return markdown(rows, ["plan", "photons", "k", "position bits", "reordering", "unit", *COLUMNS.values(), "Fmax, MHz",
+                           "nextpnr"])
+
+
+def fit_table(fitted: Fits) -> str:
+    """The formulas."""
+    rows = []
+    for unit, resources in fitted.items():
+        for resource, f in resources.items():
+            terms = " + ".join(f"{value:.3g} · {term}" for term, value in f.coefficients.items() if value > 0)
+            rows.append([f"`{unit}`", RESOURCES[resource], len(f.points), f"{100 * f.error:.1f} %", terms or "0"])
+    return markdown(rows, ["unit", "resource", "plans", "largest error", "prediction"])
+
+
+def points_table(fitted: Fits) -> str:
+    """Every plan, measured and predicted."""
+    rows = []
+    for unit, resources in fitted.items():
+        for points in zip(*(resources[resource].points for resource in RESOURCES)):
+            rows.append([f"`{unit}`", f"`{points[0].plan}`"] + [f"{p.measured:,} / {round(p.predicted):,}" for p in points])
+    return markdown(rows, ["unit", "plan", *RESOURCES.values()])
+
+
+def page(catalogue: Catalogue, data: Measurements, fitted: Fits) -> str:
+    """The tables of docs/fpga-plans.md."""
+    return ("\n" + measured_table(catalogue, data) + "\nTools: " + "; ".join(data["versions"].values()) +
+            ".\n\n## The prediction\n\n" + fit_table(fitted) +
+            "\nMeasured, and predicted from the other plans:\n\n" + points_table(fitted) + "\n")

@@ -1,0 +1,115 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Placement and routing of a package by nextpnr, with several seeds."""
+import os
+import re
+import signal
+import subprocess
+import time
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any, TypedDict, TypeVar
+
+from flow.shell import ROOT, Failure, beside, complaint, read_json, read_text, run, say
+from flow.tools import Tools
+
+STATIC_ROUNDS = 900  # after which nextpnr's static placer is ended; a placement that ended took some 600
+SPARE_SEEDS = 2
+PART_SPEED = 6  # grade by whose delays the Makefile has the router search if not told
+Found = TypeVar("Found")
+
+
+class Clock(TypedDict):
+    """MHz."""
+    achieved: float
+    constraint: float
+
+
+class Placement(TypedDict):
+    """What one seed gave; `bitstream` is below the repository's root."""
+    seed: int
+    placer: str
+    clocks: dict[str, Clock]
+    utilization: dict[str, Any]
+    bitstream: str
+
+
+def clocks_of(report_file: Path) -> tuple[dict[str, Clock], dict[str, Any]]:
+    """Clocks and use of the part in the JSON of nextpnr's --report."""
+    report = read_json(report_file)
+    clocks: dict[str, Clock] = {name: {"achieved": c["achieved"], "constraint": c["constraint"]}
+                                for name, c in report["fmax"].items()}
+    if not clocks:
+        raise Failure(f"{report_file}: nextpnr reports no clock")
+    return clocks, report["utilization"]
+
+
+def static_rounds(log: str) -> int:
+    """Rounds of nextpnr's static placer so far."""
+    rounds = re.findall(r"^Info: iter=(\d+) ", log, re.M)
+    return int(rounds[-1]) if rounds else 0
+
+
+def watch_static(command: Sequence[str], log: Path, placer_log: Path) -> bool:
+    """Runs a placement by nextpnr's static placer. False where it does not come to an end: it has been seen to go round with
+    the same overlap of block RAMs for ever."""
+    with open(log, "w") as out:
+        running = subprocess.Popen(command, stdout=out, stderr=subprocess.STDOUT, start_new_session=True)
+        try:
+            while running.poll() is None:
+                time.sleep(2)
+                if placer_log.is_file() and static_rounds(read_text(placer_log)) > STATIC_ROUNDS:
+                    return False
+        finally:
+            if running.poll() is None:
+                os.killpg(running.pid, signal.SIGTERM)
+                running.wait()
+    if running.returncode != 0:
+        raise complaint(command, read_text(log), log)
+    return True
+
+
+def routed_name(top: str, seed: int, placer: str, route_speed: int | None) -> str:
+    """What the package's Makefile calls the files of one placement."""
+    return (f"{top}_seed{seed}" + (f"_{placer}" if placer != "heap" else "") +
+            (f"_route{route_speed}" if route_speed not in (None, PART_SPEED) else ""))
+
+
+def place(folder: Path, top: str, seed: int, tools: Tools, route_speed: int | None = None,
+          placer: str = "heap") -> Placement | None:
+    """One seed; `.bit` beside it. None where the static placer does not end."""
+    log, built = beside(folder, f".seed{seed}.log"), folder / "build"
+    command = (["make", "-C", str(folder), f"SEED={seed}", "NEXTPNR_FLAGS=--timing-allow-fail"] +
+               ([f"ROUTE_SPEED={route_speed}"] if route_speed else []) + tools.variables)
+    routed = routed_name(top, seed, placer, route_speed)
+    if placer == "static":
+        placer_log = built / (routed + (".placed" if route_speed not in (None, PART_SPEED) else "") + ".log")
+        if placer_log.is_file() and not (built / f"{routed}.config").is_file():
+            placer_log.unlink()  # of a run that was cut short
+        if not watch_static(command + ["PLACER=static"], log, placer_log):
+            return None
+    else:
+        run(command, log=log)
+    clocks, utilization = clocks_of(built / f"{routed}.json")
+    return {"seed": seed, "placer": placer, "clocks": clocks, "utilization": utilization,
+            "bitstream": os.path.relpath(built / f"{routed}.bit", ROOT)}
+
+
+def placements(name: str, seeds: Sequence[int], placer: str, place_one: Callable[[int, str], Found | None]) -> list[Found]:
+    """What place_one(seed, placer) gives for each seed, None where the static placer does not end: a further seed is taken
+    for it, and when there have been SPARE_SEEDS of these, the default placer."""
+    placed, waiting, spare = [], list(seeds), SPARE_SEEDS
+    for seed in waiting:  # which grow meanwhile
+        say(f"{name}: seed {seed}")
+        found = place_one(seed, placer)
+        if found is None:
+            takes = f"seed {waiting[-1] + 1} for it" if spare else "the default placer"
+            say(f"{name}: seed {seed}: nextpnr's static placer does not end; takes {takes}")
+            if spare:
+                waiting.append(waiting[-1] + 1)
+                spare -= 1
+                continue
+            found = place_one(seed, "heap")
+            if found is None:
+                raise Failure(f"{name}: seed {seed}: the default placer does not end either")
+        placed.append(found)
+    return placed
