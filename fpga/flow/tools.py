@@ -46,10 +46,11 @@ def yosys_version(said: str | None) -> str | None:
 
 def nextpnr_version(said: str) -> str | None:
     """'0.11.1' of '... (Version 0.11.1+dfsg-5+b1)'; None of anything else."""
-    found = re.search(r"Version ([\d.]+\d)", said)
+    found = re.search(r"Version \D*([\d.]+\d)", said)
     return found.group(1) if found else None
 
 
 def nextpnr_is_slow(said: str) -> bool:
     """Whether this nextpnr is 0.7 or older, whose router takes twice as long on wide tops."""
-    return re.search(r"Version 0\.[0-7]\b", said) is not None
+    version = nextpnr_version(said)
+    return version is not None and [int(part) for part in version.split(".")][:2] <= [0, 7]

@@ -1,0 +1,33 @@
+# SPDX-License-Identifier: Apache-2.0
+"""When a unit counts as grown."""
+import unittest
+
+from flow.area import FAMILY, compare
+from flow.goals import area_goals
+
+
+class AreaCheck(unittest.TestCase):
+    base = {"LUT4": 1000, "FF": 500, "CCU2C": 100, "DPR16X4": 40, "DP16KD": 4, "MULT18X18D": 0}
+
+    def check(self, **changes: int) -> tuple[list[str], list[str]]:
+        return compare("unit", {**self.base, **changes}, self.base, area_goals().growth)
+
+    def test_same_and_small_changes_pass(self) -> None:
+        self.assertEqual(self.check(), ([], []))
+        self.assertEqual(self.check(LUT4=1030, FF=485), ([], []))
+
+    def test_each_resource_can_fail(self) -> None:
+        for name in FAMILY.cells:
+            grown, shrunk = self.check(**{name: self.base[name] * 104 // 100 + 1})
+            self.assertEqual((len(grown), shrunk), (1, []), name)
+            self.assertIn(f"unit: {name}", grown[0])
+
+    def test_growth_is_told_in_percent(self) -> None:
+        self.assertEqual(self.check(LUT4=1031)[0], ["unit: LUT4 1000 -> 1031 (+3.1 %)"])
+
+    def test_shrinking_is_told(self) -> None:
+        self.assertEqual(self.check(DPR16X4=30), ([], ["unit: DPR16X4 40 -> 30 (-25.0 %)"]))
+
+
+if __name__ == "__main__":
+    unittest.main()
