@@ -4,9 +4,7 @@
 // the power of two not under a line's bytes.
 //
 // Line ports are those of photon_gatherer, side by side, gatherer 0 lowest; a beat holds whole photons. A line from the cache
-// comes 9 cycles after its request where nobody else asks, a beat a cycle. At most
-// Outstanding lines are on their way from the SDRAM, which delivers them in order; there is room for all of them on this side, so nothing
-// depends on the ratio of the clocks, but the rate: the SDRAM's 16 bits a cycle need a quarter of its frequency here.
+// comes 9 cycles after its request where nobody else asks, a beat a cycle. The SDRAM and its clock are behind sdram_lines.
 //
 // forget_i (while no query is in flight) empties the cache. Words of 32 bits are written as into photon_ram; a line that the
 // cache holds does not change by it, so forget_i comes after.
@@ -69,12 +67,6 @@ module photon_sdram #(
   localparam int unsigned CausticLines = photonloom_pkg::CausticPresent == 0 ? 0 :
       (photonloom_pkg::CausticPhotons + Bucket - 1) / Bucket;
   localparam int unsigned Lines = GlobalLines + CausticLines;
-  // 64-bit words on the way from the SDRAM.
-  localparam int unsigned Outstanding = 4;
-  localparam int unsigned WideWords = LineHalfwords / 4;
-  localparam int unsigned WideBits = $clog2(WideWords + 1);
-  localparam int unsigned RspDepth = 1 << $clog2(Outstanding * WideWords);
-  localparam int unsigned OutBits = $clog2(Outstanding + 1);
 
   // The largest power of two of sets that fits.
   localparam int unsigned SetsThatFit = CacheBytes / (Bucket * photonloom_pkg::PhotonBytes * CacheWays);
@@ -216,57 +208,39 @@ module photon_sdram #(
       .out_data_o(write_data)
   );
 
-  // ---- to the SDRAM's clock: {write, address, data}; words before lines ----
-  logic go_valid, go_ready, write_inside, line_go;
-  logic [23:0] line_address, write_address, sdram_address;
-  logic [OutBits-1:0] outstanding_q;
-  logic line_done;
-  logic sdram_valid, sdram_ready, sdram_write;
-  logic [31:0] sdram_data;
+  // ---- the SDRAM ----
+  logic line_done, line_busy, write_inside;
+  logic [23:0] line_address, write_address;
 
   assign write_inside = 32'(write_line) < Lines;
   assign write_address = 24'({write_line, HalfwordBits'({write_word, 1'b0})});
   assign line_address = 24'({24'(line_req_addr[LineBits-1:0]) + (line_req_addr[LineBits] ? 24'(GlobalLines) : 24'd0),
       HalfwordBits'(0)});
-  assign line_go = line_req_valid && outstanding_q != OutBits'(Outstanding) && !write_valid;
-  assign go_valid = (write_valid ? write_inside : line_go) && !rst;
-  assign write_taken = write_valid && (go_ready || !write_inside) && !rst;
-  assign line_req_ready = outstanding_q != OutBits'(Outstanding) && !write_valid && go_ready && !rst;
 
-  async_fifo #(
-      .Width(57),
-      .Depth(8)
-  ) requests (
-      .in_clk_i(clk_i),
-      .in_rst_i(rst),
-      .in_valid_i(go_valid),
-      .in_ready_o(go_ready),
-      .in_i({write_valid, write_valid ? write_address : line_address, write_data}),
-      .out_clk_i(clk_sdram_i),
-      .out_rst_i(rst_sdram),
-      .out_valid_o(sdram_valid),
-      .out_ready_i(sdram_ready),
-      .out_o({sdram_write, sdram_address, sdram_data})
-  );
-
-  // ---- the controller ----
-  logic half_valid, run;
-  logic [15:0] half;
-
-  sdram_controller #(
-      .ClockKHz(SdramKHz),
-      .LineHalfwords(LineHalfwords)
-  ) controller (
-      .clk_i(clk_sdram_i),
-      .rst_i(rst_sdram),
-      .ready_o(run),
-      .req_valid_i(sdram_valid),
-      .req_ready_o(sdram_ready),
-      .req_write_i(sdram_write),
-      .req_address_i(sdram_address),
-      .req_data_i(sdram_data),
-      .rsp_valid_o(half_valid),
-      .rsp_data_o(half),
+  sdram_lines #(
+      .TagBits(MissBits),
+      .LineHalfwords(LineHalfwords),
+      .SdramKHz(SdramKHz)
+  ) memory (
+      .clk_i(clk_i),
+      .rst_i(rst),
+      .line_req_valid_i(line_req_valid),
+      .line_req_ready_o(line_req_ready),
+      .line_req_address_i(line_address),
+      .line_req_tag_i(line_req_tag),
+      .line_rsp_valid_o(line_rsp_valid),
+      .line_rsp_tag_o(line_rsp_tag),
+      .line_rsp_data_o(line_rsp_data),
+      .write_valid_i(write_valid),
+      .write_inside_i(write_inside),
+      .write_taken_o(write_taken),
+      .write_address_i(write_address),
+      .write_data_i(write_data),
+      .ready_o(ready_o),
+      .done_o(line_done),
+      .busy_o(line_busy),
+      .clk_sdram_i(clk_sdram_i),
+      .rst_sdram_i(rst_sdram),
       .sdram_cke_o(sdram_cke_o),
       .sdram_cs_no(sdram_cs_no),
       .sdram_ras_no(sdram_ras_no),
@@ -280,76 +254,11 @@ module photon_sdram #(
       .sdram_dq_oe_o(sdram_dq_oe_o)
   );
 
-  logic [1:0] run_q;
-  always_ff @(posedge clk_i) run_q <= {run_q[0], run};
-  assign ready_o = run_q[1] && !rst;
-
-  // ---- back: four halfwords a word ----
-  logic [63:0] wide_q;
-  logic [1:0] half_q;
-  logic wide_valid_q;
-  always_ff @(posedge clk_sdram_i) begin
-    wide_valid_q <= half_valid && half_q == 2'd3;
-    if (half_valid) begin
-      wide_q <= {half, wide_q[63:16]};
-      half_q <= half_q + 1'b1;
-    end
-    if (rst_sdram) begin
-      wide_valid_q <= 1'b0;
-      half_q <= '0;
-    end
-  end
-
-  /* verilator lint_off UNUSEDSIGNAL */  // has room for all lines outstanding
-  logic back_ready, tags_ready;
-  /* verilator lint_on UNUSEDSIGNAL */
-  async_fifo #(
-      .Width(64),
-      .Depth(RspDepth)
-  ) responses (
-      .in_clk_i(clk_sdram_i),
-      .in_rst_i(rst_sdram),
-      .in_valid_i(wide_valid_q),
-      .in_ready_o(back_ready),
-      .in_i(wide_q),
-      .out_clk_i(clk_i),
-      .out_rst_i(rst),
-      .out_valid_o(line_rsp_valid),
-      .out_ready_i(1'b1),
-      .out_o(line_rsp_data)
-  );
-
-  logic [WideBits-1:0] wide_count_q;
-  logic tag_valid;
-  assign line_done = line_rsp_valid && wide_count_q == WideBits'(WideWords - 1);
-  fifo #(
-      .Width(MissBits),
-      .Depth(Outstanding)
-  ) tags (
-      .clk_i(clk_i),
-      .rst_i(rst),
-      .in_valid_i(line_req_valid && line_req_ready),
-      .in_ready_o(tags_ready),
-      .in_i(line_req_tag),
-      .out_valid_o(tag_valid),
-      .out_ready_i(line_done),
-      .out_o(line_rsp_tag)
-  );
-
-  always_ff @(posedge clk_i) begin
-    if (line_rsp_valid) wide_count_q <= line_done ? '0 : wide_count_q + 1'b1;
-    outstanding_q <= outstanding_q + OutBits'(line_req_valid && line_req_ready) - OutBits'(line_done);
-    if (rst) begin
-      wide_count_q <= '0;
-      outstanding_q <= '0;
-    end
-  end
-
   // ---- counters ----
   logic done_q, busy_q;
   always_ff @(posedge clk_i) begin
     done_q <= line_done;
-    busy_q <= outstanding_q != '0;
+    busy_q <= line_busy;
     count_lines_o <= count_lines_o + 40'(done_q);
     count_busy_o <= count_busy_o + 40'(busy_q);
     if (rst) begin
@@ -359,9 +268,4 @@ module photon_sdram #(
       count_busy_o <= '0;
     end
   end
-
-`ifndef SYNTHESIS
-  always_ff @(posedge clk_i) if (!rst) assert (!line_rsp_valid || tag_valid);
-  always_ff @(posedge clk_sdram_i) if (!rst_sdram) assert (!wide_valid_q || back_ready);
-`endif
 endmodule

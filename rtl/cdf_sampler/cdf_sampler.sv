@@ -44,8 +44,6 @@ module cdf_sampler #(
   localparam int unsigned TotalBits = ProbabilityBits + IndexBits;
   localparam int unsigned PixelBits = photonloom_pkg::PixelBits;
   localparam int unsigned SampleBits = photonloom_pkg::SampleBits;
-  localparam int unsigned TagBits = photonloom_pkg::TagBits;
-  localparam int unsigned SampleWidth = photonloom_pkg::SamplePacketBits;
   localparam int unsigned CountBits = $clog2(K + 1);
 
   localparam logic [1:0] Header = 2'd0;
@@ -272,147 +270,34 @@ module cdf_sampler #(
     if (rst_i) finished_q <= '0;
   end
 
-  // Requests wait for their table.
-  localparam int unsigned SideBits = 1 + TagBits + 2 * VBits;
-  logic head_valid, issue, head_table;
-  logic [UBits-1:0] head_u;
-  logic [SideBits-1:0] head_side;
-  fifo #(
-      .Width(UBits + SideBits),
-      .Depth(RequestDepth)
-  ) requests (
+  cdf_sampler_draw #(
+      .CellBits(CellBits),
+      .ProbabilityBits(ProbabilityBits),
+      .UBits(UBits),
+      .VBits(VBits),
+      .RequestDepth(RequestDepth)
+  ) draw (
       .clk_i(clk_i),
       .rst_i(rst_i),
       .in_valid_i(request_push && power_ready),
       .in_ready_o(request_ready),
-      .in_i({packet.u, table_q, packet.tag, packet.v}),
-      .out_valid_o(head_valid),
-      .out_ready_i(issue),
-      .out_o({head_u, head_side})
-  );
-  assign head_table = head_side[SideBits-1];
-
-  // A request goes on its way when there will be room for its sample.
-  localparam int unsigned SearchLatency = 2 * IndexBits + 1;
-  localparam int unsigned Latency = 1 + 3 + SearchLatency;  // from issue to the search's result
-  localparam int unsigned OutDepth = 1 << $clog2(Latency + 4);
-  localparam int unsigned CreditBits = $clog2(OutDepth + 1);
-  logic [CreditBits-1:0] credit_q;
-  logic [Latency:1] under_way_q;
-  logic out_taken, out_ready;
-  assign out_taken = out_valid_o && out_ready_i;
-  assign issue = head_valid && finished_q[head_table] && credit_q != '0;
-
-  // t = (u W) >> UBits.
-  logic [UBits-1:0] u1_q;
-  logic [TotalBits-1:0] total1_q, t, total4;
-  logic [UBits+TotalBits-1:0] u_product;
-  logic [3:0] tables_q;
-  always_ff @(posedge clk_i) begin
-    u1_q <= head_u;
-    total1_q <= head_table ? totals_q[TotalBits+:TotalBits] : totals_q[0+:TotalBits];
-    tables_q <= {tables_q[2:0], head_table};
-    under_way_q <= {under_way_q[Latency-1:1], issue};
-    if (issue && !out_taken) credit_q <= credit_q - 1'b1;
-    else if (!issue && out_taken) credit_q <= credit_q + 1'b1;
-    if (rst_i) begin
-      under_way_q <= '0;
-      credit_q <= CreditBits'(OutDepth);
-    end
-  end
-  multiplier #(
-      .ABits(UBits),
-      .BBits(TotalBits)
-  ) u_times_total (
-      .clk_i(clk_i),
-      .a_i(u1_q),
-      .b_i(total1_q),
-      .product_o(u_product)
-  );
-  assign t = u_product[UBits+:TotalBits];
-  assign total4 = tables_q[3] ? totals_q[TotalBits+:TotalBits] : totals_q[0+:TotalBits];
-  logic unused_product;
-  assign unused_product = &{1'b0, u_product[UBits-1:0]};
-
-  logic [IndexBits-1:0] found_cell;
-  logic [TotalBits-1:0] found_weight;
-  cdf_sampler_search #(
-      .IndexBits(IndexBits),
-      .TotalBits(TotalBits)
-  ) search (
-      .clk_i(clk_i),
+      .in_table_i(table_q),
+      .in_u_i(packet.u),
+      .in_tag_i(packet.tag),
+      .in_v_i(packet.v),
       .write_i(weight_valid),
       .write_table_i(table_q),
       .write_cell_i(weight_cell),
       .write_prefix_i(prefix_q),
-      .table_i(tables_q[3]),
-      .t_i(t),
-      .total_i(total4),
-      .cell_o(found_cell),
-      .weight_o(found_weight)
-  );
-  logic unused_weight;
-  assign unused_weight = &{1'b0, found_weight[TotalBits-1:ProbabilityBits]};
-
-  // What a request carries waits beside the search, from the cycle after its issue.
-  logic [SideBits-1:0] side1_q;
-  always_ff @(posedge clk_i) side1_q <= head_side;
-  logic side_ready, side_valid, side_table;
-  logic [TagBits-1:0] side_tag;
-  logic [2*VBits-1:0] side_v;
-  logic found;
-  assign found = under_way_q[Latency];
-  fifo #(
-      .Width(SideBits),
-      .Depth(OutDepth)
-  ) sides (
-      .clk_i(clk_i),
-      .rst_i(rst_i),
-      .in_valid_i(under_way_q[1]),
-      .in_ready_o(side_ready),
-      .in_i(side1_q),
-      .out_valid_o(side_valid),
-      .out_ready_i(found),
-      .out_o({side_table, side_tag, side_v})
-  );
-
-  photonloom_pkg::sample_t sample;
-  always_comb begin
-    sample.pixel = side_table ? pixels_q[PixelBits+:PixelBits] : pixels_q[0+:PixelBits];
-    sample.sample = side_table ? samples_q[SampleBits+:SampleBits] : samples_q[0+:SampleBits];
-    sample.tag = side_tag;
-    sample.direction = {found_cell[CellBits+:CellBits], side_v[VBits+:VBits], found_cell[0+:CellBits], side_v[0+:VBits]};
-    sample.cell_index = found_cell;
-    sample.weight = found_weight[ProbabilityBits-1:0];
-    sample.total = side_table ? totals_q[TotalBits+:TotalBits] : totals_q[0+:TotalBits];
-  end
-  fifo #(
-      .Width(SampleWidth),
-      .Depth(OutDepth)
-  ) outgoing (
-      .clk_i(clk_i),
-      .rst_i(rst_i),
-      .in_valid_i(found),
-      .in_ready_o(out_ready),
-      .in_i(sample),
+      .finished_i(finished_q),
+      .totals_i(totals_q),
+      .pixels_i(pixels_q),
+      .samples_i(samples_q),
+      .owing_o(owing),
       .out_valid_o(out_valid_o),
       .out_ready_i(out_ready_i),
       .out_o(out_o)
   );
-
-  // Samples owed by each table, from the request's arrival until its sample is complete.
-  localparam int unsigned OwedBits = $clog2(RequestDepth + OutDepth + 1);
-  for (genvar i = 0; i < 2; i++) begin : gen_owed
-    logic [OwedBits-1:0] owed_q;
-    logic more, less;
-    assign more = request_push && power_ready && request_ready && table_q == 1'(i);
-    assign less = found && side_table == 1'(i);
-    always_ff @(posedge clk_i) begin
-      owed_q <= owed_q + OwedBits'(more) - OwedBits'(less);
-      if (rst_i) owed_q <= '0;
-    end
-    assign owing[i] = owed_q != '0;
-  end
 
   counter tables (
       .clk_i(clk_i),
@@ -429,7 +314,7 @@ module cdf_sampler #(
   counter samples (
       .clk_i(clk_i),
       .rst_i(rst_i),
-      .event_i(out_taken),
+      .event_i(out_valid_o && out_ready_i),
       .count_o(count_samples_o)
   );
   counter cycles_busy (
@@ -445,14 +330,9 @@ module cdf_sampler #(
       .count_o(count_cycles_building_o)
   );
 
-  // The FIFOs beside the pipeline have a place for each credit, and a table is rewritten only when nothing is owed.
-`ifdef SYNTHESIS
-  logic unused_checks;
-  assign unused_checks = &{1'b0, side_ready, side_valid, out_ready};
-`else
+  // A table is rewritten only when nothing is owed.
+`ifndef SYNTHESIS
   always_ff @(posedge clk_i) begin
-    if (!rst_i) assert (!under_way_q[1] || side_ready);
-    if (!rst_i) assert (!found || (side_valid && out_ready));
     if (!rst_i) assert (!weight_valid || finished_q[table_q] == 1'b0);
   end
 `endif

@@ -11,11 +11,9 @@
 //   stage 0  choose a request    1  tag memory    2  held ways    3  compare, decide    hit: wait for the reader
 //
 // ready_i says that there is room for a line and issue_o that one begins: its parts follow from the second cycle after,
-// straight from block RAM, and must be taken. Line port: beats of a line in order and not interleaved, lines in any
+// straight from the memory of cache_lines, and must be taken. Line port: beats of a line in order and not interleaved, lines in any
 // order of tags, always accepted. invalidate_i (while idle) forgets every line in Sets cycles, as reset does.
 // set_mask_i (while idle, before an invalidate): sets in use minus one; bypass_i: every request fetches its line.
-//
-// Where a part is whole beats, the line memory is one part wide; else one line, with a choice behind it.
 //
 // Latency of a hit 5 cycles from in_valid_i, a line in Parts cycles; a miss adds the memory's latency, its beats and 2.
 module cache #(
@@ -65,9 +63,6 @@ module cache #(
 );
   localparam int unsigned WayBits = Ways > 1 ? $clog2(Ways) : 1;
   localparam int unsigned PlaceBits = SetBits + WayBits;  // set, way
-  localparam int unsigned LineBits = Items * ItemBytes * 8;
-  localparam int unsigned Beats = (LineBits + BeatBits - 1) / BeatBits;
-  localparam int unsigned BeatCountBits = Beats > 1 ? $clog2(Beats) : 1;
   localparam int unsigned TagBits = AddressBits + 1;  // valid, address
   localparam int unsigned QueueDepth = Clients > 2 ? (1 << $clog2(Clients)) : 2;
 
@@ -204,7 +199,7 @@ module cache #(
   logic serve, any_filled;
   logic [MissBits-1:0] serve_entry;
   logic filled;  // the last part of a line is being written
-  logic [MissBits-1:0] fill_entry_q;
+  logic [MissBits-1:0] fill_entry;
   logic [PlaceBits-1:0] fill_place, serve_place;
   logic [ClientBits-1:0] serve_client;
 
@@ -223,7 +218,7 @@ module cache #(
     free_q <= busy_q != '1;
     for (int unsigned m = Misses; m > 0; m--) if (!busy_q[m-1]) entry_q <= MissBits'(m - 1);
     for (int unsigned m = 0; m < Misses; m++) begin
-      if (filled && fill_entry_q == MissBits'(m)) filled_q[m] <= 1'b1;
+      if (filled && fill_entry == MissBits'(m)) filled_q[m] <= 1'b1;
       if (serve && serve_entry == MissBits'(m)) begin
         busy_q[m] <= 1'b0;
         filled_q[m] <= 1'b0;
@@ -267,7 +262,7 @@ module cache #(
       .write_i(allocate),
       .write_address_i(entry_q),
       .write_data_i({set_3_q, victim}),
-      .read_address_i(fill_entry_q),
+      .read_address_i(fill_entry),
       .read_data_o(fill_place)
   );
 
@@ -297,7 +292,6 @@ module cache #(
     end
     out_valid_o <= reader_valid_q;
     out_client_o <= reader_client_q;
-    out_part_o <= reader_part_q;
     if (rst_i) begin
       hit_valid_q <= 1'b0;
       reader_valid_q <= 1'b0;
@@ -305,73 +299,26 @@ module cache #(
     end
   end
 
-  // ---- filling and the line memory ----
-  localparam int unsigned PartLineBits = LineBits / Parts;
-  localparam bit Narrow = PartLineBits % BeatBits == 0;
-  localparam int unsigned RawBits = Narrow ? PartLineBits : Beats * BeatBits;
-  localparam int unsigned RawItems = Narrow ? Items / Parts : Items;
-  localparam int unsigned PartBeats = Narrow ? PartLineBits / BeatBits : Beats;
-
-  logic fill_q, fill_last;
-  logic [BeatCountBits-1:0] beat_q;
-  logic [PartBits-1:0] fill_part_q;
-  /* verilator lint_off UNUSEDSIGNAL */  // the padding of items and line
-  logic [RawBits-1:0] raw_q;
-  /* verilator lint_on UNUSEDSIGNAL */
-  logic [RawItems*ItemBits-1:0] fill_data;
-
-  for (genvar item = 0; item < RawItems; item++) begin : gen_item
-    assign fill_data[ItemBits*item+:ItemBits] = raw_q[ItemBytes*8*item+:ItemBits];
-  end
-
-  always_ff @(posedge clk_i) begin
-    fill_q <= line_rsp_valid_i && beat_q == BeatCountBits'(PartBeats - 1);
-    fill_entry_q <= line_rsp_tag_i;
-    if (line_rsp_valid_i) begin
-      raw_q <= RawBits'({line_rsp_data_i, raw_q} >> BeatBits);
-      beat_q <= beat_q == BeatCountBits'(PartBeats - 1) ? '0 : beat_q + 1'b1;
-    end
-    if (fill_q) fill_part_q <= fill_last ? '0 : fill_part_q + 1'b1;
-    if (rst_i) begin
-      fill_q <= 1'b0;
-      beat_q <= '0;
-      fill_part_q <= '0;
-    end
-  end
-  assign fill_last = !Narrow || Parts == 1 || fill_part_q == PartBits'(Parts - 1);
-  assign filled = fill_q && fill_last;
-
-  if (Narrow && Parts > 1) begin : gen_part_wide
-    block_ram #(
-        .Width(DataBits),
-        .Depth(1 << (PlaceBits + PartBits))
-    ) lines (
-        .clk_i(clk_i),
-        .write_i(fill_q),
-        .write_address_i({fill_place, fill_part_q}),
-        .write_data_i(fill_data),
-        .read_i(1'b1),
-        .read_address_i({reader_place_q, reader_part_q}),
-        .read_data_o(out_data_o)
-    );
-  end else begin : gen_line_wide
-    logic [Items*ItemBits-1:0] line;
-    block_ram #(
-        .Width(Items * ItemBits),
-        .Depth(1 << PlaceBits)
-    ) lines (
-        .clk_i(clk_i),
-        .write_i(fill_q),
-        .write_address_i(fill_place),
-        .write_data_i(fill_data),
-        .read_i(1'b1),
-        .read_address_i(reader_place_q),
-        .read_data_o(line)
-    );
-    if (Parts > 1) begin : gen_choice
-      assign out_data_o = line[DataBits*out_part_o+:DataBits];
-    end else begin : gen_all
-      assign out_data_o = line;
-    end
-  end
+  cache_lines #(
+      .Items(Items),
+      .ItemBytes(ItemBytes),
+      .ItemBits(ItemBits),
+      .Parts(Parts),
+      .BeatBits(BeatBits),
+      .EntryBits(MissBits),
+      .PlaceBits(PlaceBits)
+  ) lines (
+      .clk_i(clk_i),
+      .rst_i(rst_i),
+      .in_valid_i(line_rsp_valid_i),
+      .in_entry_i(line_rsp_tag_i),
+      .in_data_i(line_rsp_data_i),
+      .fill_entry_o(fill_entry),
+      .fill_place_i(fill_place),
+      .filled_o(filled),
+      .read_place_i(reader_place_q),
+      .read_part_i(reader_part_q),
+      .read_part_o(out_part_o),
+      .read_data_o(out_data_o)
+  );
 endmodule

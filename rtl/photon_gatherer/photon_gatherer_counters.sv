@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Count counters of 32 bits, of which only one adder is wide: each counts its lowest bits alone and notes a carry;
 // once in 16 cycles its turn comes, when the carry is added to the upper bits, in LUT RAM, and the output is refreshed.
-// Counter Double may step by two. Modulo 2^32; an output shows its counter as it was at most 17 cycles ago, exactly.
+// Counter Double may step by two. Modulo 2^32; an output shows its counter as it was at most 18 cycles ago, exactly.
 module photon_gatherer_counters #(
     parameter int unsigned Count = 13,  // at most 16
     parameter int unsigned Double = 3
@@ -19,14 +19,19 @@ module photon_gatherer_counters #(
   logic first_round_q, carry_q;
   logic [Count-1:0] carry, turn;
   logic [HighBits-1:0] high, high_q, sum;
+  logic [Count-1:0] event_q;
+  logic double_q;
 
   always_ff @(posedge clk_i) begin
+    event_q <= event_i;
+    double_q <= double_i;
     turn_q <= turn_q + 1'b1;
     turn_1_q <= turn_q;
     if (turn_q == 4'd15) first_round_q <= 1'b0;
     high_q <= first_round_q ? '0 : high;
     carry_q <= (carry & turn) != '0;
     if (rst_i) begin
+      event_q <= '0;
       turn_q <= '0;
       first_round_q <= 1'b1;
     end
@@ -52,7 +57,7 @@ module photon_gatherer_counters #(
     logic carry_i_q, turn_i_q;
     logic [31:0] count_q;
 
-    assign low_next = {1'b0, low_q} + (Low + 1)'(event_i[i]) + (i == Double ? (Low + 1)'(double_i) : '0);
+    assign low_next = {1'b0, low_q} + (Low + 1)'(event_q[i]) + (i == Double ? (Low + 1)'(double_q) : '0);
     assign turn[i] = turn_q == 4'(i);
     assign carry[i] = carry_i_q;
 

@@ -13,7 +13,8 @@
 // A token in b or c is not in the keys yet. It need not be known whether it enters: the list holds the K smallest of
 // what came before, so rank = min(K, smaller ones in the list + smaller ones of the same context in b and c).
 //
-// A start is a token of its own. It empties the list and sets the bound.
+// A start is a token of its own. It empties the list and sets the bound. Behind the list is the slot store: what is kept
+// of each entry, by its place.
 //
 // Bounds: r2_max of the query's map from its start, the K-th d2 once the list is full, readable 5 cycles after the token.
 module photon_gatherer_list #(
@@ -49,11 +50,11 @@ module photon_gatherer_list #(
     input  logic [        ContextBits-1:0] read_context_i,
     output logic [          CountBits-1:0] count_o,
     output logic [            IndexBits:0] insertions_o,
-    // slot store
-    output logic                           store_o,
-    output logic [        ContextBits-1:0] store_context_o,
-    output logic [          PlaceBits-1:0] store_place_o,
-    output logic [          StoreBits-1:0] store_data_o,    // load, d2, index
+    // slot store: a word a cycle after its address
+    input  logic                           store_read_i,
+    input  logic [        ContextBits-1:0] store_context_i,
+    input  logic [          PlaceBits-1:0] store_place_i,
+    output logic [          StoreBits-1:0] store_word_o,     // load, d2, index
     // snapshot: places in list order, the first lowest
     output logic                           snapshot_o,
     output logic [          CountBits-1:0] snapshot_count_o,
@@ -283,14 +284,30 @@ module photon_gatherer_list #(
     );
   end
 
-  // ---- slot store ----
+  // ---- slot store: load and key by place ----
+  logic store_q;
+  logic [ContextBits-1:0] store_context_q;
+  logic [PlaceBits-1:0] store_place_q;
   logic [KeyBits-1:0] d_key_q;
+
   always_ff @(posedge clk_i) begin
-    store_o <= c_enters_q;
-    store_context_o <= c_context_q;
-    store_place_o <= place;
+    store_q <= c_enters_q;
+    store_context_q <= c_context_q;
+    store_place_q <= place;
     d_key_q <= c_key_q;
-    if (rst_i) store_o <= 1'b0;
+    if (rst_i) store_q <= 1'b0;
   end
-  assign store_data_o = {load_i, d_key_q};
+
+  block_ram #(
+      .Width(StoreBits),
+      .Depth(1 << (ContextBits + PlaceBits))
+  ) slot_store (
+      .clk_i(clk_i),
+      .write_i(store_q),
+      .write_address_i({store_context_q, store_place_q}),
+      .write_data_i({load_i, d_key_q}),
+      .read_i(store_read_i),
+      .read_address_i({store_context_i, store_place_i}),
+      .read_data_o(store_word_o)
+  );
 endmodule

@@ -9,10 +9,9 @@
 // the next. Each pass has its bitmap of non-empty bins, in words of which `this_q` and `later_q` say which are in use;
 // bits are never cleared, those at and below the current bin are masked and a word out of use counts as 0.
 //
-// The next few bins wait in a sorted row, where an insertion finds its place at once. Behind it a scan goes through the
-// bitmap: the word it is in, the next word, which is fetched meanwhile, and one bin on its way to the row. The bitmaps learn
-// of an insertion a cycle after the row, counts and scan two cycles. One that fills a bin beyond the row is put into the words the scan
-// holds; where that would be too late, or where the row overflows, the scan starts again after the row's last bin.
+// The next few bins wait in a sorted row, where an insertion finds its place at once. Behind it reorder_sweep_scan goes
+// through the bitmap of this pass; beside it reorder_sweep_counts keeps how many packets a bin holds. The bitmaps learn of
+// an insertion a cycle after the row, counts and scan two cycles.
 module reorder_sweep #(
     parameter int unsigned BinBits = 9,    // at least 2
     parameter int unsigned CountBits = 12  // of the number of packets held
@@ -45,15 +44,8 @@ module reorder_sweep #(
   logic [Row-1:0] valid_q;
   logic [Row*BinBits-1:0] row_q;
   logic known1_q;  // the number of the bin in place 1 has been read, or there is none
-  // The scan.
-  logic overflow_q;  // a bin fell out of the row
-  logic load_q;  // starts again after the last bin of the row
-  logic last_valid_q;  // a bin has entered the row in this pass
-  logic [BinBits-1:0] last_q;  // the last bin of the row a cycle ago, or the last that was there
-  logic word_valid_q, next_valid_q, next_none_q, search_q, stale_q, candidate_any_q, found_valid_q;
-  logic [WordBits-1:0] word_q, next_q, candidate_q;
-  logic [WordWidth-1:0] bits_q, next_bits_q;  // what the scan has still to do in its word; all of the next word
-  logic [WordWidth-1:0] found_q;  // the bin on its way to the row, in word_q
+  logic append, scan_done;  // a bin for the row comes; none is left in this pass
+  logic [BinBits-1:0] found;
 
   assign ready_o = 1'b1;
 
@@ -68,13 +60,8 @@ module reorder_sweep #(
   assign move = (pop || !valid_q[0]) && known1_q;
   assign insert_pop = full_i && !left_any_q;
 
-  // Packets of the bin in place 0 less one, as a sum of two: what was read before it moved up, or the sum of a cycle ago;
-  // and what joined since. Both are 0 of a bin that the last insertion put there.
-  logic move_q, fresh_q, forward2_q;
-  logic [CountBits-1:0] read_q, last2_count_q, sum_q, more;
-  logic [1:0] joins_q, joins;
-  assign more = fresh_q ? '0 : !move_q ? sum_q : forward2_q ? last2_count_q : read_q;
-  assign joins = fresh_q ? '0 : joins_q;
+  logic [CountBits-1:0] more;  // and joins: packets of the bin in place 0 less one
+  logic [1:0] joins;
 
   // What is left of the current bin: one carry chain, the insertion its carry in.
   logic [CountBits-1:0] left;
@@ -136,18 +123,15 @@ module reorder_sweep #(
   // And two cycles later.
   logic write2_q, known2_q, fills_q;  // fills_q: fills a bin beyond the row
   logic [BinBits-1:0] bin2_q;
-  logic [WordBits-1:0] word2;
   logic [WordWidth-1:0] set2_q;
-  assign word2 = bin2_q[BitBits+:WordBits];
 
   // The bitmaps: one write port, two readers. The word of an insertion is read in its cycle, of both bitmaps, as which of
   // them it is about is known late.
-  logic [WordWidth-1:0] stored_bits, new_bits, scan_bits, loaded, above_last;
+  logic [WordWidth-1:0] stored_bits, new_bits, scan_bits;
   logic [2*WordWidth-1:0] words_q;
   logic in_use, known;
   logic [WordBits:0] address;
-  logic [WordBits-1:0] load_word;
-  logic [BinBits-1:0] last;
+  logic [WordBits-1:0] scan_word;
 
   assign in_use = ahead_q ? this_q[word] : later_q[word];
   assign address = {parity_q ^ !ahead_q, word};
@@ -185,137 +169,59 @@ module reorder_sweep #(
       .write_i(write_q),
       .write_address_i(address),
       .write_data_i(new_bits),
-      .read_address_i({parity_q, load_word}),
+      .read_address_i({parity_q, scan_word}),
       .read_data_o(scan_bits)
   );
 
-  // Packets per bin less one; what stands there counts only while the bin's bit says so. A number is written two cycles
-  // after the insertion: one that is read in the cycle of an insertion lacks the insertion before, and what that cycle
-  // writes is taken from where it is.
-  logic [CountBits-1:0] stored_count, stored_count_q, last_count_q, new_count;
-  logic same_count_q, written_q;
-  assign new_count = known2_q ? (same_count_q ? last_count_q : stored_count_q) + 1'b1 : '0;
-  always_ff @(posedge clk_i) begin
-    written_q <= write2_q && bin2_q == insert_bin_i;
-    stored_count_q <= written_q ? last_count_q : stored_count;
-    same_count_q <= write2_q && bin2_q == bin_q;
-    last_count_q <= new_count;
-  end
-
-  block_ram #(
-      .Width(CountBits),
-      .Depth(1 << BinBits)
-  ) counts_insert (
+  reorder_sweep_counts #(
+      .BinBits(BinBits),
+      .CountBits(CountBits)
+  ) counts (
       .clk_i(clk_i),
-      .write_i(write2_q),
-      .write_address_i(bin2_q),
-      .write_data_i(new_count),
-      .read_i(1'b1),
-      .read_address_i(insert_bin_i),
-      .read_data_o(stored_count)
+      .insert_bin_i(insert_bin_i),
+      .same_i({3{insert_i}} & same[2:0]),
+      .at_i(at[1:0]),
+      .bin1_i(bin_q),
+      .ahead1_i(write_q && ahead_q),
+      .in_row1_i(in_row_q),
+      .write2_i(write2_q),
+      .bin2_i(bin2_q),
+      .known2_i(known2_q),
+      .places_i(row_q[BinBits+:2*BinBits]),
+      .move_i(move),
+      .more_o(more),
+      .joins_o(joins)
   );
 
-  // The numbers of the bins in places 1 and 2 are read in every cycle, and in the next one that of the bin which is then
-  // in place 1 is there, where that bin is one of the two. The insertion of the cycle before the read put the bin there
-  // (void), or is added to what was read, as are that of the cycle of the read and that of the next one.
-  logic [1:0] void_q, forward_q, joined_q, joining_q;
-  logic [2*CountBits-1:0] stored_places;
-  logic [1:0] second_joins;
-  for (genvar i = 0; i < 2; i++) begin : gen_number
-    logic joined;
-    assign joined = write_q && ahead_q && bin_q == row_q[BinBits*(i+1)+:BinBits];
-    always_ff @(posedge clk_i) begin
-      void_q[i] <= joined && in_row_q;
-      forward_q[i] <= write2_q && bin2_q == row_q[BinBits*(i+1)+:BinBits];
-      joined_q[i] <= joined && !in_row_q;
-      joining_q[i] <= insert_i && same[i+1];
-    end
+  logic exhausted, wrap;
 
-    block_ram #(
-        .Width(CountBits),
-        .Depth(1 << BinBits)
-    ) counts (
-        .clk_i(clk_i),
-        .write_i(write2_q),
-        .write_address_i(bin2_q),
-        .write_data_i(new_count),
-        .read_i(1'b1),
-        .read_address_i(row_q[BinBits*(i+1)+:BinBits]),
-        .read_data_o(stored_places[CountBits*i+:CountBits])
-    );
-  end
-  assign second_joins = 2'(joined_q[move_q]) + 2'(joining_q[move_q]) + 2'(insert_i && same[1]);
-  always_ff @(posedge clk_i) begin
-    read_q <= move_q ? stored_places[CountBits+:CountBits] : stored_places[0+:CountBits];
-    if (void_q[move_q]) read_q <= '0;
-    forward2_q <= forward_q[move_q] && !void_q[move_q];
-    last2_count_q <= last_count_q;
-  end
-
-  // The scan: what it does to its words, and what an insertion beyond the row does to it.
-  logic in_word, before_word, behind_word, restart;
-  logic append, may_append, emit, bits_any;
-  logic [WordWidth-1:0] bits, lowest;
-  logic [BitBits-1:0] found_bit;
-  logic [BinBits-1:0] found;
-  logic candidate_any;
-  logic [WordBits-1:0] candidate;
-  logic [Words-1:0] words_behind;
-
-  assign in_word = word_valid_q && word2 == word_q;
-  assign before_word = word_valid_q && word2 < word_q;
-  assign behind_word = !word_valid_q || word2 > word_q;
-  assign restart = overflow_q || (fills_q && before_word);
-
-  // The bin on its way waits where one of the last insertions may lie before it: of this cycle's only the word is looked at.
-  logic may_precede;
-  assign may_precede = insert_i && insert_bin_i[BitBits+:WordBits] <= word_q &&
-      (start_q || insert_bin_i[BitBits+:WordBits] >= current_q[BitBits+:WordBits]);
-  assign may_append = found_valid_q && !valid_q[Row-1] && !may_precede && !(beyond_q && word <= word_q);
-  assign append = may_append && !(fills_q && !behind_word);
-  assign bits_any = bits_q != '0;
-  assign bits = bits_any ? bits_q : next_bits_q;
-  // A carry chain for each word, beside the question which of them it is.
-  assign lowest = bits_any ? bits_q & (~bits_q + 1'b1) : next_bits_q & (~next_bits_q + 1'b1);
-  // Where an insertion holds the bin on its way back, its word is the scan's, or the scan starts again.
-  assign emit = (!found_valid_q || may_append) && (bits_any || next_valid_q) &&
-      !(fills_q && (in_word || !bits_any));
-
-  always_comb begin
-    found_bit = '0;
-    for (int unsigned i = 0; i < WordWidth; i++) begin
-      if (found_q[i]) found_bit = found_bit | BitBits'(i);
-    end
-  end
-  assign found = {word_q, found_bit};
-
-  always_comb begin
-    for (int unsigned i = 0; i < Words; i++) begin
-      words_behind[i] = this_q[i] && (!word_valid_q || WordBits'(i) > word_q);
-    end
-  end
-  lowest_bit #(
-      .Width(Words)
-  ) of_words (
-      .bits_i(words_behind),
-      .any_o(candidate_any),
-      .index_o(candidate)
+  reorder_sweep_scan #(
+      .BinBits(BinBits)
+  ) scan (
+      .clk_i(clk_i),
+      .rst_i(rst_i),
+      .clear_i(wrap || clear_i),
+      .words_i(this_q),
+      .word_o(scan_word),
+      .bits_i(scan_bits),
+      .ahead_i(insert_i && (start_q || insert_bin_i[BitBits+:WordBits] >= current_q[BitBits+:WordBits])),
+      .ahead_word_i(insert_bin_i[BitBits+:WordBits]),
+      .beyond_i(beyond_q),
+      .beyond_word_i(word),
+      .new_word_i(ahead_q && !in_use),
+      .fills_i(fills_q),
+      .fills_word_i(bin2_q[BitBits+:WordBits]),
+      .fills_set_i(set2_q),
+      .row_full_i(valid_q[Row-1]),
+      .row_last_i(row_q[BinBits*(Row-1)+:BinBits]),
+      .overflow_i(in_row && !move && valid_q[Row-1]),
+      .append_o(append),
+      .bin_o(found),
+      .done_o(scan_done)
   );
-
-  assign last = valid_q[Row-1] ? row_q[BinBits*(Row-1)+:BinBits] : last_q;
-  assign load_word = load_q ? last_q[BitBits+:WordBits] : candidate_q;
-  always_comb begin
-    for (int unsigned i = 0; i < WordWidth; i++) above_last[i] = !load_q || BitBits'(i) > last_q[BitBits-1:0];
-  end
-  // In use, what the row's last bin put there included: it came two cycles ago at least.
-  assign loaded = scan_bits & above_last;
-`ifndef SYNTHESIS
-  always_ff @(posedge clk_i) if (!rst_i && (load_q || (search_q && candidate_any_q))) assert (this_q[load_word]);
-`endif
 
   // Over when nothing is left to find in this pass.
-  logic exhausted, wrap;
-  assign exhausted = valid_q == '0 && !found_valid_q && !bits_any && next_none_q;
+  assign exhausted = valid_q == '0 && scan_done;
   assign wrap = take_i && !left_any_q && exhausted && !write_q && !fills_q;
 
   always_ff @(posedge clk_i) begin
@@ -345,10 +251,6 @@ module reorder_sweep #(
 
     // The row.
     known1_q <= at[2:0] == '0 && !(append && !valid_q[2]);
-    move_q <= move;
-    fresh_q <= move ? at[1] : at[0];
-    sum_q <= more + CountBits'(joins);
-    joins_q <= move ? second_joins : 2'(insert_i && same[0]);
     for (int unsigned i = 0; i < Row; i++) begin
       if (past[i]) begin
         row_q[BinBits*i+:BinBits] <= move ? row_q[BinBits*i+:BinBits] : row_q[BinBits*((i+Row-1)%Row)+:BinBits];
@@ -365,63 +267,6 @@ module reorder_sweep #(
       end
     end
     if (pop && !move) valid_q[0] <= 1'b0;
-    last_q <= append ? found : last;
-    if (append) last_valid_q <= 1'b1;
-
-    // The word and the bin that was found in it.
-    if (append) found_valid_q <= 1'b0;
-    if (emit) begin
-      found_valid_q <= 1'b1;
-      found_q <= lowest;
-      bits_q <= bits & ~lowest;
-      if (!bits_any) begin
-        word_q <= next_q;
-        word_valid_q <= 1'b1;
-      end
-    end else if (fills_q && in_word) begin
-      bits_q <= bits_q | set2_q | (found_valid_q ? found_q : '0);
-      found_valid_q <= 1'b0;
-    end
-    overflow_q <= in_row && !move && valid_q[Row-1];
-    load_q <= 1'b0;
-    if (load_q) begin
-      bits_q <= loaded;
-      word_q <= load_word;
-      word_valid_q <= 1'b1;
-    end
-
-    // The next word.
-    search_q <= !load_q && !search_q && !next_valid_q && !next_none_q;
-    stale_q <= ahead_q && !in_use;
-    candidate_q <= candidate;
-    candidate_any_q <= candidate_any;
-    if (search_q && !stale_q && !(ahead_q && !in_use)) begin
-      next_valid_q <= candidate_any_q;
-      next_none_q <= !candidate_any_q;
-      next_q <= candidate_q;
-      next_bits_q <= loaded;
-    end
-    if (emit && !bits_any) next_valid_q <= 1'b0;
-    if (fills_q && behind_word && (next_valid_q || next_none_q)) begin
-      next_valid_q <= 1'b1;
-      next_none_q  <= 1'b0;
-      if (next_none_q || word2 < next_q) begin
-        next_q <= word2;
-        next_bits_q <= set2_q;
-      end else if (word2 == next_q) begin
-        next_bits_q <= next_bits_q | set2_q;
-      end
-    end
-
-    if (restart) begin
-      load_q <= last_valid_q;
-      found_valid_q <= 1'b0;
-      bits_q <= '0;
-      word_valid_q <= 1'b0;
-      search_q <= 1'b0;
-      next_valid_q <= 1'b0;
-      next_none_q <= 1'b0;
-    end
     if (wrap) begin
       this_q <= later_q;
       later_q <= '0;
@@ -431,15 +276,6 @@ module reorder_sweep #(
     if (wrap || rst_i || clear_i) begin
       valid_q <= '0;
       known1_q <= 1'b1;
-      overflow_q <= 1'b0;
-      load_q <= 1'b0;
-      last_valid_q <= 1'b0;
-      found_valid_q <= 1'b0;
-      bits_q <= '0;
-      word_valid_q <= 1'b0;
-      search_q <= 1'b0;
-      next_valid_q <= 1'b0;
-      next_none_q <= 1'b0;
     end
     if (rst_i || clear_i) begin
       start_q <= 1'b1;

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: Apache-2.0
+// The line memory of a cache, and the assembly of its lines from beats. A line is Items items of ItemBytes bytes; only
+// the low ItemBits of each are kept. Beats of a line come in order and not interleaved, the first bytes first; its
+// place is asked for by the number of its entry, in the cycle in which a part of it is written. filled_o: that was the last.
+//
+// A part is read in the cycle after its address, straight from block RAM, Items / Parts items. Where a part is whole
+// beats, the memory is one part wide; else one line, with a choice behind it. A beat and a part a cycle; a part is
+// written in the cycle after its last beat.
+module cache_lines #(
+    parameter int unsigned Items = 8,
+    parameter int unsigned ItemBytes = 16,
+    parameter int unsigned ItemBits = 96,
+    parameter int unsigned Parts = 2,
+    parameter int unsigned BeatBits = 128,
+    parameter int unsigned EntryBits = 3,
+    parameter int unsigned PlaceBits = 7,
+    localparam int unsigned PartBits = Parts > 1 ? $clog2(Parts) : 1,
+    localparam int unsigned DataBits = Items / Parts * ItemBits
+) (
+    input  logic                 clk_i,
+    input  logic                 rst_i,
+    // beats
+    input  logic                 in_valid_i,
+    input  logic [EntryBits-1:0] in_entry_i,
+    input  logic [ BeatBits-1:0] in_data_i,
+    // where a part is written
+    output logic [EntryBits-1:0] fill_entry_o,
+    input  logic [PlaceBits-1:0] fill_place_i,
+    output logic                 filled_o,
+    // a part is read, and there in the next cycle
+    input  logic [PlaceBits-1:0] read_place_i,
+    input  logic [ PartBits-1:0] read_part_i,
+    output logic [ PartBits-1:0] read_part_o,
+    output logic [ DataBits-1:0] read_data_o
+);
+  localparam int unsigned LineBits = Items * ItemBytes * 8;
+  localparam int unsigned Beats = (LineBits + BeatBits - 1) / BeatBits;
+  localparam int unsigned BeatCountBits = Beats > 1 ? $clog2(Beats) : 1;
+  localparam int unsigned PartLineBits = LineBits / Parts;
+  localparam bit Narrow = PartLineBits % BeatBits == 0;
+  localparam int unsigned RawBits = Narrow ? PartLineBits : Beats * BeatBits;
+  localparam int unsigned RawItems = Narrow ? Items / Parts : Items;
+  localparam int unsigned PartBeats = Narrow ? PartLineBits / BeatBits : Beats;
+
+  logic fill_q, fill_last;
+  logic [BeatCountBits-1:0] beat_q;
+  logic [PartBits-1:0] fill_part_q;
+  /* verilator lint_off UNUSEDSIGNAL */  // the padding of items and line
+  logic [RawBits-1:0] raw_q;
+  /* verilator lint_on UNUSEDSIGNAL */
+  logic [RawItems*ItemBits-1:0] fill_data;
+
+  for (genvar item = 0; item < RawItems; item++) begin : gen_item
+    assign fill_data[ItemBits*item+:ItemBits] = raw_q[ItemBytes*8*item+:ItemBits];
+  end
+
+  always_ff @(posedge clk_i) begin
+    fill_q <= in_valid_i && beat_q == BeatCountBits'(PartBeats - 1);
+    fill_entry_o <= in_entry_i;
+    if (in_valid_i) begin
+      raw_q <= RawBits'({in_data_i, raw_q} >> BeatBits);
+      beat_q <= beat_q == BeatCountBits'(PartBeats - 1) ? '0 : beat_q + 1'b1;
+    end
+    read_part_o <= read_part_i;
+    if (fill_q) fill_part_q <= fill_last ? '0 : fill_part_q + 1'b1;
+    if (rst_i) begin
+      fill_q <= 1'b0;
+      beat_q <= '0;
+      fill_part_q <= '0;
+    end
+  end
+  assign fill_last = !Narrow || Parts == 1 || fill_part_q == PartBits'(Parts - 1);
+  assign filled_o = fill_q && fill_last;
+
+  if (Narrow && Parts > 1) begin : gen_part_wide
+    block_ram #(
+        .Width(DataBits),
+        .Depth(1 << (PlaceBits + PartBits))
+    ) lines (
+        .clk_i(clk_i),
+        .write_i(fill_q),
+        .write_address_i({fill_place_i, fill_part_q}),
+        .write_data_i(fill_data),
+        .read_i(1'b1),
+        .read_address_i({read_place_i, read_part_i}),
+        .read_data_o(read_data_o)
+    );
+  end else begin : gen_line_wide
+    logic [Items*ItemBits-1:0] line;
+    block_ram #(
+        .Width(Items * ItemBits),
+        .Depth(1 << PlaceBits)
+    ) lines (
+        .clk_i(clk_i),
+        .write_i(fill_q),
+        .write_address_i(fill_place_i),
+        .write_data_i(fill_data),
+        .read_i(1'b1),
+        .read_address_i(read_place_i),
+        .read_data_o(line)
+    );
+    if (Parts > 1) begin : gen_choice
+      assign read_data_o = line[DataBits*read_part_o+:DataBits];
+    end else begin : gen_all
+      assign read_data_o = line;
+    end
+  end
+endmodule

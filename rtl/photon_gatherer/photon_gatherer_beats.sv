@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: Apache-2.0
+// From a leaf to beats of candidates: its line comes through the cache, Lanes photons a cycle, and the lanes keep what
+// lies within the bound of the query. Wires the cache, the lanes, and the positions of queries that these read.
+//
+// One leaf lookup and one beat a cycle, leaves in any order. Latency of a leaf in the cache 5 cycles to its first beat
+// and 6 to the lanes' FIFO.
+module photon_gatherer_beats #(
+    parameter int unsigned Contexts = 16,
+    parameter int unsigned Lanes = 4,
+    parameter int unsigned Sets = 64,
+    parameter int unsigned CacheWays = 2,
+    parameter int unsigned CacheMisses = 8,
+    parameter int unsigned LineBeatBits = 128,
+    parameter int unsigned Behind = 24,  // beats that may be between the lanes' FIFO and the list
+    localparam int unsigned ContextBits = Contexts > 1 ? $clog2(Contexts) : 1,
+    localparam int unsigned PositionBits = photonloom_pkg::PositionBits,
+    localparam int unsigned R2Bits = photonloom_pkg::R2Bits,
+    localparam int unsigned LineBits = photonloom_pkg::LineBits,
+    localparam int unsigned Bucket = photonloom_pkg::Bucket,
+    localparam int unsigned DirectionBits = photonloom_pkg::DirectionBits,
+    localparam int unsigned MantissasBits = photonloom_pkg::Channels * photonloom_pkg::MantissaBits,
+    localparam int unsigned ExponentBits = photonloom_pkg::ExponentBits,
+    localparam int unsigned LoadBits = 2 * DirectionBits + MantissasBits + ExponentBits,
+    localparam int unsigned PhotonBits = 3 * PositionBits + LoadBits,
+    localparam int unsigned Beats = Bucket / Lanes,
+    localparam int unsigned BeatBits = Beats > 1 ? $clog2(Beats) : 1,
+    localparam int unsigned RowBits = $clog2((2 * Beats > 16 ? 1 << $clog2(2 * Beats) : 16) + Behind),
+    localparam int unsigned SetBits = Sets > 1 ? $clog2(Sets) : 1,
+    localparam int unsigned TagBits = CacheMisses > 1 ? $clog2(CacheMisses) : 1
+) (
+    input  logic                             clk_i,
+    input  logic                             rst_i,
+    // configuration of the cache
+    input  logic                             forget_i,
+    input  logic [              SetBits-1:0] set_mask_i,
+    input  logic                             bypass_i,
+    // a query starts
+    input  logic                             start_i,
+    input  logic [          ContextBits-1:0] start_context_i,
+    input  logic [       3*PositionBits-1:0] start_position_i,
+    // a leaf is reached
+    input  logic                             leaf_valid_i,
+    input  logic [          ContextBits-1:0] leaf_context_i,
+    input  logic [               LineBits:0] leaf_address_i,     // map, line
+    // leaf lines
+    output logic                             line_req_valid_o,
+    input  logic                             line_req_ready_i,
+    output logic [               LineBits:0] line_req_addr_o,
+    output logic [              TagBits-1:0] line_req_tag_o,
+    input  logic                             line_rsp_valid_i,
+    input  logic [              TagBits-1:0] line_rsp_tag_i,
+    input  logic [         LineBeatBits-1:0] line_rsp_data_i,
+    // bound, read by context
+    output logic [          ContextBits-1:0] bound_context_o,
+    input  logic [               R2Bits-1:0] bound_i,
+    // leaves without candidates
+    output logic                             empty_valid_o,
+    output logic [          ContextBits-1:0] empty_context_o,
+    // beats of candidates
+    output logic                             out_valid_o,
+    input  logic                             out_ready_i,
+    output logic [          ContextBits-1:0] out_context_o,
+    output logic [             BeatBits-1:0] out_beat_o,
+    output logic [              RowBits-1:0] out_row_o,
+    output logic                             out_last_o,
+    output logic [                Lanes-1:0] out_mask_o,
+    output logic [         Lanes*R2Bits-1:0] out_d2_o,
+    // directions of a beat, read when it is taken, and loads of a row: both in the next cycle
+    input  logic                             direction_read_i,
+    output logic [2*Lanes*DirectionBits-1:0] directions_o,
+    input  logic [              RowBits-1:0] load_row_i,
+    output logic [       Lanes*LoadBits-1:0] loads_o,
+    // counted events
+    output logic                             hit_o,
+    output logic                             miss_o
+);
+  if (8 * photonloom_pkg::PhotonBytes < PhotonBits) begin : gen_bad_photon
+    photon_bytes_must_hold_all_fields_of_a_photon bad_photon ();
+  end
+
+  logic lanes_ready, line_issue, line_valid;
+  logic [ContextBits-1:0] line_context, lane_context;
+  logic [BeatBits-1:0] line_beat;
+  logic [Lanes*PhotonBits-1:0] line_photons;
+  logic [3*PositionBits-1:0] lane_position;
+
+  cache #(
+      .AddressBits(LineBits + 1),
+      .Clients(Contexts),
+      .Items(Bucket),
+      .ItemBytes(photonloom_pkg::PhotonBytes),
+      .ItemBits(PhotonBits),
+      .Parts(Beats),
+      .BeatBits(LineBeatBits),
+      .Sets(Sets),
+      .Ways(CacheWays),
+      .Misses(CacheMisses)
+  ) leaf_cache (
+      .clk_i(clk_i),
+      .rst_i(rst_i),
+      .invalidate_i(forget_i),
+      .set_mask_i(set_mask_i),
+      .bypass_i(bypass_i),
+      .in_valid_i(leaf_valid_i),
+      .in_client_i(leaf_context_i),
+      .in_address_i(leaf_address_i),
+      .ready_i(lanes_ready),
+      .issue_o(line_issue),
+      .out_valid_o(line_valid),
+      .out_client_o(line_context),
+      .out_part_o(line_beat),
+      .out_data_o(line_photons),
+      .line_req_valid_o(line_req_valid_o),
+      .line_req_ready_i(line_req_ready_i),
+      .line_req_addr_o(line_req_addr_o),
+      .line_req_tag_o(line_req_tag_o),
+      .line_rsp_valid_i(line_rsp_valid_i),
+      .line_rsp_tag_i(line_rsp_tag_i),
+      .line_rsp_data_i(line_rsp_data_i),
+      .hit_o(hit_o),
+      .miss_o(miss_o)
+  );
+
+  lut_ram #(
+      .Width(3 * PositionBits),
+      .Depth(Contexts)
+  ) positions (
+      .clk_i(clk_i),
+      .write_i(start_i),
+      .write_address_i(start_context_i),
+      .write_data_i(start_position_i),
+      .read_address_i(lane_context),
+      .read_data_o(lane_position)
+  );
+
+  photon_gatherer_lanes #(
+      .PositionBits(PositionBits),
+      .Contexts(Contexts),
+      .Bucket(Bucket),
+      .Lanes(Lanes),
+      .DirectionBits(DirectionBits),
+      .LoadBits(LoadBits),
+      .MantissasBits(MantissasBits),
+      .ExponentBits(ExponentBits),
+      .Behind(Behind)
+  ) lanes (
+      .clk_i(clk_i),
+      .rst_i(rst_i),
+      .ready_o(lanes_ready),
+      .issue_i(line_issue),
+      .in_valid_i(line_valid),
+      .in_context_i(line_context),
+      .in_beat_i(line_beat),
+      .in_photons_i(line_photons),
+      .query_context_o(lane_context),
+      .query_i(lane_position),
+      .bound_context_o(bound_context_o),
+      .bound_i(bound_i),
+      .empty_valid_o(empty_valid_o),
+      .empty_context_o(empty_context_o),
+      .out_valid_o(out_valid_o),
+      .out_ready_i(out_ready_i),
+      .out_context_o(out_context_o),
+      .out_beat_o(out_beat_o),
+      .out_row_o(out_row_o),
+      .out_last_o(out_last_o),
+      .out_mask_o(out_mask_o),
+      .out_d2_o(out_d2_o),
+      .direction_read_i(direction_read_i),
+      .directions_o(directions_o),
+      .load_row_i(load_row_i),
+      .loads_o(loads_o)
+  );
+endmodule

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+// Which contexts are free. A query takes one when it starts. It is free again when its loads have been read for the sum
+// and, where the query wants its photons, for those too. What a context holds lies beside what reads it.
+//
+// What is free is known a cycle late, so takes are at least two cycles apart. The lowest free context is the next.
+module photon_gatherer_contexts #(
+    parameter int unsigned Contexts = 16,
+    localparam int unsigned ContextBits = Contexts > 1 ? $clog2(Contexts) : 1
+) (
+    input  logic                   clk_i,
+    input  logic                   rst_i,
+    output logic                   free_o,
+    output logic [ContextBits-1:0] context_o,
+    // a query takes context_o
+    input  logic                   take_i,
+    input  logic                   take_photons_i,        // it wants its photons
+    // nothing more is read for the sum, for the photons
+    input  logic                   sum_free_i,
+    input  logic [ContextBits-1:0] sum_free_context_i,
+    input  logic                   photons_free_i,
+    input  logic [ContextBits-1:0] photons_free_context_i,
+    // one is in use
+    output logic                   busy_o
+);
+  logic [Contexts-1:0] summing_q, streaming_q;
+
+  assign busy_o = (summing_q | streaming_q) != '0;
+
+  always_ff @(posedge clk_i) begin
+    free_o <= (summing_q | streaming_q) != '1;
+    for (int unsigned c = Contexts; c > 0; c--)
+      if (!summing_q[c-1] && !streaming_q[c-1]) context_o <= ContextBits'(c - 1);
+    for (int unsigned c = 0; c < Contexts; c++) begin
+      if (take_i && context_o == ContextBits'(c)) begin
+        summing_q[c] <= 1'b1;
+        streaming_q[c] <= take_photons_i;
+      end
+      if (sum_free_i && sum_free_context_i == ContextBits'(c)) summing_q[c] <= 1'b0;
+      if (photons_free_i && photons_free_context_i == ContextBits'(c)) streaming_q[c] <= 1'b0;
+    end
+    if (rst_i) begin
+      summing_q <= '0;
+      streaming_q <= '0;
+    end
+  end
+endmodule

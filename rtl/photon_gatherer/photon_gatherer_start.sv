@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: Apache-2.0
+// Starts queries in the order in which they come. A query begins at the root: an inner node, a leaf, or its end in an
+// empty map; search_o tells the other modules, which write their part of the context. A flush takes no context.
+//
+// Meanwhile the list of the context is emptied by a token, two cycles at most and five stages later: before a lane asks
+// for its bound, 8 cycles after the start at the earliest, and before the end of a query in an empty map is noted.
+//
+// Latency 1 from the query to its start; starts are at least two cycles apart, so what they need is looked up a cycle
+// ahead. hold_i: the tree goes on with another query in this cycle. Mirrors the beginning of search_gather in
+// golden/unit/photon_gatherer.cpp.
+module photon_gatherer_start #(
+    parameter int unsigned Contexts = 16,
+    localparam int unsigned ContextBits = Contexts > 1 ? $clog2(Contexts) : 1,
+    localparam int unsigned R2Bits = photonloom_pkg::R2Bits,
+    localparam int unsigned NormalBits = photonloom_pkg::NormalBits,
+    localparam int unsigned NodeBits = photonloom_pkg::LineBits + 1
+) (
+    input  logic                          clk_i,
+    input  logic                          rst_i,
+    input  logic                          in_valid_i,
+    output logic                          in_ready_o,
+    input  photonloom_pkg::gather_query_t in_i,
+    // maps: of the caustic, the global one
+    input  logic [        2*NodeBits-1:0] lines_i,
+    input  logic [          2*R2Bits-1:0] r2_max_i,
+    // what a start waits for
+    input  logic                          hold_i,
+    input  logic                          slot_ready_i,
+    input  logic                          flush_ready_i,
+    // a query or a flush starts; a query does, in a context
+    output logic                          start_o,
+    output logic                          search_o,
+    output logic                          search_inner_o,         // its root is an inner node
+    output logic                          search_leaf_o,          // its root is a leaf
+    output logic [       ContextBits-1:0] context_o,
+    output photonloom_pkg::gather_query_t query_o,
+    output logic [  3*(NormalBits+2)-1:0] normal_o,               // decoded, z negated
+    // the token that empties the list
+    output logic                          token_o,
+    input  logic                          token_taken_i,
+    output logic [       ContextBits-1:0] token_context_o,
+    input  logic                          token_done_i,
+    output logic [            R2Bits-1:0] token_r2_max_o,
+    // the end of a query in an empty map, where the tree ends none
+    output logic                          empty_done_o,
+    input  logic                          tree_done_i,
+    // contexts that are given back
+    input  logic                          sum_free_i,
+    input  logic [       ContextBits-1:0] sum_free_context_i,
+    input  logic                          photons_free_i,
+    input  logic [       ContextBits-1:0] photons_free_context_i,
+    // a query is in flight
+    output logic                          busy_o
+);
+  localparam logic [1:0] Idle = 2'd0, Ask = 2'd1, Wait = 2'd2, End = 2'd3;
+
+  logic query_valid_q, free, in_use, empty, leaf;
+  photonloom_pkg::gather_query_t query_q;
+  logic [1:0] map_empty_q, map_leaf_q;  // no line, one line
+  logic [1:0] token_q;
+  logic token_empty_q, token_map_q;
+  logic [3*(NormalBits+2)-1:0] normal;
+
+  assign in_ready_o = !query_valid_q;
+  assign empty = map_empty_q[query_q.map];
+  assign leaf = map_leaf_q[query_q.map];
+  assign search_o = query_valid_q && !query_q.flush && slot_ready_i && free && token_q == Idle && !hold_i;
+  assign search_inner_o = search_o && !empty && !leaf;
+  assign search_leaf_o = search_o && leaf;
+  assign start_o = search_o || (query_valid_q && query_q.flush && flush_ready_i);
+  assign query_o = query_q;
+  assign busy_o = query_valid_q || in_use;
+
+  photon_gatherer_contexts #(
+      .Contexts(Contexts)
+  ) contexts (
+      .clk_i(clk_i),
+      .rst_i(rst_i),
+      .free_o(free),
+      .context_o(context_o),
+      .take_i(search_o),
+      .take_photons_i(query_q.want_photons),
+      .sum_free_i(sum_free_i),
+      .sum_free_context_i(sum_free_context_i),
+      .photons_free_i(photons_free_i),
+      .photons_free_context_i(photons_free_context_i),
+      .busy_o(in_use)
+  );
+
+  always_ff @(posedge clk_i) begin
+    map_empty_q <= {lines_i[NodeBits+:NodeBits] == '0, lines_i[0+:NodeBits] == '0};
+    map_leaf_q <= {lines_i[NodeBits+:NodeBits] == NodeBits'(1), lines_i[0+:NodeBits] == NodeBits'(1)};
+    if (in_ready_o) begin
+      query_valid_q <= in_valid_i;
+      query_q <= in_i;
+    end else if (start_o) begin
+      query_valid_q <= 1'b0;
+    end
+    if (rst_i) query_valid_q <= 1'b0;
+  end
+
+  // ---- the token ----
+  assign token_o = token_q == Ask;
+  assign token_r2_max_o = token_map_q ? r2_max_i[R2Bits+:R2Bits] : r2_max_i[0+:R2Bits];
+  assign empty_done_o = token_q == End;
+
+  always_ff @(posedge clk_i) begin
+    unique case (token_q)
+      Idle: begin
+        token_context_o <= context_o;
+        token_empty_q <= empty;
+        token_map_q <= query_q.map;
+        if (search_o) token_q <= Ask;
+      end
+      Ask: if (token_taken_i) token_q <= Wait;
+      Wait: if (token_done_i) token_q <= token_empty_q ? End : Idle;
+      default: if (!tree_done_i) token_q <= Idle;
+    endcase
+    if (rst_i) token_q <= Idle;
+  end
+
+  // z is stored negated: what is asked is whether x + y > -z.
+  oct_decode #(
+      .Bits(NormalBits)
+  ) decode_normal (
+      .code_i(query_q.normal),
+      .direction_o(normal)
+  );
+  assign normal_o = {-normal[2*(NormalBits+2)+:NormalBits+2], normal[2*(NormalBits+2)-1:0]};
+endmodule
