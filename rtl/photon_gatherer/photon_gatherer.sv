@@ -162,12 +162,12 @@ module photon_gatherer #(
       .busy_o(busy)
   );
 
-  logic leaf_valid, leaf_map, leaf_first, finish_valid, finish_ready, finish_stop, node_step;
+  logic leaf_valid, leaf_map, leaf_first, finish_valid, finish_ready, finish_stop, bound_write;
   logic [ContextBits-1:0] leaf_context, finish_context, bound_context;
   logic [LineBits-1:0] leaf_line;
   logic [StackBits-1:0] leaf_stack, leaf_steps, finish_stack;
   logic [R2Bits-1:0] bound;
-  logic [1:0] dropped;
+  logic [1:0] nodes, dropped, candidates, insertions;
 
   photon_gatherer_tree #(
       .Contexts(Contexts),
@@ -200,15 +200,16 @@ module photon_gatherer #(
       .finish_context_i(finish_context),
       .finish_stack_i(finish_stack),
       .finish_stop_i(finish_stop),
-      .bound_context_o(bound_context),
+      .bound_write_i(bound_write),
+      .bound_context_i(bound_context),
       .bound_i(bound),
       .done_o(tree_done),
       .done_context_o(tree_done_context),
-      .node_o(node_step),
+      .nodes_o(nodes),
       .dropped_o(dropped)
   );
 
-  logic leaf, hit, miss, candidate, insertion, store_read, snapshot, snapshot_taken, snapshot_done;
+  logic leaf, hit, miss, store_read, snapshot, snapshot_taken, snapshot_done;
   logic [ContextBits-1:0] found_context, store_context, snapshot_context;
   logic [CountBits-1:0] found_count, snapshot_count;
   logic [R2Bits-1:0] found_r2;
@@ -252,7 +253,8 @@ module photon_gatherer #(
       .finish_context_o(finish_context),
       .finish_stack_o(finish_stack),
       .finish_stop_o(finish_stop),
-      .bound_context_i(bound_context),
+      .bound_write_o(bound_write),
+      .bound_context_o(bound_context),
       .bound_o(bound),
       .line_req_valid_o(line_req_valid_o),
       .line_req_ready_i(line_req_ready_i),
@@ -280,8 +282,8 @@ module photon_gatherer #(
       .leaf_o(leaf),
       .hit_o(hit),
       .miss_o(miss),
-      .candidate_o(candidate),
-      .insertion_o(insertion)
+      .candidates_o(candidates),
+      .insertions_o(insertions)
   );
 
   photon_gatherer_answers #(
@@ -327,20 +329,14 @@ module photon_gatherer #(
       .photon_o(photon_o)
   );
 
-  photon_gatherer_counters #(
-      .Count(13),
-      .Double(3)
-  ) counters (
+  photon_gatherer_counters counters (
       .clk_i(clk_i),
       .rst_i(rst_i),
-      .event_i({
-        line_req_valid_o && !line_req_ready_i,
-        photon_valid_o && !photon_ready_i,
-        result_valid_o && !result_ready_i,
-        in_valid_i && !in_ready_o,
-        {miss, hit, insertion, candidate, leaf, dropped != '0, node_step, search, busy}
+      .step_i({
+        {1'b0, line_req_valid_o && !line_req_ready_i, 1'b0, photon_valid_o && !photon_ready_i},
+        {1'b0, result_valid_o && !result_ready_i, 1'b0, in_valid_i && !in_ready_o, 1'b0, miss, 1'b0, hit},
+        {insertions, candidates, 1'b0, leaf, dropped, nodes, 1'b0, search, 1'b0, busy}
       }),
-      .double_i(dropped[1]),
       .count_o({
         {count_stalled_lines_o, count_stalled_photons_o, count_stalled_results_o, count_stalled_in_o},
         {count_cache_misses_o, count_cache_hits_o, count_insertions_o, count_candidates_o, count_leaves_o},

@@ -4,8 +4,8 @@
 // other. A query in an empty map is done when its list is empty; no leaf and no inner node were counted for it.
 //
 // The slot store is read by the sum, else by the photons. What belongs to the context is read when the sum takes it,
-// since the context may start anew before the sum is out. One end and one start a cycle; a query takes count + 1 cycles
-// of the sum, latency count + 9 to its slot. Mirrors the end of search_gather in golden/unit/photon_gatherer.cpp.
+// since the context may start anew before the sum is out. A query takes count + 1 cycles of the sum, latency
+// count + 8 from its turn to the end of its sum. Mirrors the end of search_gather in golden/unit/photon_gatherer.cpp.
 module photon_gatherer_answers #(
     parameter int unsigned Contexts = 16,
     localparam int unsigned ContextBits = Contexts > 1 ? $clog2(Contexts) : 1,

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // From a leaf to beats of candidates: its line comes through the cache, Lanes photons a cycle, and the lanes keep what
-// lies within the bound of the query. Wires the cache, the lanes, and the positions of queries that these read.
+// lies within the bound of the query. Wires the cache, the lanes, and the positions and bounds of queries
+// that these read.
 //
 // One leaf lookup and one beat a cycle, leaves in any order. Latency of a leaf in the cache 5 cycles to its first beat
 // and 6 to the lanes' FIFO.
@@ -50,8 +51,9 @@ module photon_gatherer_beats #(
     input  logic                             line_rsp_valid_i,
     input  logic [              TagBits-1:0] line_rsp_tag_i,
     input  logic [         LineBeatBits-1:0] line_rsp_data_i,
-    // bound, read by context
-    output logic [          ContextBits-1:0] bound_context_o,
+    // a bound is written
+    input  logic                             bound_write_i,
+    input  logic [          ContextBits-1:0] bound_context_i,
     input  logic [               R2Bits-1:0] bound_i,
     // leaves without candidates
     output logic                             empty_valid_o,
@@ -79,10 +81,11 @@ module photon_gatherer_beats #(
   end
 
   logic lanes_ready, line_issue, line_valid;
-  logic [ContextBits-1:0] line_context, lane_context;
+  logic [ContextBits-1:0] line_context, lane_context, lane_bound_context;
   logic [BeatBits-1:0] line_beat;
   logic [Lanes*PhotonBits-1:0] line_photons;
   logic [3*PositionBits-1:0] lane_position;
+  logic [R2Bits-1:0] lane_bound;
 
   cache #(
       .AddressBits(LineBits + 1),
@@ -132,6 +135,17 @@ module photon_gatherer_beats #(
       .read_address_i(lane_context),
       .read_data_o(lane_position)
   );
+  lut_ram #(
+      .Width(R2Bits),
+      .Depth(Contexts)
+  ) bounds (
+      .clk_i(clk_i),
+      .write_i(bound_write_i),
+      .write_address_i(bound_context_i),
+      .write_data_i(bound_i),
+      .read_address_i(lane_bound_context),
+      .read_data_o(lane_bound)
+  );
 
   photon_gatherer_lanes #(
       .PositionBits(PositionBits),
@@ -154,8 +168,8 @@ module photon_gatherer_beats #(
       .in_photons_i(line_photons),
       .query_context_o(lane_context),
       .query_i(lane_position),
-      .bound_context_o(bound_context_o),
-      .bound_i(bound_i),
+      .bound_context_o(lane_bound_context),
+      .bound_i(lane_bound),
       .empty_valid_o(empty_valid_o),
       .empty_context_o(empty_context_o),
       .out_valid_o(out_valid_o),

@@ -59,11 +59,10 @@ module photon_gatherer_candidates #(
     // ends of leaves
     output logic                             leaf_done_o,
     output logic [          ContextBits-1:0] leaf_done_context_o,
-    // bounds, by context: for lanes, for the stack
-    input  logic [          ContextBits-1:0] lane_context_i,
-    output logic [               R2Bits-1:0] lane_bound_o,
-    input  logic [          ContextBits-1:0] stack_context_i,
-    output logic [               R2Bits-1:0] stack_bound_o,
+    // a bound is written
+    output logic                             bound_write_o,
+    output logic [          ContextBits-1:0] bound_context_o,
+    output logic [               R2Bits-1:0] bound_o,
     // what was found for a context
     input  logic [          ContextBits-1:0] found_context_i,
     output logic [            CountBits-1:0] found_count_o,
@@ -81,9 +80,9 @@ module photon_gatherer_candidates #(
     output logic                             snapshot_done_o,
     output logic [            CountBits-1:0] snapshot_count_o,
     output logic [          K*PlaceBits-1:0] snapshot_places_o,
-    // counted events: came to the list, entered it
-    output logic                             candidate_o,
-    output logic                             insertion_o
+    // counted events: how many came to the list, entered it
+    output logic [                      1:0] candidates_o,
+    output logic [                      1:0] insertions_o
 );
   localparam int unsigned SlotBits = $clog2(Bucket);
   localparam int unsigned LaneBits = Lanes > 1 ? $clog2(Lanes) : 1;
@@ -248,13 +247,14 @@ module photon_gatherer_candidates #(
     token_load_q <= choice;
   end
 
+  logic insertion;
+
   photon_gatherer_list #(
       .K(K),
       .R2Bits(R2Bits),
       .IndexBits(IndexBits),
       .Contexts(Contexts),
-      .LoadBits(LoadBits),
-      .Readers(4)
+      .LoadBits(LoadBits)
   ) list (
       .clk_i(clk_i),
       .rst_i(rst_i),
@@ -268,8 +268,9 @@ module photon_gatherer_candidates #(
       .load_i(token_load_q),
       .started_o(start_done_o),
       .r2_max_i(start_r2_max_i),
-      .bound_context_i({found_context_i, wait_bound_context, lane_context_i, stack_context_i}),
-      .bound_o({found_r2_o, wait_bound, lane_bound_o, stack_bound_o}),
+      .bound_write_o(bound_write_o),
+      .bound_context_o(bound_context_o),
+      .bound_o(bound_o),
       .read_context_i(found_context_i),
       .count_o(found_count_o),
       .insertions_o(found_insertions_o),
@@ -280,7 +281,30 @@ module photon_gatherer_candidates #(
       .snapshot_o(snapshot_done_o),
       .snapshot_count_o(snapshot_count_o),
       .snapshot_places_o(snapshot_places_o),
-      .insert_o(insertion_o)
+      .insert_o(insertion)
   );
-  assign candidate_o = hand_q && token_candidate;
+  lut_ram #(
+      .Width(R2Bits),
+      .Depth(Contexts)
+  ) bounds_to_wait (
+      .clk_i(clk_i),
+      .write_i(bound_write_o),
+      .write_address_i(bound_context_o),
+      .write_data_i(bound_o),
+      .read_address_i(wait_bound_context),
+      .read_data_o(wait_bound)
+  );
+  lut_ram #(
+      .Width(R2Bits),
+      .Depth(Contexts)
+  ) bounds_found (
+      .clk_i(clk_i),
+      .write_i(bound_write_o),
+      .write_address_i(bound_context_o),
+      .write_data_i(bound_o),
+      .read_address_i(found_context_i),
+      .read_data_o(found_r2_o)
+  );
+  assign candidates_o = {1'b0, hand_q && token_candidate};
+  assign insertions_o = {1'b0, insertion};
 endmodule

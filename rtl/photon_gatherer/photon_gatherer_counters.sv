@@ -1,37 +1,33 @@
 // SPDX-License-Identifier: Apache-2.0
 // Count counters of 32 bits, of which only one adder is wide: each counts its lowest bits alone and notes a carry;
 // once in 16 cycles its turn comes, when the carry is added to the upper bits, in LUT RAM, and the output is refreshed.
-// Counter Double may step by two. Modulo 2^32; an output shows its counter as it was at most 18 cycles ago, exactly.
+// Each takes steps of two at most. Modulo 2^32; an output shows its counter as it was at most 18 cycles ago, exactly.
 module photon_gatherer_counters #(
-    parameter int unsigned Count = 13,  // at most 16
-    parameter int unsigned Double = 3
+    parameter int unsigned Count = 13  // at most 16
 ) (
     input  logic                clk_i,
     input  logic                rst_i,
-    input  logic [   Count-1:0] event_i,
-    input  logic                double_i,  // counter Double steps by two, not one
+    input  logic [ 2*Count-1:0] step_i,  // 0, 1 or 2 each
     output logic [32*Count-1:0] count_o
 );
-  localparam int unsigned LowBits = 5;  // 16 cycles with two steps each carry at most once
+  localparam int unsigned LowBits = 5;  // 16 cycles with steps of two carry at most once
   localparam int unsigned HighBits = 32 - LowBits;
 
   logic [3:0] turn_q, turn_1_q;
   logic first_round_q, carry_q;
   logic [Count-1:0] carry, turn;
   logic [HighBits-1:0] high, high_q, sum;
-  logic [Count-1:0] event_q;
-  logic double_q;
+  logic [2*Count-1:0] step_q;
 
   always_ff @(posedge clk_i) begin
-    event_q <= event_i;
-    double_q <= double_i;
+    step_q <= step_i;
     turn_q <= turn_q + 1'b1;
     turn_1_q <= turn_q;
     if (turn_q == 4'd15) first_round_q <= 1'b0;
     high_q <= first_round_q ? '0 : high;
     carry_q <= (carry & turn) != '0;
     if (rst_i) begin
-      event_q <= '0;
+      step_q <= '0;
       turn_q <= '0;
       first_round_q <= 1'b1;
     end
@@ -51,22 +47,21 @@ module photon_gatherer_counters #(
   assign sum = high_q + HighBits'(carry_q);
 
   for (genvar i = 0; i < Count; i++) begin : gen_counter
-    localparam int unsigned Low = i == Double ? LowBits : LowBits - 1;  // bits that count alone
-    logic [Low-1:0] low_q, low_1_q;
-    logic [Low:0] low_next;
+    logic [LowBits-1:0] low_q, low_1_q;
+    logic [LowBits:0] low_next;
     logic carry_i_q, turn_i_q;
     logic [31:0] count_q;
 
-    assign low_next = {1'b0, low_q} + (Low + 1)'(event_q[i]) + (i == Double ? (Low + 1)'(double_q) : '0);
+    assign low_next = {1'b0, low_q} + (LowBits + 1)'(step_q[2*i+:2]);
     assign turn[i] = turn_q == 4'(i);
     assign carry[i] = carry_i_q;
 
     always_ff @(posedge clk_i) begin
-      low_q <= low_next[Low-1:0];
-      carry_i_q <= low_next[Low] || (carry_i_q && !turn[i]);
+      low_q <= low_next[LowBits-1:0];
+      carry_i_q <= low_next[LowBits] || (carry_i_q && !turn[i]);
       turn_i_q <= turn[i];
       if (turn[i]) low_1_q <= low_q;
-      if (turn_i_q) count_q <= 32'({sum, low_1_q});
+      if (turn_i_q) count_q <= {sum, low_1_q};
       if (rst_i) begin
         low_q <= '0;
         carry_i_q <= 1'b0;

@@ -2,9 +2,9 @@
 // Beats of leaf lines, Lanes photons each, to beats of candidates. Each lane computes its photon's exact squared
 // distance and drops it when the slot is unused or it is beyond the bound of that moment (a bound only shrinks, so
 // this never drops what the list would take). A line that keeps none leaves by empty_*; else beats that keep a photon,
-// and the last of the line, wait in a FIFO. What else their photons have (direction, power: their load) goes to a row of block RAM, whose number goes with the beat:
-// the directions are read when the beat is taken, the loads when its candidates are at the list. Rows are reused in
-// turn, after more beats than there can be between here and there.
+// and the last of the line, wait in a FIFO. What else their photons have (direction, power: their load) goes to a row
+// of block RAM, whose number goes with the beat: the directions are read when the beat is taken, the loads when its
+// candidates are at the list. Rows are reused in turn, after more beats than there can be between here and there.
 //
 // A line is announced by issue_i as many cycles ahead as its sender likes; ready_o says that one more may be issued,
 // and room for all that were is held. Latency 6 from beat to FIFO; one beat a cycle.

@@ -61,8 +61,9 @@ module photon_gatherer_leaves #(
     output logic [     ContextBits-1:0] finish_context_o,
     output logic [       StackBits-1:0] finish_stack_o,
     output logic                        finish_stop_o,
-    // bound, for the stack
-    input  logic [     ContextBits-1:0] bound_context_i,
+    // a bound is written
+    output logic                        bound_write_o,
+    output logic [     ContextBits-1:0] bound_context_o,
     output logic [          R2Bits-1:0] bound_o,
     // leaf lines
     output logic                        line_req_valid_o,
@@ -95,8 +96,8 @@ module photon_gatherer_leaves #(
     output logic                        leaf_o,
     output logic                        hit_o,
     output logic                        miss_o,
-    output logic                        candidate_o,
-    output logic                        insertion_o
+    output logic [                 1:0] candidates_o,        // how many
+    output logic [                 1:0] insertions_o
 );
   // Between a beat's place in the FIFO and its candidates' loads: the beat in hand, 16 pairs tested and to be tested, the
   // pair that waits, the pair in hand and 3 stages of the list.
@@ -139,14 +140,13 @@ module photon_gatherer_leaves #(
   );
 
   logic beat_valid, beat_ready, beat_last, direction_read;
-  logic [ContextBits-1:0] beat_context, lane_context;
+  logic [ContextBits-1:0] beat_context;
   logic [BeatBits-1:0] beat_number;
   logic [RowBits-1:0] beat_row, load_row;
   logic [Lanes-1:0] beat_mask;
   logic [Lanes*R2Bits-1:0] beat_d2;
   logic [2*Lanes*DirectionBits-1:0] directions;
   logic [Lanes*LoadBits-1:0] loads;
-  logic [R2Bits-1:0] lane_bound;
 
   photon_gatherer_beats #(
       .Contexts(Contexts),
@@ -175,8 +175,9 @@ module photon_gatherer_leaves #(
       .line_rsp_valid_i(line_rsp_valid_i),
       .line_rsp_tag_i(line_rsp_tag_i),
       .line_rsp_data_i(line_rsp_data_i),
-      .bound_context_o(lane_context),
-      .bound_i(lane_bound),
+      .bound_write_i(bound_write_o),
+      .bound_context_i(bound_context_o),
+      .bound_i(bound_o),
       .empty_valid_o(leaf_empty),
       .empty_context_o(leaf_empty_context),
       .out_valid_o(beat_valid),
@@ -226,10 +227,9 @@ module photon_gatherer_leaves #(
       .line_i(line),
       .leaf_done_o(leaf_done),
       .leaf_done_context_o(leaf_done_context),
-      .lane_context_i(lane_context),
-      .lane_bound_o(lane_bound),
-      .stack_context_i(bound_context_i),
-      .stack_bound_o(bound_o),
+      .bound_write_o(bound_write_o),
+      .bound_context_o(bound_context_o),
+      .bound_o(bound_o),
       .found_context_i(found_context_i),
       .found_count_o(found_count_o),
       .found_r2_o(found_r2_o),
@@ -244,7 +244,7 @@ module photon_gatherer_leaves #(
       .snapshot_done_o(snapshot_done_o),
       .snapshot_count_o(snapshot_count_o),
       .snapshot_places_o(snapshot_places_o),
-      .candidate_o(candidate_o),
-      .insertion_o(insertion_o)
+      .candidates_o(candidates_o),
+      .insertions_o(insertions_o)
   );
 endmodule

@@ -16,14 +16,14 @@
 // A start is a token of its own. It empties the list and sets the bound. Behind the list is the slot store: what is kept
 // of each entry, by its place.
 //
-// Bounds: r2_max of the query's map from its start, the K-th d2 once the list is full, readable 5 cycles after the token.
+// Bounds: r2_max of the query's map from its start, the K-th d2 once the list is full; written in the fourth cycle after the
+// token, to be read from the fifth.
 module photon_gatherer_list #(
     parameter int unsigned K = 16,
     parameter int unsigned R2Bits = 34,
     parameter int unsigned IndexBits = 16,
     parameter int unsigned Contexts = 16,
     parameter int unsigned LoadBits = 48,
-    parameter int unsigned Readers = 4,  // of bounds
     localparam int unsigned ContextBits = Contexts > 1 ? $clog2(Contexts) : 1,
     localparam int unsigned PlaceBits = K > 1 ? $clog2(K) : 1,
     localparam int unsigned CountBits = $clog2(K + 1),
@@ -43,9 +43,10 @@ module photon_gatherer_list #(
     // a start is done: four cycles after its token, with r2_max of its map, given from the token until then
     output logic                           started_o,
     input  logic [             R2Bits-1:0] r2_max_i,
-    // bounds
-    input  logic [Readers*ContextBits-1:0] bound_context_i,
-    output logic [     Readers*R2Bits-1:0] bound_o,
+    // a bound is written: who reads bounds keeps them by context
+    output logic                           bound_write_o,
+    output logic [        ContextBits-1:0] bound_context_o,
+    output logic [             R2Bits-1:0] bound_o,
     // count and insertions of a context
     input  logic [        ContextBits-1:0] read_context_i,
     output logic [          CountBits-1:0] count_o,
@@ -270,19 +271,9 @@ module photon_gatherer_list #(
 
   assign started_o = e_start_q;
 
-  for (genvar r = 0; r < Readers; r++) begin : gen_bound
-    lut_ram #(
-        .Width(R2Bits),
-        .Depth(Contexts)
-    ) bound (
-        .clk_i(clk_i),
-        .write_i(e_bound_q),
-        .write_address_i(e_context_q),
-        .write_data_i(e_d2_q),
-        .read_address_i(bound_context_i[ContextBits*r+:ContextBits]),
-        .read_data_o(bound_o[R2Bits*r+:R2Bits])
-    );
-  end
+  assign bound_write_o = e_bound_q;
+  assign bound_context_o = e_context_q;
+  assign bound_o = e_d2_q;
 
   // ---- slot store: load and key by place ----
   logic store_q;

@@ -2,7 +2,7 @@
 // The walk through the tree, of all contexts: from a query's start to its first leaf, and from a leaf that is done to
 // the next one, or to the query's end. Wires three modules: photon_gatherer_next chooses the step, photon_gatherer_nodes
 // descends through inner nodes, photon_gatherer_stack drops subtrees that are too far; and what they read of a context:
-// its position and the offsets of the subtree that it is in. Mirrors the order of search_gather in
+// its position, the offsets of the subtree that it is in, its bound. Mirrors the order of search_gather in
 // golden/unit/photon_gatherer.cpp.
 //
 // One inner node, one leaf and two stack entries a cycle. A query is at a leaf 3 cycles for each inner node and 1 after
@@ -50,14 +50,15 @@ module photon_gatherer_tree #(
     input  logic [    ContextBits-1:0] finish_context_i,
     input  logic [      StackBits-1:0] finish_stack_i,
     input  logic                       finish_stop_i,
-    // bound, read by context
-    output logic [    ContextBits-1:0] bound_context_o,
+    // a bound is written
+    input  logic                       bound_write_i,
+    input  logic [    ContextBits-1:0] bound_context_i,
     input  logic [         R2Bits-1:0] bound_i,
     // a query is done
     output logic                       done_o,
     output logic [    ContextBits-1:0] done_context_o,
-    // counted events
-    output logic                       node_o,
+    // counted events, how many
+    output logic [                1:0] nodes_o,
     output logic [                1:0] dropped_o
 );
   localparam bit HasBoth = GlobalLines != 0 && CausticLines != 0;
@@ -126,12 +127,13 @@ module photon_gatherer_tree #(
       .leaf_steps_o(leaf_steps_o)
   );
 
-  // ---- what a node reads of its context ----
-  logic node_map, push;
-  logic [ContextBits-1:0] node_context, push_context;
+  // ---- with what nodes and stack read of a context ----
+  logic node_map, node_step, push;
+  logic [ContextBits-1:0] node_context, push_context, stack_bound_context;
   logic [3*PositionBits-1:0] node_position;
   logic [OffsetsBits-1:0] node_offsets;
   logic [StackBits-1:0] push_stack;
+  logic [R2Bits-1:0] stack_bound;
   logic [NodeBits+OffsetsBits+DistanceBits:0] push_entry;
 
   lut_ram #(
@@ -191,11 +193,25 @@ module photon_gatherer_tree #(
       .leaf_line_o(descent_line),
       .leaf_stack_o(descent_stack),
       .leaf_steps_o(descent_steps),
-      .step_o(node_o),
+      .step_o(node_step),
       .push_o(push),
       .push_context_o(push_context),
       .push_stack_o(push_stack),
       .push_entry_o(push_entry)
+  );
+
+  assign nodes_o = {1'b0, node_step};
+
+  lut_ram #(
+      .Width(R2Bits),
+      .Depth(Contexts)
+  ) bounds (
+      .clk_i(clk_i),
+      .write_i(bound_write_i),
+      .write_address_i(bound_context_i),
+      .write_data_i(bound_i),
+      .read_address_i(stack_bound_context),
+      .read_data_o(stack_bound)
   );
 
   photon_gatherer_stack #(
@@ -218,8 +234,8 @@ module photon_gatherer_tree #(
       .in_context_i(finish_context_i),
       .in_stack_i(finish_stack_i),
       .in_stop_i(finish_stop_i),
-      .bound_context_o(bound_context_o),
-      .bound_i(bound_i),
+      .bound_context_o(stack_bound_context),
+      .bound_i(stack_bound),
       .next_valid_o(subtree),
       .next_context_o(subtree_context),
       .next_leaf_o(subtree_leaf),
