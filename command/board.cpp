@@ -213,9 +213,10 @@ void replay(const ReplayOptions& o) {
 void add_board(CLI::App& app) {
   CLI::App* board = app.add_subcommand("board", "Talks to a board with a plan's bitstream");
   board->require_subcommand(1);
-  board->footer(
+  board->footer(fmt::format(
       "docs/board.md says how a board gets there. To render a frame with its gatherers:\n"
-      "  photonloom cosim SCENE --plan plan.toml --backend photon_gatherer=board:DEVICE");
+      "  photonloom cosim SCENE --plan plan.toml --backend {}=board:DEVICE",
+      unit_name<PhotonGatherer>));
 
   auto i = std::make_shared<DeviceOptions>();
   CLI::App* c = board->add_subcommand("info", "What the board is and what it has counted");

@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <iterator>
 #include <map>
 #include <memory>
@@ -11,14 +12,13 @@
 #include <optional>
 #include <set>
 
-#include "command/board_option.hpp"
+#include "command/backend_option.hpp"
 #include "command/console.hpp"
 #include "command/frame_options.hpp"
 #include "golden/image/sheet.hpp"
 #include "golden/numeric/output_file.hpp"
 #include "verilator_tb/rig/rig_options.hpp"
 #include "verilator_tb/rig/timeline.hpp"
-#include "verilator_tb/unit/backends.hpp"
 #include "verilator_tb/unit/compare_units.hpp"
 
 namespace photonloom {
@@ -26,28 +26,30 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr const char* kUnits[] = {"photon_gatherer", "reorder_buffer", "cdf_sampler"};
+// "a=rtl,b=rtl", all units.
+std::string all_as_rtl() {
+  std::string text;
+  for (const std::string& name : unit_names())
+    text += (text.empty() ? "" : ",") + name + "=" + model_kind_name(ModelKind::kRtl);
+  return text;
+}
 
 struct CosimOptions {
   FrameOptions frame;
   ThreadsOption threads;
   RigFlags rig;
-  std::string backends = "photon_gatherer=rtl,reorder_buffer=rtl,cdf_sampler=rtl", output;
+  std::string backends = all_as_rtl(), output;
   uint64_t timeline = 5000;
   bool keep_going = false, json = false;
   BoardFlags board;
 };
 
-constexpr const char* kBoard = "board";
-
 // The units that do not run as golden, each with its backend.
-struct Hardware {
-  std::map<std::string, std::string> units;
-  std::string device;  // of the board, where a unit runs on one
-};
+using Hardware = std::map<std::string, Backend>;
 
 // From "a=rtl,b=golden,c=board:DEVICE".
 Hardware hardware_units(const std::string& text) {
+  const std::vector<std::string> units = unit_names();
   std::set<std::string> named;
   Hardware hardware;
   for (size_t at = 0; at <= text.size();) {
@@ -55,37 +57,38 @@ Hardware hardware_units(const std::string& text) {
     const std::string item = text.substr(at, end - at);
     const size_t equals = item.find('=');
     const std::string unit = item.substr(0, equals);
-    std::string backend = equals == std::string::npos ? "" : item.substr(equals + 1);
-    const std::optional<std::string> board = board_device(backend);
-    if (std::find(std::begin(kUnits), std::end(kUnits), unit) == std::end(kUnits) ||
-        (backend != "golden" && !board && !model_kind(backend)))
-      throw UsageError(fmt::format(
-          "--backend: '{}', expected UNIT=BACKEND with UNIT photon_gatherer, reorder_buffer or "
-          "cdf_sampler and BACKEND rtl, netlist, cxxrtl, board:DEVICE or golden",
-          item));
+    const std::optional<Backend> backend =
+        parse_backend(equals == std::string::npos ? "" : item.substr(equals + 1));
+    if (std::find(units.begin(), units.end(), unit) == units.end() || !backend ||
+        !backend->kind.in_frames)
+      throw UsageError(
+          fmt::format("--backend: '{}', expected UNIT=BACKEND with UNIT {} and BACKEND {}", item,
+                      unit_names_text(), backend_kinds_text(true)));
     if (!named.insert(unit).second)
       throw UsageError(fmt::format("--backend: {} stands twice", unit));
-    if (board) {
-      if (unit != "photon_gatherer")
-        throw UsageError(
-            fmt::format("--backend: '{}', a board has photon_gatherer only behind its link", item));
-      hardware.device = *board;
-      backend = kBoard;
+    if (!backend->kind.serves(find_unit(unit))) {
+      std::string served;
+      for (const UnitInfo& u : all_units())
+        if (backend->kind.serves(u))
+          served += (served.empty() ? "" : " and ") + std::string(u.name);
+      throw UsageError(fmt::format("--backend: '{}', a {} has {} only behind its link", item,
+                                   backend->kind.name, served));
     }
-    if (backend != "golden") hardware.units[unit] = backend;
+    if (backend->kind.source != BackendSource::kGolden) hardware[unit] = *backend;
     at = end + 1;
   }
-  if (hardware.units.empty())
-    throw UsageError(
-        "--backend: names no unit as rtl, netlist, cxxrtl or board, there is nothing to compare");
+  if (hardware.empty())
+    throw UsageError(fmt::format(
+        "--backend: names no unit as other than golden, there is nothing to compare; expected {}",
+        backend_kinds_text(true)));
   return hardware;
 }
 
 // What the hardware is called: its backend where all units have the same.
-std::string hardware_name(const std::map<std::string, std::string>& hardware) {
+std::string hardware_name(const Hardware& hardware) {
   for (const auto& [unit, backend] : hardware)
-    if (backend != hardware.begin()->second) return "hardware";
-  return hardware.begin()->second;
+    if (backend.kind.name != hardware.begin()->second.kind.name) return "hardware";
+  return hardware.begin()->second.kind.name;
 }
 
 // This program's command line as a shell takes it.
@@ -103,26 +106,6 @@ std::string command_line() {
   }
   return text;
 }
-
-// One unit as hardware beside golden: owns both, and hands the frame the comparison.
-template <class Unit>
-struct Side {
-  std::unique_ptr<Unit> golden, hardware;
-  Clocked* clocked = nullptr;  // the hardware, where it has a clock
-  Comparing<Unit>* both = nullptr;
-
-  template <class HardwareUnit>
-  std::unique_ptr<Unit> start(const Plan& plan, const CompareContext& context,
-                              std::unique_ptr<Unit> golden_unit,
-                              std::unique_ptr<HardwareUnit> hardware_unit) {
-    golden = std::move(golden_unit);
-    clocked = dynamic_cast<Clocked*>(hardware_unit.get());
-    auto comparing = compare_units(plan, context, *golden, *hardware_unit);
-    hardware = std::move(hardware_unit);
-    both = comparing.get();
-    return comparing;
-  }
-};
 
 // What a unit did, for the table and the summary.
 struct UnitReport {
@@ -142,19 +125,70 @@ struct UnitReport {
   }
 };
 
+// A unit as hardware beside golden: what the comparison, which the frame has, stands in front of.
+struct Side {
+  std::shared_ptr<void> golden, hardware;
+  std::function<UnitReport()> report;  // once the frame is rendered
+};
+
 template <class Unit>
-UnitReport report_of(const std::string& name, Side<Unit>& side) {
-  if (side.clocked) side.clocked->finish();
-  return {name,
-          side.both->first_report(),
-          side.both->compared(),
-          side.both->differences(),
-          side.both->packets_in(),
-          side.both->counters()};
+Side compare_in_frame(std::unique_ptr<Unit>& in_frame, const Plan& plan,
+                      const CompareContext& context, std::unique_ptr<Unit> hardware_unit) {
+  const std::shared_ptr<Unit> golden = std::move(in_frame), hardware = std::move(hardware_unit);
+  auto comparing = compare_units(plan, context, *golden, *hardware);
+  const auto report = [unit = context.unit, both = comparing.get(),
+                       clocked = dynamic_cast<Clocked*>(hardware.get())]() -> UnitReport {
+    if (clocked) clocked->finish();
+    return {unit,
+            both->first_report(),
+            both->compared(),
+            both->differences(),
+            both->packets_in(),
+            both->counters()};
+  };
+  in_frame = std::move(comparing);
+  return {golden, hardware, report};
 }
 
 double ratio(uint64_t a, uint64_t b) {
   return b ? static_cast<double>(a) / static_cast<double>(b) : 0;
+}
+
+// What is worth a line of one kind of unit; others have none.
+template <class Unit>
+void print_own(std::type_identity<Unit>, const UnitReport&) {}
+
+void print_own(std::type_identity<PhotonGatherer>, const UnitReport& u) {
+  const bool board = u.counters.count("link bytes out");
+  const uint64_t hits = u.count("cache hits"), all = hits + u.count("cache misses"),
+                 asked = u.count("packets in") - u.count("packets resumed");
+  // The cycles of a board are those of its link.
+  std::string first, second = "a gather: ";
+  if (!board) {
+    first = fmt::format("cache hits {} of {} ({:.1f} %), ", hits, all, 100 * ratio(hits, all));
+    second = fmt::format("{:.1f} cycles a gather: ", ratio(u.count("cycles"), asked));
+  }
+  fmt::print("  {}{} bytes read, {:.1f} a gather\n", first, u.count("bytes read"),
+             ratio(u.count("bytes read"), asked));
+  fmt::print("  {}{:.1f} nodes, {:.1f} leaves, {:.1f} insertions\n", second,
+             ratio(u.count("nodes"), asked), ratio(u.count("leaves"), asked),
+             ratio(u.count("insertions"), asked));
+  if (!board) return;
+  fmt::print("  link: {} bytes out, {} in, {} frames sent again, lost {} times\n",
+             u.count("link bytes out"), u.count("link bytes in"), u.count("link frames again"),
+             u.count("link lost"));
+  fmt::print("  {} packets were answered before; the other {} in {:.1f} s, {:.0f} a second\n",
+             u.count("packets resumed"), asked,
+             static_cast<double>(u.count("link milliseconds")) / 1000,
+             1000 * ratio(asked, u.count("link milliseconds")));
+}
+
+double mean_displacement(const UnitReport& u) {
+  return ratio(u.count("displacement"), u.count("packets matched"));
+}
+
+void print_own(std::type_identity<ReorderBuffer>, const UnitReport& u) {
+  fmt::print("  mean displacement {:.1f} packets\n", mean_displacement(u));
 }
 
 void print_units(const std::vector<UnitReport>& units) {
@@ -164,62 +198,33 @@ void print_units(const std::vector<UnitReport>& units) {
     fmt::print("{:<16}{:>10}{:>8}{:>10}{:>12}{:>8.1f}{:>11}{:>11}\n", u.unit, u.compared,
                u.differences, u.bypassed(), u.count("cycles"), u.busy(), u.count("stalls in"),
                u.count("stalls out"));
-    if (u.unit == "photon_gatherer") {
-      const bool board = u.counters.count("link bytes out");
-      const uint64_t hits = u.count("cache hits"), all = hits + u.count("cache misses"),
-                     asked = u.count("packets in") - u.count("packets resumed");
-      // The cycles of a board are those of its link.
-      std::string first, second = "a gather: ";
-      if (!board) {
-        first = fmt::format("cache hits {} of {} ({:.1f} %), ", hits, all, 100 * ratio(hits, all));
-        second = fmt::format("{:.1f} cycles a gather: ", ratio(u.count("cycles"), asked));
-      }
-      fmt::print("  {}{} bytes read, {:.1f} a gather\n", first, u.count("bytes read"),
-                 ratio(u.count("bytes read"), asked));
-      fmt::print("  {}{:.1f} nodes, {:.1f} leaves, {:.1f} insertions\n", second,
-                 ratio(u.count("nodes"), asked), ratio(u.count("leaves"), asked),
-                 ratio(u.count("insertions"), asked));
-      if (board) {
-        fmt::print("  link: {} bytes out, {} in, {} frames sent again, lost {} times\n",
-                   u.count("link bytes out"), u.count("link bytes in"),
-                   u.count("link frames again"), u.count("link lost"));
-        fmt::print("  {} packets were answered before; the other {} in {:.1f} s, {:.0f} a second\n",
-                   u.count("packets resumed"), asked,
-                   static_cast<double>(u.count("link milliseconds")) / 1000,
-                   1000 * ratio(asked, u.count("link milliseconds")));
-      }
-    }
-    if (u.unit == "reorder_buffer")
-      fmt::print("  mean displacement {:.1f} packets\n",
-                 ratio(u.count("displacement"), u.count("packets matched")));
+    with_unit(u.unit, [&](auto unit) { print_own(unit, u); });
   }
 }
 
 void cosim(const CosimOptions& o) {
   const FrameRequest request = o.frame.request();
-  const Hardware chosen = hardware_units(o.backends);
-  const std::map<std::string, std::string>& hardware = chosen.units;
+  const Hardware hardware = hardware_units(o.backends);
   const std::string name = hardware_name(hardware);
-  for (const char* unit : kUnits) o.rig.options(unit);  // bad values before long work
+  for (const std::string& unit : unit_names()) o.rig.options(unit);  // bad values before long work
   std::set<std::string> units_with_waves;
   size_t netlists = 0;
   for (const auto& [unit, backend] : hardware) {
-    if (backend != kBoard) units_with_waves.insert(unit);
-    netlists += backend == "netlist";
+    if (backend.kind.model) units_with_waves.insert(unit);
+    netlists += backend.kind.model == ModelKind::kNetlist;
   }
   o.rig.check_netlist(netlists);
   o.rig.check_waveform(units_with_waves);
   o.threads.apply();
   const std::string stem = std::filesystem::path(request.scene_file).stem().string();
-  const std::string output =
-      o.output.empty() ? o.rig.options("photon_gatherer").work_dir + "/" + stem : o.output;
+  const std::string output = o.output.empty() ? o.rig.options("").work_dir + "/" + stem : o.output;
   OutputFolder folder(output, "summary.json");
 
   ConsoleProgress progress;
   PreparedFrame frame = prepare_frame(request, Arithmetic::kGolden, &progress);
   print_warnings(frame.warnings);
-  if (!chosen.device.empty())  // a wrong board is refused before long work
-    o.board.check(frame.plan, chosen.device);
+  for (const auto& [unit, backend] : hardware)  // a wrong board is refused before long work
+    if (!backend.device.empty()) o.board.check(frame.plan, backend.device);
   FrameUnits golden_units = make_golden_units(frame.plan);
   FrameCounts golden_counts, counts;
   Image golden_image =
@@ -232,59 +237,34 @@ void cosim(const CosimOptions& o) {
   context.keep_going = o.keep_going;
   context.timeline = &timeline;
   FrameUnits units = make_golden_units(frame.plan);
-  Side<PhotonGatherer> gatherer;
-  Side<ReorderBuffer> reorder;
-  Side<CdfSampler> sampler;
+  std::vector<Side> sides;
   Image hardware_image;
   std::vector<UnitReport> reports;
   try {
-    const auto options = [&](const std::string& unit) {
-      RunOptions run = o.rig.options(unit);
-      context.unit = unit;
-      context.backend = hardware.at(unit);
-      context.waveform.clear();
-      if (const auto kind = model_kind(context.backend)) {
-        run.kind = *kind;
-        context.waveform = waveform_extension(*kind);
-      }
-      run.timeline = o.timeline > 0;
-      context.seed = run.seed;
-      return run;
-    };
     {
       const ProgressPhase phase(&progress, "models", hardware.size(), "units");
-      if (hardware.count("photon_gatherer")) {
-        const RunOptions run = options("photon_gatherer");
-        units.photon_gatherer =
-            chosen.device.empty()
-                ? gatherer.start(frame.plan, context, std::move(units.photon_gatherer),
-                                 make_rtl_photon_gatherer(frame.plan, run))
-                : gatherer.start(frame.plan, context, std::move(units.photon_gatherer),
-                                 o.board.photon_gatherer(frame.plan, chosen.device, run.work_dir));
+      for_each_unit([&](auto unit) {
+        context.unit = unit_name<typename decltype(unit)::type>;
+        const auto chosen = hardware.find(context.unit);
+        if (chosen == hardware.end()) return;
+        const Backend& backend = chosen->second;
+        RunOptions run = o.rig.options(context.unit);
+        run.timeline = o.timeline > 0;
+        context.backend = backend.kind.name;
+        context.waveform = backend.kind.model ? waveform_extension(*backend.kind.model) : "";
+        context.seed = run.seed;
+        sides.push_back(compare_in_frame(units.of(unit), frame.plan, context,
+                                         make_backend(unit, backend, frame.plan, run, o.board)));
         phase.advance(1);
-      }
-      if (hardware.count("reorder_buffer")) {
-        const RunOptions run = options("reorder_buffer");
-        units.reorder_buffer = reorder.start(frame.plan, context, std::move(units.reorder_buffer),
-                                             make_rtl_reorder_buffer(frame.plan, run));
-        phase.advance(1);
-      }
-      if (hardware.count("cdf_sampler")) {
-        const RunOptions run = options("cdf_sampler");
-        units.cdf_sampler = sampler.start(frame.plan, context, std::move(units.cdf_sampler),
-                                          make_rtl_cdf_sampler(frame.plan, run));
-        phase.advance(1);
-      }
+      });
     }
     hardware_image = render_frame(frame.input(Arithmetic::kGolden), units, counts, &progress);
-    if (gatherer.hardware) reports.push_back(report_of("photon_gatherer", gatherer));
-    if (reorder.hardware) reports.push_back(report_of("reorder_buffer", reorder));
-    if (sampler.hardware) reports.push_back(report_of("cdf_sampler", sampler));
+    for (const Side& side : sides) reports.push_back(side.report());
   } catch (const RigError& error) {
     throw std::runtime_error(
         fmt::format("{}\n  again, with a waveform:\n    {} --wave {}.{} --wave-unit {}",
                     error.what(), context.rerun, error.unit,
-                    waveform_extension(*model_kind(hardware.at(error.unit))), error.unit));
+                    waveform_extension(*hardware.at(error.unit).kind.model), error.unit));
   }
 
   describe_frame(golden_image, frame, request, "golden");
@@ -315,11 +295,13 @@ void cosim(const CosimOptions& o) {
     differences += u.differences;
     bypassed += u.bypassed();
     if (u.compared == 0 && idle.empty()) idle = u.unit;
-    Json entry = {{"backend", hardware.at(u.unit)}, {"packets", u.compared},
-                  {"differences", u.differences},   {"bypassed", u.bypassed()},
-                  {"busy_percent", u.busy()},       {"counters", u.counters}};
-    if (u.unit == "reorder_buffer")
-      entry["mean_displacement"] = ratio(u.count("displacement"), u.count("packets matched"));
+    Json entry = {{"backend", hardware.at(u.unit).kind.name},
+                  {"packets", u.compared},
+                  {"differences", u.differences},
+                  {"bypassed", u.bypassed()},
+                  {"busy_percent", u.busy()},
+                  {"counters", u.counters}};
+    if (u.counters.count("displacement")) entry["mean_displacement"] = mean_displacement(u);
     summary["units"][u.unit] = entry;
   }
   summary["packets"] = compared;
@@ -359,26 +341,30 @@ void cosim(const CosimOptions& o) {
 void add_cosim(CLI::App& app) {
   auto o = std::make_shared<CosimOptions>();
   CLI::App* c = app.add_subcommand("cosim", "A frame through the hardware, compared with golden");
-  c->footer(
-      "Renders the frame twice: with golden units, and with the named units as hardware: rtl in\n"
-      "Verilator, its ECP5 netlist, cxxrtl, its model by Yosys (docs/netlist.md), or a board with\n"
-      "the plan's bitstream at the other end of a serial port (docs/board.md).\n"
+  std::string kinds;
+  for (const BackendKind& k : backend_kinds())
+    if (k.in_frames) kinds += fmt::format("  {:<22}{}\n", k.name + k.argument, k.meaning);
+  c->footer(fmt::format(
+      "Renders the frame twice: with golden units, and with the named units as hardware:\n{1}"
+      "(docs/netlist.md, docs/board.md; docs/units.md says which unit has which).\n"
       "Every packet of those is compared with golden's; the frame goes on with what they gave.\n"
       "Models are built once per plan and RTL source and kept in --work.\n"
       "Exit status 0 when all packets and the image's bytes are equal.\n\n"
       "Examples:\n"
       "  photonloom cosim scenes/cornell.xml --size 64x64 --spp 1 --gather-rays 16 --k 16 \\\n"
       "      --photons 50000\n"
-      "  photonloom cosim scenes/cornell.xml --size 32x32 --backend photon_gatherer=netlist\n"
-      "  photonloom cosim scenes/cornell.xml --size 32x32 --backend reorder_buffer=rtl \\\n"
+      "  photonloom cosim scenes/cornell.xml --size 32x32 --backend {0}=netlist\n"
+      "  photonloom cosim scenes/cornell.xml --size 32x32 --backend {2}=rtl \\\n"
       "      --stall adversary --rig-seed 7\n"
       "  photonloom cosim scenes/cornell.xml --plan plan.toml \\\n"
-      "      --backend photon_gatherer=board:/dev/ttyUSB0");
+      "      --backend {0}=board:/dev/ttyUSB0",
+      unit_name<PhotonGatherer>, kinds, unit_name<ReorderBuffer>));
   o->frame.add_to(*c);
-  c->add_option("--backend", o->backends,
-                "Units and what stands for them: UNIT=rtl, =netlist, =cxxrtl or =golden, with "
-                "commas between; photon_gatherer=board:DEVICE[@BAUD] too (default: all three as "
-                "rtl)")
+  c->add_option(
+       "--backend", o->backends,
+       fmt::format("Units and what stands for them, UNIT=BACKEND with commas between: UNIT "
+                   "{}, BACKEND {} (default: all as rtl)",
+                   unit_names_text(), backend_kinds_text(true)))
       ->type_name("UNIT=B,...");
   c->add_flag("--keep-going", o->keep_going,
               "Render to the end with the hardware's packets although they differ");

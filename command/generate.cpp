@@ -2,7 +2,6 @@
 // photonloom generate PLAN|SCENE -o DIR
 #include <fmt/core.h>
 
-#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <map>
@@ -79,9 +78,8 @@ void generate(const GenerateOptions& o) {
     print_warnings(frame.warnings);
     request.plan = frame.plan;
     request.reasons = frame.reasons;
-    const std::vector<std::string> units = units_present(frame.plan);
-    if (o.unit == "photon_gatherer" ||
-        (o.unit.empty() && std::find(units.begin(), units.end(), "photon_gatherer") != units.end()))
+    const UnitInfo& gatherer = unit_info<PhotonGatherer>;
+    if (o.unit == gatherer.name || (o.unit.empty() && gatherer.lacks(frame.plan).empty()))
       request.images = images(frame);
     files = generate_hardware(request);
   }
@@ -106,7 +104,7 @@ void generate(const GenerateOptions& o) {
 void add_generate(CLI::App& app) {
   auto o = std::make_shared<GenerateOptions>();
   CLI::App* c = app.add_subcommand("generate", "A hardware package: RTL for one plan");
-  c->footer(
+  c->footer(fmt::format(
       "From a plan.toml, or from a scene: then the plan is derived as `photonloom plan` does, and\n"
       "the scene's photon maps are added as memory images. The package holds the RTL that the "
       "plan\n"
@@ -120,16 +118,18 @@ void add_generate(CLI::App& app) {
       "Examples:\n"
       "  photonloom generate plan.toml -o hw\n"
       "  photonloom generate scenes/cornell.xml --photons 50000 --k 16 -o hw\n"
-      "  photonloom generate plan.toml -o gatherer --unit photon_gatherer\n"
+      "  photonloom generate plan.toml -o gatherer --unit {}\n"
       "  photonloom generate plan.toml -o ulx3s --board ulx3s-85f\n"
-      "  photonloom generate --check hw");
+      "  photonloom generate --check hw",
+      unit_name<PhotonGatherer>));
   o->frame.add_to(*c);
   c->get_option("SCENE")->description(
       "A plan.toml, or a Mitsuba XML scene; with --check the folder of a package");
   c->add_option("-o,--output", o->output,
                 "Folder to write; an older package there is replaced, with what was built in it")
       ->type_name("DIR");
-  c->add_option("--unit", o->unit, "This unit alone, to be built into another system")
+  c->add_option("--unit", o->unit,
+                "This unit alone, to be built into another system: " + unit_names_text())
       ->type_name("NAME");
   std::string boards;
   for (const std::string& b : board_names()) boards += (boards.empty() ? "" : ", ") + b;

@@ -6,6 +6,7 @@
 
 #include "command/command.hpp"
 #include "command/scene_option.hpp"
+#include "golden/plan/units.hpp"
 #include "golden/planner/planner.hpp"
 #include "golden/transport/world.hpp"
 
@@ -110,9 +111,12 @@ Json describe(const World& world) {
   // What asks a photon map needs the units that answer; a scene of mirrors and lamps needs none.
   const MapsNeeded maps = maps_needed(world, 1);
   Json units = Json::array();
-  if (maps.global)
-    for (const char* unit : {"cdf_sampler", "reorder_buffer", "photon_gatherer", "shader"})
-      units.push_back(unit);
+  Plan frame;
+  frame.global.present = maps.global;
+  if (maps.global) {
+    for (const std::string& unit : units_present(frame)) units.push_back(unit);
+    units.push_back("shader");
+  }
   j["needs"] = {{"units", units},
                 {"global_map", maps.global},
                 {"caustic_map", maps.caustic},

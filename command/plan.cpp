@@ -33,25 +33,11 @@ std::vector<std::pair<std::string, uint64_t>> memory_bits(const Plan& plan) {
     rows.emplace_back(name + ", leaf lines (external)", plan.lines(m) * n(plan.line_bytes()) * 8);
     rows.emplace_back(name + ", inner nodes", (plan.lines(m) - 1) * n(2 + plan.position_bits));
   }
-  if (!rows.empty()) {
-    rows.emplace_back("photon_gatherer, leaf cache", n(plan.cache_bytes) * 8);
-    rows.emplace_back("photon_gatherer, candidate lists",
-                      n(plan.contexts) * n(plan.k) * n(plan.r2_bits() + plan.index_bits()));
-    rows.emplace_back(
-        "photon_gatherer, powers and directions of candidates",
-        n(plan.contexts) * n(plan.k) * n(plan.photon_bits() - 3 * plan.position_bits));
-  }
-  if (plan.global.present) {
-    int query = 0;
-    GatherQuery::fields(plan, [&](auto, const FieldInfo& f) { query += f.elements * f.bits; });
-    if (plan.reorder_key != ReorderKey::kNone) {
-      const int link = clog2(n(plan.reorder_packets));
-      rows.emplace_back("reorder_buffer, pool", n(plan.reorder_packets) * n(query + link));
-      rows.emplace_back("reorder_buffer, bins", n(plan.reorder_bins) * n(2 * link + 1));
-    }
-    rows.emplace_back("cdf_sampler, two tables",
-                      2 * (uint64_t{1} << (2 * plan.cell_bits)) * n(plan.total_bits()));
-  }
+  for_each_unit([&](auto unit) {
+    const UnitInfo& info = unit_info<typename decltype(unit)::type>;
+    for (const auto& [what, bits] : unit_memory_bits(plan, info.name))
+      rows.emplace_back(fmt::format("{}, {}", info.name, what), bits);
+  });
   return rows;
 }
 
@@ -66,6 +52,7 @@ void describe(const Plan& plan, const std::string& file, const PlanOptions& o) {
     j["units"] = units_present(plan);
     for (const auto& [name, bits] : rows) j["memory_bits"][name] = bits;
     for (const std::string& unit : units_present(plan)) {
+      if (!is_predicted(unit)) continue;
       const UnitResources r = estimate_resources(plan, unit);
       j["resources"][unit] = {{"lut", std::lround(r.lut)},
                               {"ff", std::lround(r.ff)},
@@ -91,6 +78,7 @@ void describe(const Plan& plan, const std::string& file, const PlanOptions& o) {
   fmt::print("  {:<40} {:>10} {:>8} {:>5} {:>7}\n", "predicted on an LFE5U", "LUT-eq", "FF", "DSP",
              "EBR");
   for (const std::string& unit : units_present(plan)) {
+    if (!is_predicted(unit)) continue;
     const UnitResources r = estimate_resources(plan, unit);
     fmt::print("  {:<40} {:>10.0f} {:>8.0f} {:>5.0f} {:>7.0f}\n", unit, r.lut, r.ff, r.dsp, r.ebr);
   }

@@ -96,9 +96,9 @@ Image photon_map(const RenderOptions& o, const FrameRequest& request, ConsolePro
   summary["scene_hash"] = fmt::format("{:016x}", frame.world->scene().hash);
   summary["counts"] = counts_json(counts);
   if (arithmetic == Arithmetic::kGolden)
-    summary["units"] = {{"photon_gatherer", units.photon_gatherer->counters()},
-                        {"reorder_buffer", units.reorder_buffer->counters()},
-                        {"cdf_sampler", units.cdf_sampler->counters()}};
+    for_each_unit([&](auto unit) {
+      summary["units"][unit_name<typename decltype(unit)::type>] = units.of(unit)->counters();
+    });
   return image;
 }
 

@@ -5,14 +5,12 @@
 #include <filesystem>
 #include <memory>
 
-#include "command/board_option.hpp"
+#include "command/backend_option.hpp"
 #include "command/command.hpp"
 #include "golden/packet/map_photon.hpp"
 #include "golden/packet/trace.hpp"
 #include "golden/plan/plan_file.hpp"
-#include "golden/unit/photon_gatherer.hpp"
 #include "verilator_tb/rig/rig_options.hpp"
-#include "verilator_tb/unit/backends.hpp"
 
 namespace photonloom {
 namespace {
@@ -83,34 +81,37 @@ void write_packets(const std::vector<P>& packets, const Plan& plan, const std::s
   fmt::print("wrote {}: {} {} packets\n", path, packets.size(), P::kName);
 }
 
-// Options of a unit that runs as hardware.
-RunOptions run_options(const ReplayOptions& o) {
-  RunOptions run = o.rig.options(o.unit);
-  run.kind = *model_kind(o.backend);
-  return run;
+// The unit by the backend that was asked for.
+template <class Unit>
+std::unique_ptr<Unit> make_unit(std::type_identity<Unit> unit, const ReplayOptions& o,
+                                const Plan& plan) {
+  return make_backend(unit, *parse_backend(o.backend), plan, o.rig.options(o.unit), o.board);
 }
 
-void replay_photon_gatherer(const ReplayOptions& o, const Plan& plan) {
+// Where it has a clock, no packet may come that nobody owed.
+template <class Unit>
+void finish(Unit& unit) {
+  if (auto* clocked = dynamic_cast<Clocked*>(&unit)) clocked->finish();
+}
+
+// A file's packets, in the order that the unit's stream must have.
+template <class Unit>
+std::vector<typename Unit::In> read_input(std::type_identity<Unit>, const std::string& file,
+                                          const Plan& plan) {
+  return read_trace<typename Unit::In>(file, plan);
+}
+
+void replay_unit(std::type_identity<PhotonGatherer> kind, const ReplayOptions& o,
+                 const Plan& plan) {
   const PhotonMap global = load_map(o.photons, plan, false);
   const PhotonMap caustic = load_map(o.caustics, plan, true);
-  const std::vector<GatherQuery> in = read_trace<GatherQuery>(o.packets, plan);
-  std::unique_ptr<PhotonGatherer> unit;
-  ClockedPhotonGatherer* clocked = nullptr;
-  if (model_kind(o.backend)) {
-    auto rtl = make_rtl_photon_gatherer(plan, run_options(o));
-    clocked = rtl.get();
-    unit = std::move(rtl);
-  } else if (const auto device = board_device(o.backend)) {
-    unit = o.board.photon_gatherer(plan, *device, o.rig.options(o.unit).work_dir);
-  } else {
-    unit = o.backend == "golden" ? make_golden_photon_gatherer(plan)
-                                 : make_brute_photon_gatherer(plan);
-  }
+  const std::vector<GatherQuery> in = read_input(kind, o.packets, plan);
+  const auto unit = make_unit(kind, o, plan);
   unit->load(global, caustic);
   std::vector<GatherResult> results;
   std::vector<GatherPhoton> photons;
   unit->process(in, results, photons);
-  if (clocked) clocked->finish();
+  finish(*unit);
   write_packets(results, plan, o.output);
   bool wanted = false;
   for (const GatherQuery& q : in) wanted |= q.want_photons && !q.flush;
@@ -119,28 +120,14 @@ void replay_photon_gatherer(const ReplayOptions& o, const Plan& plan) {
   if (!o.caustics.empty()) write_addresses(caustic, plan, beside(o.output, "caustic_addresses"));
 }
 
-void replay_reorder_buffer(const ReplayOptions& o, const Plan& plan) {
-  const std::vector<GatherQuery> in = read_trace<GatherQuery>(o.packets, plan);
-  std::vector<GatherQuery> out;
-  if (model_kind(o.backend)) {
-    const auto rtl = make_rtl_reorder_buffer(plan, run_options(o));
-    rtl->process(in, out);
-    rtl->finish();
-  } else {
-    make_golden_reorder_buffer(plan)->process(in, out);
-  }
-  write_packets(out, plan, o.output);
-  if (out.size() < in.size())
-    fmt::print("{} packets are still held: no flush came after them\n", in.size() - out.size());
-}
-
-void replay_cdf_sampler(const ReplayOptions& o, const Plan& plan) {
+std::vector<SamplerInput> read_input(std::type_identity<CdfSampler>, const std::string& file,
+                                     const Plan& plan) {
   // The order of the one input stream is a rule of the unit, so it is checked here and nowhere in
   // hardware.
   std::vector<SamplerInput> in;
   const PacketLayout layout = PacketLayout::of<SamplerInput>(plan);
   int photons = 0;
-  for_each_line(o.packets, [&](const std::string& line, const std::string& where) {
+  for_each_line(file, [&](const std::string& line, const std::string& where) {
     SamplerInput p{};
     packet_from_json(layout, line, where, &p);
     if (p.kind > 2)
@@ -158,69 +145,74 @@ void replay_cdf_sampler(const ReplayOptions& o, const Plan& plan) {
           "{}: is photon {} of its table, the plan has gather.k = {}", where, photons, plan.k));
     in.push_back(p);
   });
-  std::vector<Sample> out;
-  if (model_kind(o.backend)) {
-    const auto rtl = make_rtl_cdf_sampler(plan, run_options(o));
-    rtl->process(in, out);
-    rtl->finish();
-  } else {
-    make_golden_cdf_sampler(plan)->process(in, out);
-  }
+  return in;
+}
+
+// A unit of one stream in and one out.
+template <class Unit>
+void replay_unit(std::type_identity<Unit> kind, const ReplayOptions& o, const Plan& plan) {
+  const std::vector<typename Unit::In> in = read_input(kind, o.packets, plan);
+  std::vector<typename Unit::FirstOut> out;
+  const auto unit = make_unit(kind, o, plan);
+  unit->process(in, out);
+  finish(*unit);
   write_packets(out, plan, o.output);
+  if constexpr (std::is_same_v<typename Unit::In, typename Unit::FirstOut>)
+    if (out.size() < in.size())
+      fmt::print("{} packets are still held: no flush came after them\n", in.size() - out.size());
 }
 
 void replay(const ReplayOptions& o) {
-  const bool gatherer = o.unit == "photon_gatherer";
-  if ((o.backend == "brute" || board_device(o.backend)) && !gatherer)
+  const bool gatherer = o.unit == unit_name<PhotonGatherer>;
+  const std::optional<Backend> backend = parse_backend(o.backend);
+  if (!backend)
+    throw UsageError(
+        fmt::format("--backend: '{}', expected {}", o.backend, backend_kinds_text(false)));
+  if (!backend->kind.serves(find_unit(o.unit)))
     throw UsageError(
         fmt::format("--backend {} answers gathers only, not packets of {}", o.backend, o.unit));
-  if (!board_device(o.backend) && !model_kind(o.backend) && o.backend != "golden" &&
-      o.backend != "brute")
-    throw UsageError(
-        fmt::format("--backend: '{}', expected rtl, netlist, cxxrtl, board:DEVICE, golden or brute",
-                    o.backend));
   if (!gatherer && !(o.photons.empty() && o.caustics.empty()))
     throw UsageError(fmt::format("{} has no meaning for {}",
                                  o.photons.empty() ? "--caustics" : "--photons", o.unit));
-  o.rig.check_netlist(o.backend == "netlist");
+  o.rig.check_netlist(backend->kind.model == ModelKind::kNetlist);
   const Plan plan = read_plan(o.plan);
-  if (gatherer)
-    replay_photon_gatherer(o, plan);
-  else if (o.unit == "reorder_buffer")
-    replay_reorder_buffer(o, plan);
-  else
-    replay_cdf_sampler(o, plan);
+  with_unit(o.unit, [&](auto unit) { replay_unit(unit, o, plan); });
 }
 
 void add_replay(CLI::App& app) {
   auto o = std::make_shared<ReplayOptions>();
   CLI::App* c = app.add_subcommand("replay", "Feed a unit your own packets");
-  c->footer(
+  c->footer(fmt::format(
       "Packets are JSON lines, one object each, all fields of the packet and no others\n"
       "(docs/packets.md). Photons are JSON lines too, in any order: position, mantissa, exponent,\n"
       "direction; the address each got in the map is written to OUT.addresses.jsonl. Photons that\n"
       "queries ask for (want_photons) are written to OUT.photons.jsonl, in query order.\n\n"
       "Examples:\n"
-      "  photonloom replay photon_gatherer --plan plan.toml --photons photons.jsonl \\\n"
+      "  photonloom replay {} --plan plan.toml --photons photons.jsonl \\\n"
       "      --packets queries.jsonl --backend rtl -o results.jsonl\n"
-      "  photonloom replay reorder_buffer --plan plan.toml --packets queries.jsonl -o out.jsonl");
-  c->add_option("UNIT", o->unit, "photon_gatherer, reorder_buffer or cdf_sampler")
-      ->required()
-      ->check(CLI::IsMember({"photon_gatherer", "reorder_buffer", "cdf_sampler"}));
+      "  photonloom replay {} --plan plan.toml --packets queries.jsonl -o out.jsonl",
+      unit_name<PhotonGatherer>, unit_name<ReorderBuffer>));
+  c->add_option("UNIT", o->unit, unit_names_text())->required()->check(CLI::IsMember(unit_names()));
   c->add_option("--plan", o->plan, "The plan that defines formats and sizes")
       ->required()
       ->type_name("FILE");
-  c->add_option("--packets", o->packets,
-                "Packets to feed: gather_query, or sampler_input for cdf_sampler")
+  std::string inputs;
+  for_each_unit([&](auto unit) {
+    using Unit = typename decltype(unit)::type;
+    inputs +=
+        fmt::format("{}{} for {}", inputs.empty() ? "" : ", ", Unit::In::kName, unit_name<Unit>);
+  });
+  c->add_option("--packets", o->packets, "Packets to feed: " + inputs)
       ->required()
       ->type_name("FILE.jsonl");
-  c->add_option("--photons", o->photons, "The global map's photons (photon_gatherer)")
+  c->add_option("--photons", o->photons,
+                fmt::format("The global map's photons ({})", unit_name<PhotonGatherer>))
       ->type_name("FILE.jsonl");
-  c->add_option("--caustics", o->caustics, "The caustic map's photons (photon_gatherer)")
+  c->add_option("--caustics", o->caustics,
+                fmt::format("The caustic map's photons ({})", unit_name<PhotonGatherer>))
       ->type_name("FILE.jsonl");
   c->add_option("--backend", o->backend,
-                "rtl (default), netlist, cxxrtl, board:DEVICE[@BAUD], golden, or brute: gathers by "
-                "trying every photon")
+                "What answers (default rtl): " + backend_kinds_text(false) + "; docs/units.md")
       ->type_name("NAME");
   c->add_option("-o,--output", o->output, "Packets that came out")
       ->required()

@@ -601,8 +601,9 @@ class Renderer {
 }  // namespace
 
 FrameUnits make_golden_units(const Plan& plan) {
-  return {make_golden_photon_gatherer(plan), make_golden_reorder_buffer(plan),
-          make_golden_cdf_sampler(plan)};
+  FrameUnits units;
+  for_each_unit([&](auto unit) { units.of(unit) = make_golden(unit, plan); });
+  return units;
 }
 
 Image render_frame(const FrameInput& in, FrameUnits& units, FrameCounts& counts,

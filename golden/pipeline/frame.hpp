@@ -22,9 +22,12 @@ enum class Arithmetic { kGolden, kReference };
 // The units of a frame, golden or anything else behind the same interface. The gatherer is loaded
 // by render_frame.
 struct FrameUnits {
-  std::unique_ptr<PhotonGatherer> photon_gatherer;
-  std::unique_ptr<ReorderBuffer> reorder_buffer;
-  std::unique_ptr<CdfSampler> cdf_sampler;
+  // units.NAME for each unit, and units.of(type) for what is the same for all.
+#define PHOTONLOOM_FRAME_UNIT(Interface, name, ...) \
+  std::unique_ptr<Interface> name;                  \
+  std::unique_ptr<Interface>& of(std::type_identity<Interface>) { return name; }
+  PHOTONLOOM_UNITS(PHOTONLOOM_FRAME_UNIT)
+#undef PHOTONLOOM_FRAME_UNIT
 };
 FrameUnits make_golden_units(const Plan& plan);
 

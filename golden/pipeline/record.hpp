@@ -4,14 +4,14 @@
 #pragma once
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "golden/pipeline/frame.hpp"
 
 namespace photonloom {
 
-// Files: gather_query, gather_result, gather_photon (photon_gatherer), reorder_in, reorder_out
-// (reorder_buffer), sampler_input, sample (cdf_sampler), each .jsonl. They stand in `folder` whole
-// after close(); without it nothing is left.
+// Files: those of each unit's kRecorded, each .jsonl. They stand in `folder` whole after close();
+// without it nothing is left.
 class PacketRecorder {
  public:
   PacketRecorder(const Plan& plan, const std::string& folder);
@@ -21,10 +21,13 @@ class PacketRecorder {
   FrameUnits wrap(FrameUnits units);
   void close();
 
-  struct Files;
+  // A trace being written, of packets of any type.
+  class File;
 
  private:
-  std::unique_ptr<Files> files_;
+  Plan plan_;
+  std::string folder_;
+  std::vector<std::shared_ptr<File>> files_;
 };
 
 }  // namespace photonloom

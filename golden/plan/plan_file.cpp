@@ -13,6 +13,7 @@
 
 #include "golden/numeric/output_file.hpp"
 #include "golden/plan/quantiser.hpp"
+#include "golden/plan/units.hpp"
 
 namespace photonloom {
 namespace {
@@ -177,12 +178,15 @@ std::string section_meaning(const std::string& section) {
       {"global", "the map of all photons, asked by final gather rays"},
       {"caustic", "the map of photons that reached a diffuse surface through delta surfaces"},
       {"gather", "what a gather computes"},
-      {"gatherer", "the photon_gatherer unit: changes when packets come, never which"},
-      {"reorder", "the reorder_buffer unit"},
-      {"sampler", "the cdf_sampler unit"},
       {"board", "a board's top; never which packets come"},
       {"frame", "the frame in packets"},
       {"pixel", "the shader and the exact integer a pixel is"}};
+  for (const UnitInfo& u : all_units())
+    if (section == u.section)
+      return fmt::format("the {} unit{}", u.name,
+                         section == unit_info<PhotonGatherer>.section
+                             ? ": changes when packets come, never which"
+                             : "");
   return meanings.at(section);
 }
 

@@ -14,6 +14,22 @@ namespace photonloom {
 namespace {
 
 using Terms = std::vector<std::pair<std::string, double>>;
+using MemoryBits = std::vector<std::pair<std::string, uint64_t>>;
+
+using Gatherer = std::type_identity<PhotonGatherer>;
+using Reorder = std::type_identity<ReorderBuffer>;
+using Sampler = std::type_identity<CdfSampler>;
+
+// A unit supplies terms once it was synthesized over plans, and the memory that it has; one that
+// does not has neither a prediction nor rows.
+template <class Unit>
+Terms terms_of(std::type_identity<Unit>, const Plan&, const std::string&) {
+  return {};
+}
+template <class Unit>
+MemoryBits memory_bits_of(std::type_identity<Unit>, const Plan&) {
+  return {};
+}
 
 // Multipliers of a square or product of two `bits`-wide numbers, 18 x 18 each.
 int multipliers(int bits) {
@@ -106,7 +122,7 @@ Memories gatherer_memories(const Plan& p) {
   return m;
 }
 
-Terms gatherer_terms(const Plan& p, const std::string& resource) {
+Terms terms_of(Gatherer, const Plan& p, const std::string& resource) {
   const Terms of_memories = gatherer_memories(p).terms(resource);
   if (resource == "ebr") return of_memories;
   // Squares of offsets in the lanes and in the nodes, two tests of a direction (a lane gives one
@@ -155,7 +171,7 @@ Memories reorder_memories(const Plan& p) {
   return m;
 }
 
-Terms reorder_terms(const Plan& p, const std::string& resource) {
+Terms terms_of(Reorder, const Plan& p, const std::string& resource) {
   if (resource == "dsp") return {{"hash", p.reorder_key == ReorderKey::kHash ? 1 : 0}};
   Terms terms = reorder_memories(p).terms(resource);
   if (resource == "ebr") return terms;
@@ -190,7 +206,7 @@ Memories sampler_memories(const Plan& p, int power_total) {
   return m;
 }
 
-Terms sampler_terms(const Plan& p, const std::string& resource) {
+Terms terms_of(Sampler, const Plan& p, const std::string& resource) {
   const int index = p.cell_index_bits(), total = p.total_bits();
   const int power = p.mantissa_bits + clog2(static_cast<uint64_t>(p.channels)) +
                     static_cast<int>(ones(p.exponent_bits));
@@ -219,6 +235,28 @@ Terms sampler_terms(const Plan& p, const std::string& resource) {
       {"unit", 1}};
   terms.insert(terms.end(), rest.begin(), rest.end());
   return terms;
+}
+
+uint64_t u64(int n) { return static_cast<uint64_t>(n); }
+
+MemoryBits memory_bits_of(Gatherer, const Plan& p) {
+  if (!p.global.present && !p.caustic.present) return {};
+  const uint64_t candidates = u64(p.contexts) * u64(p.k);
+  return {{"leaf cache", u64(p.cache_bytes) * 8},
+          {"candidate lists", candidates * u64(p.r2_bits() + p.index_bits())},
+          {"powers and directions of candidates", candidates * u64(load_bits(p))}};
+}
+
+MemoryBits memory_bits_of(Reorder, const Plan& p) {
+  if (!p.global.present || p.reorder_key == ReorderKey::kNone) return {};
+  const int link = clog2(u64(p.reorder_packets));
+  return {{"pool", u64(p.reorder_packets) * u64(PacketLayout::of<GatherQuery>(p).bits() + link)},
+          {"bins", u64(p.reorder_bins) * u64(2 * link + 1)}};
+}
+
+MemoryBits memory_bits_of(Sampler, const Plan& p) {
+  if (!p.global.present) return {};
+  return {{"two tables", 2 * (uint64_t{1} << (2 * p.cell_bits)) * u64(p.total_bits())}};
 }
 
 struct Shape {
@@ -283,10 +321,20 @@ BoardMemories board_memories(const Plan& p) {
 Terms resource_terms(const Plan& plan, const std::string& unit, const std::string& resource) {
   if (resource != "lut" && resource != "ff" && resource != "dsp" && resource != "ebr")
     throw std::runtime_error("there is no resource " + resource + ", expected lut, ff, dsp or ebr");
-  if (unit == "photon_gatherer") return gatherer_terms(plan, resource);
-  if (unit == "reorder_buffer") return reorder_terms(plan, resource);
-  if (unit == "cdf_sampler") return sampler_terms(plan, resource);
-  throw std::runtime_error("there is no unit " + unit);
+  Terms terms;
+  with_unit(unit, [&](auto type) { terms = terms_of(type, plan, resource); });
+  return terms;
+}
+
+MemoryBits unit_memory_bits(const Plan& plan, const std::string& unit) {
+  MemoryBits bits;
+  with_unit(unit, [&](auto type) { bits = memory_bits_of(type, plan); });
+  return bits;
+}
+
+bool is_predicted(const std::string& unit) {
+  return std::any_of(std::begin(kResourceCoefficients), std::end(kResourceCoefficients),
+                     [&](const ResourceCoefficient& c) { return unit == c.unit; });
 }
 
 UnitResources estimate_resources(const Plan& plan, const std::string& unit) {

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "golden/plan/plan.hpp"
+#include "golden/plan/units.hpp"
 
 namespace photonloom {
 
@@ -36,6 +36,13 @@ BoardMemories board_memories(const Plan& plan);
 std::vector<std::pair<std::string, double>> resource_terms(const Plan& plan,
                                                            const std::string& unit,
                                                            const std::string& resource);
+
+// Memory that a unit asks for, by place; exact, from the widths of the plan.
+std::vector<std::pair<std::string, uint64_t>> unit_memory_bits(const Plan& plan,
+                                                               const std::string& unit);
+
+// Whether the unit was synthesized over plans; of others there is no prediction.
+bool is_predicted(const std::string& unit);
 
 // The prediction. Meaningful only where the plan has the unit.
 UnitResources estimate_resources(const Plan& plan, const std::string& unit);

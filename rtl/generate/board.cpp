@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <stdexcept>
 
+#include "golden/plan/units.hpp"
 #include "rtl/generate/sources.hpp"
 
 namespace photonloom {
@@ -676,9 +677,9 @@ std::string board_readme(const Board& b, const BoardFiles& files) {
         "With the board at a serial port, a frame through it, packet by packet:\n\n"
         "    photonloom board info /dev/ttyUSB0@{0}\n"
         "    photonloom cosim SCENE --plan plan.toml --backend "
-        "photon_gatherer=board:/dev/ttyUSB0@{0}"
+        "{1}=board:/dev/ttyUSB0@{0}"
         "\n\n",
-        files.uart_baud);
+        files.uart_baud, unit_name<PhotonGatherer>);
   if (files.uart_baud) {
     text += "LEDs: 0 heartbeat, 1 bytes from the host, 2 bytes to the host, 3 queries inside";
     if (b.flow == Flow::kEcp5)  // the others have no more than four
@@ -703,9 +704,9 @@ void check_board(const Plan& plan, const BoardRequest& request) {
   if (!request.unit.empty()) return;
   if (b.core_khz == 0)
     throw std::runtime_error(fmt::format(
-        "board {} has room for one unit alone, expected --unit with it (reorder_buffer of a small "
-        "plan fits)",
-        b.name));
+        "board {} has room for one unit alone, expected --unit with it ({} of a small plan "
+        "fits)",
+        b.name, unit_name<ReorderBuffer>));
   if (plan.photon_memory == PhotonMemory::kSdram && !b.sdram)
     throw std::runtime_error(
         fmt::format("board {} has no SDRAM that photon_sdram serves, but the plan's "

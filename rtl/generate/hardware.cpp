@@ -26,6 +26,8 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* kChip = "photonloom_chip";
+// The chip wires the one before the other.
+const std::string kReorder = unit_name<ReorderBuffer>, kGatherer = unit_name<PhotonGatherer>;
 
 bool has(const std::vector<std::string>& list, const std::string& name) {
   return std::find(list.begin(), list.end(), name) != list.end();
@@ -53,15 +55,16 @@ bool is_inner(const std::string& unit, const std::string& port, bool reordered) 
     return port == stream + "_valid" + forward || port == stream + forward ||
            port == stream + "_ready" + back;
   };
-  if (unit == "reorder_buffer") return is_stream("in", false) || is_stream("out", true);
-  return unit == "photon_gatherer" && is_stream("in", false) && reordered;
+  if (unit == kReorder) return is_stream("in", false) || is_stream("out", true);
+  return unit == kGatherer && is_stream("in", false) && reordered;
 }
 
 // How a unit's port is called on the chip.
 std::string chip_port(const std::string& unit, const std::string& port) {
   if (port == "clk_i" || port == "rst_i") return port;
-  if (unit == "cdf_sampler") return "sampler_" + port;
-  if (unit == "photon_gatherer" && port.rfind("in_", 0) == 0) return "query_" + port.substr(3);
+  const std::string prefix = find_unit(unit).chip_prefix;
+  if (!prefix.empty()) return prefix + port;
+  if (unit == kGatherer && port.rfind("in_", 0) == 0) return "query_" + port.substr(3);
   if (port.rfind("count_", 0) == 0) return unit + "_" + port;
   return port;
 }
@@ -104,7 +107,7 @@ std::string meaning_of(const std::string& name, const std::string& type,
 
 std::vector<ChipPort> chip_ports(const Plan& plan, const std::string& rtl_dir) {
   const std::vector<std::string> units = units_present(plan);
-  const bool reordered = has(units, "reorder_buffer");
+  const bool reordered = has(units, kReorder);
   std::vector<ChipPort> ports;
   for (const std::string& unit : units)
     for (const ModulePort& p : module_ports(rtl_dir, unit)) {
@@ -140,7 +143,7 @@ std::string budget_table(const Plan& plan, const std::vector<std::string>& units
   const auto row = [&](const std::string& what, const std::string& size) {
     text += fmt::format("| {} | {} |\n", what, size);
   };
-  if (has(units, "photon_gatherer")) {
+  if (has(units, kGatherer)) {
     const uint64_t nodes = plan.lines(plan.global) + plan.lines(plan.caustic);
     const int line = plan.bucket * plan.photon_bytes;
     row("external line memory", fmt::format("{} lines of {} bytes = {} bytes", nodes, line,
@@ -153,7 +156,7 @@ std::string budget_table(const Plan& plan, const std::vector<std::string>& units
         fmt::format("{} x 3 squares of {} bits", plan.lanes, plan.position_bits + 1));
     row("flux accumulators", fmt::format("{} channels x {} bits", plan.channels, plan.flux_bits()));
   }
-  if (has(units, "reorder_buffer")) {
+  if (has(units, kReorder)) {
     row("reorder pool", fmt::format("{} packets x {} bits", plan.reorder_packets,
                                     PacketLayout::of<GatherQuery>(plan).bits()));
     row("reorder links and bins",
@@ -161,7 +164,7 @@ std::string budget_table(const Plan& plan, const std::vector<std::string>& units
                     plan.reorder_bins,
                     std::max(1, clog2(static_cast<uint64_t>(plan.reorder_packets)))));
   }
-  if (has(units, "cdf_sampler"))
+  if (has(units, unit_name<CdfSampler>))
     row("sampler tables",
         fmt::format("2 x {} cells x {} bits", 1 << plan.cell_index_bits(), plan.total_bits()));
   return text;
@@ -173,8 +176,9 @@ std::string resource_table(const Plan& plan, const std::vector<std::string>& uni
       "| unit, on an LFE5U | LUT-equivalents | flip-flops | MULT18X18D | DP16KD |\n"
       "|---|---|---|---|---|\n";
   for (const std::string& unit : units) {
+    if (!is_predicted(unit)) continue;
     const UnitResources r = estimate_resources(plan, unit);
-    const bool several = board && unit == "photon_gatherer" && plan.gatherers > 1;
+    const bool several = board && unit == kGatherer && plan.gatherers > 1;
     text += fmt::format("| `{}`{} | {:.0f} | {:.0f} | {:.0f} | {:.0f} |\n", unit,
                         several ? fmt::format(", each of {}", plan.gatherers) : std::string(),
                         r.lut, r.ff, r.dsp, r.ebr);
@@ -194,21 +198,9 @@ std::string resource_table(const Plan& plan, const std::vector<std::string>& uni
 
 }  // namespace
 
-std::vector<std::string> units_present(const Plan& plan) {
-  std::vector<std::string> units;
-  const bool gathers = plan.global.present || plan.caustic.present;
-  // Only final gather rays are incoherent enough to be worth reordering, and only they need
-  // sampled directions.
-  const bool final_gathers = plan.global.present && plan.gather_rays > 0;
-  if (final_gathers && plan.reorder_key != ReorderKey::kNone) units.push_back("reorder_buffer");
-  if (gathers) units.push_back("photon_gatherer");
-  if (final_gathers) units.push_back("cdf_sampler");
-  return units;
-}
-
 std::string write_chip(const Plan& plan, const std::string& rtl_dir) {
   const std::vector<std::string> units = units_present(plan);
-  const bool reordered = has(units, "reorder_buffer");
+  const bool reordered = has(units, kReorder);
   std::string text = fmt::format(
       "// SPDX-License-Identifier: Apache-2.0\n"
       "// Generated from plan {0}: its units, wired. Edit the plan, not this file.\n",
@@ -265,8 +257,8 @@ std::string write_chip(const Plan& plan, const std::string& rtl_dir) {
       const std::string& p = list[i].name;
       std::string wire = chip_port(unit, p);
       if (is_inner(unit, p, reordered)) {
-        const std::string prefix = unit == "photon_gatherer" ? "gather" : "reorder";
-        if (unit == "reorder_buffer" && p == "in_i")
+        const std::string prefix = unit == kGatherer ? "gather" : "reorder";
+        if (unit == kReorder && p == "in_i")
           wire = "query_i";
         else
           wire = prefix + "_" + p.substr(0, p.size() - 2);
@@ -289,17 +281,9 @@ std::map<std::string, std::string> generate_hardware(const HardwareRequest& requ
         "the plan has neither a photon map nor final gather rays: there is no "
         "hardware to generate");
   if (!request.unit.empty()) {
-    static const char* known[] = {"reorder_buffer", "photon_gatherer", "cdf_sampler"};
-    if (std::find(std::begin(known), std::end(known), request.unit) == std::end(known))
-      throw std::runtime_error(fmt::format(
-          "there is no unit {}, expected reorder_buffer, photon_gatherer or cdf_sampler",
-          request.unit));
-    if (!has(units, request.unit))
-      throw std::runtime_error(fmt::format("the plan has no {}: it has no {}", request.unit,
-                                           request.unit == "photon_gatherer" ? "photon map"
-                                           : plan.global.present && plan.gather_rays > 0
-                                               ? "reordering (reorder.key is none)"
-                                               : "final gather rays"));
+    if (const std::string lacks = find_unit(request.unit).lacks(plan); !lacks.empty())
+      throw std::runtime_error(
+          fmt::format("the plan has no {}: it has no {}", request.unit, lacks));
     units = {request.unit};
   }
   const BoardRequest on_board{request.board, request.unit, request.clock_khz};
@@ -311,9 +295,11 @@ std::map<std::string, std::string> generate_hardware(const HardwareRequest& requ
   std::vector<std::string> order = {"rtl/photonloom_pkg.sv"};
   files["rtl/photonloom_pkg.sv"] = write_package(plan, hash);
   const std::set<std::string> without = modules_not_taken(plan);
-  // On a board the units stand in board_core; the sampler's work stays with the host.
+  // On a board the units stand in board_core; work of others stays with the host.
   const bool core = !request.board.empty() && request.unit.empty();
-  if (core) units.erase(std::remove(units.begin(), units.end(), "cdf_sampler"), units.end());
+  if (core)
+    std::erase_if(
+        units, [](const std::string& unit) { return find_unit(unit).board == BoardPlace::kHost; });
   for (const std::string& unit : core ? std::vector<std::string>{"board_core"} : units)
     for (const std::string& file : module_files(rtl, unit, without)) {
       if (!files.emplace("rtl/" + file, read_file(rtl + "/" + file)).second) continue;

@@ -7,14 +7,12 @@
 #include <vector>
 
 #include "golden/plan/plan_file.hpp"
+#include "golden/plan/units.hpp"
 
 namespace photonloom {
 
-// Units that the plan's hardware has, in stream order.
-std::vector<std::string> units_present(const Plan& plan);
-
-// The generated top: query -> reorder_buffer -> photon_gatherer -> result and photon, and
-// cdf_sampler with its own streams, as far as they are present. Its ports are the units' own.
+// The generated top: query -> reorder_buffer -> photon_gatherer -> result and photon, and the other
+// units with their own streams, as far as they are present. Its ports are the units' own.
 std::string write_chip(const Plan& plan, const std::string& rtl_dir);
 
 struct HardwareRequest {

@@ -14,6 +14,7 @@
 #include <stdexcept>
 
 #include "golden/numeric/output_file.hpp"
+#include "golden/plan/units.hpp"
 
 namespace photonloom {
 
@@ -138,7 +139,7 @@ std::string package_type(const std::string& type, const std::string& unit) {
     while (i < type.size() && is_word(type[i])) word += type[i++];
     if (named || word.empty() || !std::isupper(static_cast<unsigned char>(word[0])))
       out += word;
-    else if (unit == "photon_gatherer" && word == "TagBits")
+    else if (unit == unit_name<PhotonGatherer> && word == "TagBits")
       out += "photonloom_pkg::LineTagBits";
     else
       out += "photonloom_pkg::" + word;

@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
 #include "golden/plan/plan_file.hpp"
 #include "golden/planner/resources.hpp"
@@ -178,6 +179,28 @@ TEST_CASE("the packet tables in docs are what the command prints") {
   CHECK(o.status == 0);
   INFO("refresh with: photonloom packets --update docs/packets.md");
   CHECK(page.substr(end + 5) == o.out);
+}
+
+TEST_CASE("the list of units in docs is what the command prints, and goes to scripts as JSON") {
+  const std::string page = read_file(source("docs/units.md"));
+  const size_t end = page.rfind("-->\n\n");
+  REQUIRE(end != std::string::npos);
+  const Outcome o = run("units");
+  CHECK(o.status == 0);
+  INFO("refresh with: photonloom units --update docs/units.md");
+  CHECK(page.substr(end + 5) == o.out);
+  const Outcome json = run("units --json");
+  REQUIRE(json.status == 0);
+  const auto j = nlohmann::json::parse(json.out);
+  std::vector<std::string> names;
+  for (const auto& unit : j["units"]) {
+    names.push_back(unit["name"]);
+    CHECK(!unit["rtl_counters"].empty());
+  }
+  CHECK(names == unit_names());
+  CHECK(run("units --json --update x.md").status == 2);
+  CHECK_THAT(run("units --update " + source("README.md")).err,
+             ContainsSubstring("has no line <!--"));
 }
 
 TEST_CASE("one unit alone") {

@@ -7,12 +7,8 @@
 #include <algorithm>
 #include <chrono>
 #include <exception>
-#include <optional>
 
-#include "golden/packet/trace.hpp"
 #include "verilator_tb/rig/rig_options.hpp"
-#include "verilator_tb/unit/backends.hpp"
-#include "verilator_tb/unit/compare_units.hpp"
 
 namespace photonloom {
 
@@ -43,148 +39,11 @@ struct BenchCommand {
   bool own_policy = false;
 };
 
-struct Totals {
-  uint64_t runs = 0, compared = 0, cycles = 0;
-};
-
-// Feeds `in` in pieces of random length: how calls cut the stream must not matter.
-template <class In, class F>
-void feed(const std::vector<In>& in, BenchRandom& random, F&& process) {
-  for (size_t at = 0; at < in.size();) {
-    const size_t n = std::min<size_t>(in.size() - at, 1 + random.below(4096));
-    process(std::span<const In>(in).subspan(at, n));
-    at += n;
-  }
-}
-
-void run_case(const Plan& plan, const StreamCase<GatherQuery>& c, const RunOptions& options,
-              const CompareContext& context, BenchRandom& random, Totals& totals) {
-  const std::vector<GatherQuery> in = c.make(plan, random);
-  const auto golden = make_golden_reorder_buffer(plan);
-  const auto rtl = make_rtl_reorder_buffer(plan, options);
-  const auto both = compare_units(plan, context, *golden, *rtl);
-  std::vector<GatherQuery> out;
-  feed(in, random, [&](std::span<const GatherQuery> piece) { both->process(piece, out); });
-  rtl->finish();
-  totals.compared += both->compared();
-  totals.cycles += rtl->cycles();
-}
-
-void run_case(const Plan& plan, const StreamCase<SamplerInput>& c, const RunOptions& options,
-              const CompareContext& context, BenchRandom& random, Totals& totals) {
-  const std::vector<SamplerInput> in = c.make(plan, random);
-  const auto golden = make_golden_cdf_sampler(plan);
-  const auto rtl = make_rtl_cdf_sampler(plan, options);
-  const auto both = compare_units(plan, context, *golden, *rtl);
-  std::vector<Sample> out;
-  feed(in, random, [&](std::span<const SamplerInput> piece) { both->process(piece, out); });
-  rtl->finish();
-  totals.compared += both->compared();
-  totals.cycles += rtl->cycles();
-}
-
-void run_case(const Plan& bench_plan, const GatherCase& c, const RunOptions& options,
-              const CompareContext& context, BenchRandom& random, Totals& totals) {
-  const GatherStimulus in = c.make(bench_plan, random);
-  Plan plan = bench_plan;
-  if (in.r2_max) {
-    plan.global.r2_max = (*in.r2_max)[0];
-    plan.caustic.r2_max = (*in.r2_max)[1];
-  }
-  const PhotonMap global = build_photon_map(in.global, plan);
-  const PhotonMap caustic = build_photon_map(in.caustic, plan);
-  const auto golden = make_golden_photon_gatherer(plan);
-  const auto rtl = make_rtl_photon_gatherer(plan, options);
-  const auto both = compare_units(plan, context, *golden, *rtl);
-  both->load(global, caustic);
-  std::vector<GatherResult> results;
-  std::vector<GatherPhoton> photons;
-  const auto ask = [&] {
-    feed(in.queries, random,
-         [&](std::span<const GatherQuery> piece) { both->process(piece, results, photons); });
-  };
-  ask();
-  PhotonMap other_global, other_caustic;
-  if (in.reload) {
-    other_global = build_photon_map((*in.reload)[0], plan);
-    other_caustic = build_photon_map((*in.reload)[1], plan);
-    both->load(other_global, other_caustic);
-    ask();
-  }
-  rtl->finish();
-  totals.compared += both->compared();
-  totals.cycles += rtl->cycles();
-}
-
-void run_case(const Plan& bench_plan, const ClusterCase& c, const RunOptions& options,
-              const CompareContext& context, BenchRandom& random, Totals& totals) {
-  const GatherStimulus in = c.gather.make(bench_plan, random);
-  Plan plan = bench_plan;
-  if (in.r2_max) {
-    plan.global.r2_max = (*in.r2_max)[0];
-    plan.caustic.r2_max = (*in.r2_max)[1];
-  }
-  PhotonMap global = build_photon_map(in.global, plan);
-  PhotonMap caustic = build_photon_map(in.caustic, plan);
-  const auto golden = make_golden_photon_gatherer(plan);
-  const auto order = make_golden_reorder_buffer(plan);
-  // The SDRAM's clock from less than half the core's frequency to three times as much.
-  RunOptions with_clock = options;
-  with_clock.photon_pause = c.photon_pause;
-  with_clock.sdram_period = 0.33 + static_cast<double>(random.below(2000)) / 1000;
-  const auto rtl = make_rtl_gather_engine(plan, with_clock, c.reordered);
-  StreamComparer compare_results(PacketLayout::of<GatherResult>(plan), "result", context);
-  StreamComparer compare_photons(PacketLayout::of<GatherPhoton>(plan), "photon", context);
-  golden->load(global, caustic);
-  rtl->load(global, caustic);
-
-  const auto ask = [&](std::span<const GatherQuery> queries) {
-    std::vector<GatherQuery> ordered;
-    if (c.reordered)
-      order->process(queries, ordered);
-    else
-      ordered.assign(queries.begin(), queries.end());
-    std::vector<GatherResult> expected, results;
-    std::vector<GatherPhoton> expected_photons, photons;
-    golden->process(ordered, expected, expected_photons);
-    rtl->process(queries, results, photons);
-    const auto result_input = [&](size_t i) {
-      return packet_to_json(PacketLayout::of<GatherQuery>(plan), &ordered[i]);
-    };
-    compare_results.compare<GatherResult>(expected, results, rtl->out_cycles(0), result_input);
-    compare_photons.compare<GatherPhoton>(
-        expected_photons, photons, rtl->out_cycles(1), [&](size_t i) {
-          size_t q = 0;
-          for (; !ordered[q].want_photons || ordered[q].flush || i >= expected[q].count; ++q)
-            if (ordered[q].want_photons && !ordered[q].flush) i -= expected[q].count;
-          return result_input(q);
-        });
-  };
-  // Whatever waits in the reorder buffer comes out at the end.
-  std::vector<GatherQuery> queries = in.queries;
-  if (c.reordered) {
-    queries.push_back({});
-    queries.back().flush = 1;
-  }
-  const auto ask_all = [&] { feed(queries, random, ask); };
-  ask_all();
-  if (in.reload) {
-    global = build_photon_map((*in.reload)[0], plan);
-    caustic = build_photon_map((*in.reload)[1], plan);
-    golden->load(global, caustic);
-    rtl->load(global, caustic);
-    ask_all();
-  }
-  rtl->finish();
-  totals.compared += compare_results.compared() + compare_photons.compared();
-  totals.cycles += rtl->cycles();
-}
-
 // All cases and policies once, with the command's seed.
-template <class Bench>
-void run_cases(const std::string& program, const std::string& unit, const Bench& bench,
-               const BenchPlan& plan, const BenchCommand& command, Totals& totals) {
-  for (const auto& c : bench.cases) {
+void run_cases(const std::string& program, const Bench& bench, const BenchPlan& plan,
+               const BenchCommand& command, BenchTotals& totals) {
+  const std::string& unit = bench.module;
+  for (const BenchCase& c : bench.cases) {
     if (!command.only_cases.empty() &&
         std::find(command.only_cases.begin(), command.only_cases.end(), c.name) ==
             command.only_cases.end())
@@ -224,7 +83,7 @@ void run_cases(const std::string& program, const std::string& unit, const Bench&
       options.seed = command.seed;
       BenchRandom random(command.seed, unit + "/" + c.name);
       try {
-        run_case(plan.plan, c, options, context, random, totals);
+        c.run(plan.plan, options, context, random, totals);
       } catch (const Divergence&) {
         throw;
       } catch (const ModelBuildError&) {
@@ -238,15 +97,15 @@ void run_cases(const std::string& program, const std::string& unit, const Bench&
   }
 }
 
-template <class Bench>
-void run_plan(const std::string& program, const std::string& unit, const Bench& bench,
-              const BenchPlan& plan, const BenchCommand& command) {
+void run_plan(const std::string& program, const Bench& bench, const BenchPlan& plan,
+              const BenchCommand& command) {
+  const std::string& unit = bench.module;
   const auto started = std::chrono::steady_clock::now();
-  Totals totals;
+  BenchTotals totals;
   BenchCommand round = command;
   do {
     const uint64_t before = totals.compared;
-    run_cases(program, unit, bench, plan, round, totals);
+    run_cases(program, bench, plan, round, totals);
     ++round.seed;
     if (totals.compared == before) break;
   } while (totals.compared < command.packets);
@@ -260,8 +119,10 @@ void run_plan(const std::string& program, const std::string& unit, const Bench& 
   std::fflush(stdout);
 }
 
-template <class Bench>
-int run_bench(int argc, char** argv, const std::string& unit, const Bench& bench) {
+}  // namespace
+
+int bench_main(int argc, char** argv, const Bench& bench) {
+  const std::string& unit = bench.module;
   CLI::App app{"The hardware of " + unit + " beside golden, packet by packet."};
   BenchCommand command;
   app.add_option("--plan", command.plan,
@@ -270,8 +131,8 @@ int run_bench(int argc, char** argv, const std::string& unit, const Bench& bench
                  "Cases of --list, with commas between. Default: all.")
       ->delimiter(',');
   app.add_option("--backend", command.backend,
-                 "What runs: rtl (default), netlist or cxxrtl (docs/netlist.md).")
-      ->check(CLI::IsMember({"rtl", "netlist", "cxxrtl"}));
+                 "What runs: " + model_kinds_text() + " (docs/netlist.md); default rtl.")
+      ->check(CLI::IsMember(model_kind_names()));
   app.add_option("--policy", command.policy, "Only this entry of the list of policies.")
       ->check(CLI::Range(0, static_cast<int>(std::size(kPolicies)) - 1));
   app.add_option("--packets", command.packets,
@@ -287,7 +148,7 @@ int run_bench(int argc, char** argv, const std::string& unit, const Bench& bench
     command.own_policy |= app.count(flag) > 0;
   if (command.list) {
     for (const BenchPlan& p : bench.plans) fmt::print("plan {}\n", p.name);
-    for (const auto& c : bench.cases) fmt::print("case {}\n", c.name);
+    for (const BenchCase& c : bench.cases) fmt::print("case {}\n", c.name);
     for (size_t p = 0; p < std::size(kPolicies); ++p)
       fmt::print("policy {}: in {}, out {}, memory {}, latency {}\n", p, kPolicies[p].in,
                  kPolicies[p].out, kPolicies[p].memory, kPolicies[p].latency);
@@ -313,27 +174,12 @@ int run_bench(int argc, char** argv, const std::string& unit, const Bench& bench
     }
     if (plans.empty())
       throw std::runtime_error(fmt::format("--plan {}: not a plan of --list", command.plan));
-    for (const BenchPlan& p : plans) run_plan(argv[0], unit, bench, p, command);
+    for (const BenchPlan& p : plans) run_plan(argv[0], bench, p, command);
   } catch (const std::exception& error) {
     fmt::print(stderr, "{}\n", error.what());
     return 1;
   }
   return 0;
-}
-
-}  // namespace
-
-int bench_main(int argc, char** argv, const ReorderBufferBench& bench) {
-  return run_bench(argc, argv, "reorder_buffer", bench);
-}
-int bench_main(int argc, char** argv, const CdfSamplerBench& bench) {
-  return run_bench(argc, argv, "cdf_sampler", bench);
-}
-int bench_main(int argc, char** argv, const PhotonGathererBench& bench) {
-  return run_bench(argc, argv, "photon_gatherer", bench);
-}
-int bench_main(int argc, char** argv, const GatherClusterBench& bench) {
-  return run_bench(argc, argv, "gather_engine", bench);
 }
 
 }  // namespace photonloom

@@ -7,14 +7,14 @@
 // --policy N, --packets N, --backend NAME, and the rig's flags, which replace the list of policies
 // when --stall* or --latency is given. Exit status 0 when packets were checked and all were equal.
 #pragma once
-#include <array>
 #include <functional>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "golden/unit/backend.hpp"
 #include "verilator_tb/rig/stall.hpp"
+#include "verilator_tb/unit/backends.hpp"
+#include "verilator_tb/unit/compare_units.hpp"
 
 namespace photonloom {
 
@@ -25,55 +25,66 @@ struct BenchPlan {
   Plan plan;
 };
 
+// What was checked so far.
+struct BenchTotals {
+  uint64_t runs = 0, compared = 0, cycles = 0;
+};
+
+// A case makes its stimulus, runs it beside golden and adds to the totals; a difference throws.
+struct BenchCase {
+  std::string name;
+  std::function<void(const Plan&, const RunOptions&, const CompareContext&, BenchRandom&,
+                     BenchTotals&)>
+      run;
+};
+
+struct Bench {
+  std::string module;  // of RTL that runs
+  std::vector<BenchPlan> plans;
+  std::vector<BenchCase> cases;
+};
+int bench_main(int argc, char** argv, const Bench& bench);
+
+// Feeds `in` in pieces of random length: how calls cut the stream must not matter.
+template <class In, class F>
+void feed(const std::vector<In>& in, BenchRandom& random, F&& process) {
+  for (size_t at = 0; at < in.size();) {
+    const size_t n = std::min<size_t>(in.size() - at, 1 + random.below(4096));
+    process(std::span<const In>(in).subspan(at, n));
+    at += n;
+  }
+}
+
+// A case of a unit of one stream in and one out.
 template <class In>
 struct StreamCase {
   std::string name;
   std::function<std::vector<In>(const Plan&, BenchRandom&)> make;
 };
 
-struct GatherStimulus {
-  std::vector<PackedPhoton> global, caustic;
-  std::vector<GatherQuery> queries;
-  std::optional<std::array<uint64_t, 2>> r2_max;  // of the maps, instead of the plan's
-  // Then these are loaded instead, while the unit keeps running, and the same queries come again.
-  std::optional<std::array<std::vector<PackedPhoton>, 2>> reload;
-};
-
-struct GatherCase {
-  std::string name;
-  std::function<GatherStimulus(const Plan&, BenchRandom&)> make;
-};
-
-struct ReorderBufferBench {
-  std::vector<BenchPlan> plans;
-  std::vector<StreamCase<GatherQuery>> cases;
-};
-struct CdfSamplerBench {
-  std::vector<BenchPlan> plans;
-  std::vector<StreamCase<SamplerInput>> cases;
-};
-struct PhotonGathererBench {
-  std::vector<BenchPlan> plans;
-  std::vector<GatherCase> cases;
-};
-
-// A cluster of gatherers with its photon memory: the gatherer's cases, some of them through the
-// reorder buffer.
-struct ClusterCase {
-  std::string name;
-  GatherCase gather;
-  bool reordered = false;
-  uint64_t photon_pause = 0;  // of the receiver of photons, RunOptions
-};
-struct GatherClusterBench {
-  std::vector<BenchPlan> plans;
-  std::vector<ClusterCase> cases;
-};
-
-int bench_main(int argc, char** argv, const ReorderBufferBench& bench);
-int bench_main(int argc, char** argv, const CdfSamplerBench& bench);
-int bench_main(int argc, char** argv, const PhotonGathererBench& bench);
-int bench_main(int argc, char** argv, const GatherClusterBench& bench);
+template <class Unit>
+int stream_bench_main(int argc, char** argv, std::vector<BenchPlan> plans,
+                      const std::vector<StreamCase<typename Unit::In>>& cases) {
+  using In = typename Unit::In;
+  Bench bench{unit_name<Unit>, std::move(plans), {}};
+  for (const StreamCase<In>& c : cases)
+    bench.cases.push_back({c.name, [make = c.make](const Plan& plan, const RunOptions& options,
+                                                   const CompareContext& context,
+                                                   BenchRandom& random, BenchTotals& totals) {
+                             const std::vector<In> in = make(plan, random);
+                             const std::type_identity<Unit> unit;
+                             const auto golden = make_golden(unit, plan);
+                             const auto rtl = make_rtl(unit, plan, options);
+                             const auto both = compare_units(plan, context, *golden, *rtl);
+                             std::vector<typename Unit::FirstOut> out;
+                             feed(in, random,
+                                  [&](std::span<const In> piece) { both->process(piece, out); });
+                             rtl->finish();
+                             totals.compared += both->compared();
+                             totals.cycles += rtl->cycles();
+                           }});
+  return bench_main(argc, argv, bench);
+}
 
 // A random plan that check_plan() would pass, small enough to simulate: for `make test-full`.
 Plan random_plan(uint64_t seed);

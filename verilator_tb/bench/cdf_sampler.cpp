@@ -214,4 +214,6 @@ std::vector<StreamCase<SamplerInput>> cases() {
 
 }  // namespace
 
-int main(int argc, char** argv) { return bench_main(argc, argv, {plans(), cases()}); }
+int main(int argc, char** argv) {
+  return stream_bench_main<CdfSampler>(argc, argv, plans(), cases());
+}

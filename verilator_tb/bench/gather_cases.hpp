@@ -1,11 +1,28 @@
 // SPDX-License-Identifier: Apache-2.0
 // The corners of the search, as stimuli for whatever answers gather queries.
 #pragma once
+#include <array>
+#include <functional>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "verilator_tb/bench/bench.hpp"
 
 namespace photonloom {
+
+struct GatherStimulus {
+  std::vector<PackedPhoton> global, caustic;
+  std::vector<GatherQuery> queries;
+  std::optional<std::array<uint64_t, 2>> r2_max;  // of the maps, instead of the plan's
+  // Then these are loaded instead, while the unit keeps running, and the same queries come again.
+  std::optional<std::array<std::vector<PackedPhoton>, 2>> reload;
+};
+
+struct GatherCase {
+  std::string name;
+  std::function<GatherStimulus(const Plan&, BenchRandom&)> make;
+};
 
 std::vector<GatherCase> gather_cases();
 

@@ -93,10 +93,48 @@ std::vector<BenchPlan> plans() {
   return list;
 }
 
+// One case as golden and the hardware answer it.
+void run_case(const GatherCase& c, const Plan& bench_plan, const RunOptions& options,
+              const CompareContext& context, BenchRandom& random, BenchTotals& totals) {
+  const GatherStimulus in = c.make(bench_plan, random);
+  Plan plan = bench_plan;
+  if (in.r2_max) {
+    plan.global.r2_max = (*in.r2_max)[0];
+    plan.caustic.r2_max = (*in.r2_max)[1];
+  }
+  const PhotonMap global = build_photon_map(in.global, plan);
+  const PhotonMap caustic = build_photon_map(in.caustic, plan);
+  const auto golden = make_golden_photon_gatherer(plan);
+  const auto rtl = make_rtl_photon_gatherer(plan, options);
+  const auto both = compare_units(plan, context, *golden, *rtl);
+  both->load(global, caustic);
+  std::vector<GatherResult> results;
+  std::vector<GatherPhoton> photons;
+  const auto ask = [&] {
+    feed(in.queries, random,
+         [&](std::span<const GatherQuery> piece) { both->process(piece, results, photons); });
+  };
+  ask();
+  PhotonMap other_global, other_caustic;
+  if (in.reload) {
+    other_global = build_photon_map((*in.reload)[0], plan);
+    other_caustic = build_photon_map((*in.reload)[1], plan);
+    both->load(other_global, other_caustic);
+    ask();
+  }
+  rtl->finish();
+  totals.compared += both->compared();
+  totals.cycles += rtl->cycles();
+}
+
+Bench bench() {
+  Bench bench{unit_name<PhotonGatherer>, plans(), {}};
+  for (const GatherCase& c : gather_cases())
+    bench.cases.push_back({c.name, [c](auto&... run) { run_case(c, run...); }});
+  return bench;
+}
+
 }  // namespace
 }  // namespace photonloom
 
-int main(int argc, char** argv) {
-  return photonloom::bench_main(
-      argc, argv, photonloom::PhotonGathererBench{photonloom::plans(), photonloom::gather_cases()});
-}
+int main(int argc, char** argv) { return photonloom::bench_main(argc, argv, photonloom::bench()); }

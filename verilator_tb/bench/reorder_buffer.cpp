@@ -179,4 +179,6 @@ std::vector<StreamCase<GatherQuery>> cases() {
 
 }  // namespace
 
-int main(int argc, char** argv) { return bench_main(argc, argv, {plans(), cases()}); }
+int main(int argc, char** argv) {
+  return stream_bench_main<ReorderBuffer>(argc, argv, plans(), cases());
+}

@@ -11,6 +11,7 @@
 
 #include "golden/numeric/random.hpp"
 #include "golden/plan/plan_file.hpp"
+#include "golden/plan/units.hpp"
 #include "verilator_tb/chip/board_model.hpp"
 #include "verilator_tb/chip/pseudo_terminal.hpp"
 
@@ -121,8 +122,9 @@ void simulate(const Options& o) {
 int run(int argc, char** argv) {
   Options o;
   CLI::App app{
-      "The simulated board of a plan behind a pseudo-terminal, until it is interrupted.\n"
-      "photonloom cosim --backend photon_gatherer=board:LINK talks to it as to a real one.",
+      "The simulated board of a plan behind a pseudo-terminal, until it is interrupted.\n" +
+          fmt::format("photonloom cosim --backend {}=board:LINK talks to it as to a real one.",
+                      unit_name<PhotonGatherer>),
       "board_sim"};
   app.add_option("PLAN", o.plan, "The plan whose board it is")->required()->type_name("FILE");
   app.add_option("--link", o.link, "Makes this a symbolic link to the pseudo-terminal")

@@ -24,7 +24,7 @@ namespace {
 using model_tools::ModelInput;
 
 struct Builder {
-  const char* name;
+  const char *name, *meaning;
   std::string (*key)(const ModelInput&);
   void (*build)(const ModelInput&);
   const char* waveform;
@@ -32,13 +32,27 @@ struct Builder {
 
 // In the order of ModelKind.
 constexpr Builder kBuilders[] = {
-    {"rtl", [](const ModelInput&) { return model_tools::verilator_key(); },
+    {"rtl", "the RTL in Verilator", [](const ModelInput&) { return model_tools::verilator_key(); },
      model_tools::build_verilator, "fst"},
-    {"netlist", model_tools::netlist_key, model_tools::build_netlist, "fst"},
-    {"cxxrtl", model_tools::cxxrtl_key, model_tools::build_cxxrtl, "vcd"},
+    {"netlist", "its ECP5 netlist by Yosys, in Verilator", model_tools::netlist_key,
+     model_tools::build_netlist, "fst"},
+    {"cxxrtl", "the RTL as Yosys' CXXRTL makes C++ of it", model_tools::cxxrtl_key,
+     model_tools::build_cxxrtl, "vcd"},
 };
 
 }  // namespace
+
+std::vector<std::string> model_kind_names() {
+  std::vector<std::string> names;
+  for (const Builder& b : kBuilders) names.push_back(b.name);
+  return names;
+}
+
+std::string model_kinds_text() {
+  std::string text;
+  for (const Builder& b : kBuilders) text += (text.empty() ? "" : ", ") + std::string(b.name);
+  return text;
+}
 
 std::optional<ModelKind> model_kind(const std::string& name) {
   for (size_t i = 0; i < std::size(kBuilders); ++i)
@@ -47,6 +61,10 @@ std::optional<ModelKind> model_kind(const std::string& name) {
 }
 
 std::string model_kind_name(ModelKind kind) { return kBuilders[static_cast<size_t>(kind)].name; }
+
+std::string model_kind_meaning(ModelKind kind) {
+  return kBuilders[static_cast<size_t>(kind)].meaning;
+}
 
 std::string waveform_extension(ModelKind kind) {
   return kBuilders[static_cast<size_t>(kind)].waveform;

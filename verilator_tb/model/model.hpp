@@ -19,9 +19,13 @@ namespace photonloom {
 // Verilator with models of the part's cells (fpga/models and Yosys' own); the RTL by Yosys' CXXRTL.
 enum class ModelKind { kRtl, kNetlist, kCxxrtl };
 
-// "rtl", "netlist", "cxxrtl".
+// Their names, in this order: "rtl", "netlist", "cxxrtl". What each is stands beside it in the list
+// in model.cpp, of which messages and pages are made.
+std::vector<std::string> model_kind_names();
+std::string model_kinds_text();  // with commas between
 std::optional<ModelKind> model_kind(const std::string& name);
 std::string model_kind_name(ModelKind kind);
+std::string model_kind_meaning(ModelKind kind);  // a phrase
 // Of the waveforms it writes, "fst" or "vcd".
 std::string waveform_extension(ModelKind kind);
 

@@ -11,12 +11,21 @@
 
 namespace photonloom {
 
-class ClockedPhotonGatherer : public PhotonGatherer, public Clocked {};
-class ClockedReorderBuffer : public ReorderBuffer, public Clocked {};
-class ClockedCdfSampler : public CdfSampler, public Clocked {};
+template <class Unit>
+class ClockedUnit : public Unit, public Clocked {};
 
-std::unique_ptr<ClockedPhotonGatherer> make_rtl_photon_gatherer(const Plan& plan,
-                                                                const RunOptions& options);
+// Of each unit: ClockedInterface; make_rtl_NAME, which verilator_tb/unit/NAME.cpp defines; and the
+// same by type.
+#define PHOTONLOOM_MAKE_RTL(Interface, name, ...)                                              \
+  using Clocked##Interface = ClockedUnit<Interface>;                                           \
+  std::unique_ptr<Clocked##Interface> make_rtl_##name(const Plan&, const RunOptions& options); \
+  inline std::unique_ptr<Clocked##Interface> make_rtl(                                         \
+      std::type_identity<Interface>, const Plan& plan, const RunOptions& options) {            \
+    return make_rtl_##name(plan, options);                                                     \
+  }
+PHOTONLOOM_UNITS(PHOTONLOOM_MAKE_RTL)
+#undef PHOTONLOOM_MAKE_RTL
+
 // All gatherers of the plan's board on its photon memory, with the behavioural SDRAM where that is
 // one. With `reordered` queries pass the reorder buffer: results come in its order, and process()
 // gives those that are due, which are as many as golden's buffer has let go. With `back_door` lines
@@ -25,9 +34,5 @@ std::unique_ptr<ClockedPhotonGatherer> make_rtl_gather_engine(const Plan& plan,
                                                               const RunOptions& options,
                                                               bool reordered,
                                                               bool back_door = false);
-std::unique_ptr<ClockedReorderBuffer> make_rtl_reorder_buffer(const Plan& plan,
-                                                              const RunOptions& options);
-std::unique_ptr<ClockedCdfSampler> make_rtl_cdf_sampler(const Plan& plan,
-                                                        const RunOptions& options);
 
 }  // namespace photonloom

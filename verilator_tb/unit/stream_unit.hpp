@@ -3,7 +3,6 @@
 // out.
 #pragma once
 #include <span>
-#include <string>
 #include <vector>
 
 #include "verilator_tb/unit/backends.hpp"
@@ -11,14 +10,16 @@
 
 namespace photonloom {
 
-// `Base` is ClockedReorderBuffer or another of that shape.
-template <class Base, class In, class Out>
-class StreamUnit : public Base {
+// Of interface `Unit`, with one output.
+template <class Unit>
+class StreamUnit : public ClockedUnit<Unit> {
  public:
-  StreamUnit(const Plan& plan, const std::string& unit, const RunOptions& options)
-      : unit_(unit),
-        latency_(options.latency),
-        rig_(plan, unit, options),
+  using In = typename Unit::In;
+  using Out = typename Unit::FirstOut;
+
+  StreamUnit(const Plan& plan, const RunOptions& options)
+      : latency_(options.latency),
+        rig_(plan, unit_name<Unit>, options),
         in_(rig_, plan, "in"),
         out_(rig_, plan, "out") {
     rig_.reset();
@@ -47,14 +48,13 @@ class StreamUnit : public Base {
   uint64_t cycles() const final { return rig_.cycles(); }
   std::span<const uint64_t> in_cycles() const final { return in_cycles_; }
   std::span<const uint64_t> out_cycles(int) const final { return out_cycles_; }
-  void finish() final { expect_silence(rig_, unit_, out_.stream(), latency_); }
+  void finish() final { expect_silence(rig_, unit_name<Unit>, out_.stream(), latency_); }
 
  protected:
   // How many packets come out because this one goes in after those before it.
   virtual uint64_t brings(const In& packet) = 0;
 
  private:
-  std::string unit_;
   int latency_;
   Rig rig_;
   PacketSource<In> in_;

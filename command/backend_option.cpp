@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "command/backend_option.hpp"
+
+#include <fmt/core.h>
+
+namespace photonloom {
+
+std::vector<BackendKind> backend_kinds() {
+  const auto all = [](const UnitInfo&) { return true; };
+  std::vector<BackendKind> kinds;
+  for (const std::string& name : model_kind_names()) {
+    const ModelKind kind = *model_kind(name);
+    kinds.push_back({name, "", model_kind_meaning(kind), BackendSource::kModel, kind, true, all});
+  }
+  kinds.push_back({"board", ":DEVICE[@BAUD]", "a board with the plan's bitstream, at a serial port",
+                   BackendSource::kBoard, std::nullopt, true,
+                   [](const UnitInfo& unit) { return unit.board == BoardPlace::kLink; }});
+  kinds.push_back(
+      {"golden", "", "the golden unit itself", BackendSource::kGolden, std::nullopt, true, all});
+  kinds.push_back(
+      {"brute", "", "gathers by trying every photon", BackendSource::kBrute, std::nullopt, false,
+       [](const UnitInfo& unit) { return std::string(unit.name) == unit_name<PhotonGatherer>; }});
+  return kinds;
+}
+
+std::string backend_kinds_text(bool in_frames) {
+  std::vector<std::string> names;
+  for (const BackendKind& k : backend_kinds())
+    if (k.in_frames || !in_frames)
+      names.push_back(k.name + k.argument.substr(0, k.argument.find('[')));
+  std::string text;
+  for (size_t i = 0; i < names.size(); ++i)
+    text += (i == 0 ? "" : i + 1 == names.size() ? " or " : ", ") + names[i];
+  return text;
+}
+
+std::optional<Backend> parse_backend(const std::string& text) {
+  for (const BackendKind& k : backend_kinds()) {
+    if (k.argument.empty()) {
+      if (text == k.name) return Backend{k, ""};
+      continue;
+    }
+    if (text.rfind(k.name + ":", 0) != 0) continue;
+    const std::string device = text.substr(k.name.size() + 1);
+    try {
+      parse_device(device);
+    } catch (const std::runtime_error& error) {
+      throw UsageError(fmt::format("--backend: {}", error.what()));
+    }
+    return Backend{k, device};
+  }
+  return std::nullopt;
+}
+
+void BoardFlags::add_to(CLI::App& command) {
+  command
+      .add_option("--board-wait", wait_,
+                  "Seconds for a board that is silent or went away to come back (default 10)")
+      ->check(number_range(0.1, 86400))
+      ->type_name("S");
+  command.add_flag("--no-resume", no_resume_,
+                   "Ask a board everything, also what an interrupted run has answers to");
+}
+
+void BoardFlags::check(const Plan& plan, const std::string& device) const {
+  Board(open_serial(parse_device(device), wait_), wait_).check_plan(plan);
+}
+
+std::unique_ptr<PhotonGatherer> BoardFlags::make(std::type_identity<PhotonGatherer>,
+                                                 const Plan& plan, const std::string& device,
+                                                 const std::string& work_dir) const {
+  BoardOptions options;
+  options.open = [name = parse_device(device), wait = wait_] { return open_serial(name, wait); };
+  options.device = parse_device(device).path;
+  options.wait = wait_;
+  options.work_dir = work_dir;
+  options.resume = !no_resume_;
+  options.tell = [](const std::string& text) { fmt::print(stderr, "photonloom: {}\n", text); };
+  return std::make_unique<BoardPhotonGatherer>(plan, std::move(options));
+}
+
+}  // namespace photonloom
