@@ -13,7 +13,7 @@ from flow.boards import Board
 from flow.shell import ROOT, beside, read_json, run
 
 PHOTONLOOM = os.environ.get("PHOTONLOOM", str(ROOT / "build" / "photonloom"))
-UNITS = ["photon_gatherer", "reorder_buffer", "cdf_sampler"]
+UNITS = re.findall(r"^ *UNIT\(\w+, (\w+),", (ROOT / "golden/plan/units.hpp").read_text(), re.MULTILINE)  # the one list
 
 
 class PlanFacts(TypedDict):

@@ -10,23 +10,28 @@ COLUMNS = {"LUT4": "LUT4", "CCU2C": "CCU2C", "DPR16X4": "DPR16X4", "LUT-eq": "LU
            "DP16KD": "EBR"}
 
 
+def name_of(unit: str) -> str:
+    """A unit's name in C++, which takes it from the list of units."""
+    return f"unit_name<{''.join(word.capitalize() for word in unit.split('_'))}>"
+
+
 def header(fitted: Fits) -> str:
     """golden/planner/resource_fit.hpp."""
     lines = ["// SPDX-License-Identifier: Apache-2.0",
              "// Coefficients of the terms in resources.cpp, written by scripts/fpga-plans from fpga/plans.json.",
-             "#pragma once", "", "// clang-format off", "namespace photonloom {", "",
+             "#pragma once", "", '#include "golden/plan/units.hpp"', "", "// clang-format off", "namespace photonloom {", "",
              "struct ResourceCoefficient {", "  const char *unit, *resource, *term;", "  double coefficient;", "};",
              "inline constexpr ResourceCoefficient kResourceCoefficients[] = {"]
     for unit, resources in fitted.items():
         for resource, f in resources.items():
             for term, value in f.coefficients.items():
-                lines.append(f'    {{"{unit}", "{resource}", "{term}", {value:.6g}}},')
+                lines.append(f'    {{{name_of(unit)}, "{resource}", "{term}", {value:.6g}}},')
     lines += ["};", "", "struct ResourceError {", "  const char *unit, *resource;",
               "  double error;  // relative, the largest of all plans, each predicted from the others", "};",
               "inline constexpr ResourceError kResourceErrors[] = {"]
     for unit, resources in fitted.items():
         for resource, f in resources.items():
-            lines.append(f'    {{"{unit}", "{resource}", {f.error:.4f}}},')
+            lines.append(f'    {{{name_of(unit)}, "{resource}", {f.error:.4f}}},')
     return "\n".join(lines + ["};", "", "}  // namespace photonloom", "// clang-format on", ""])
 
 
