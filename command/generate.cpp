@@ -11,7 +11,7 @@
 #include "golden/numeric/output_file.hpp"
 #include "golden/planner/resources.hpp"
 #include "golden/unit/photon_gatherer_image.hpp"
-#include "rtl/generate/board.hpp"
+#include "rtl/generate/board_file.hpp"
 #include "rtl/generate/hardware.hpp"
 #include "rtl/generate/sources.hpp"
 
@@ -20,7 +20,7 @@ namespace {
 
 struct GenerateOptions {
   FrameOptions frame;
-  std::string output, unit, board, rtl;
+  std::string output, unit, board, boards, rtl;
   double clock_mhz = 0;
   bool check = false;
 };
@@ -46,6 +46,17 @@ std::map<std::string, std::string> images(const PreparedFrame& frame) {
   return files;
 }
 
+// Warns where the board's whole top takes more block RAMs than its part has.
+void warn_of_block_ram(const std::string& source, const Plan& plan, const BoardDescription& board) {
+  const auto has = board.resources.find(kBlockRam);
+  const int blocks = board_memories(plan).total();
+  if (has != board.resources.end() && blocks > has->second)
+    print_warnings({fmt::format(
+        "{}: the top takes {} block RAMs, {} has {}; expected fewer photons in block RAM, a "
+        "smaller reorder.packets or gatherer.cache_bytes (photonloom plan tells what takes them)",
+        source, blocks, board.name, has->second)});
+}
+
 void generate(const GenerateOptions& o) {
   const FrameRequest asked = o.frame.request();
   const std::string& source = asked.scene_file;
@@ -55,7 +66,7 @@ void generate(const GenerateOptions& o) {
           "--check looks at the package in a folder; -o, --unit, --board and --clock do not go "
           "with "
           "it");
-    check_hardware(source, o.rtl.empty() ? default_rtl_dir() : o.rtl);
+    check_hardware(source, o.rtl.empty() ? default_rtl_dir() : o.rtl, o.boards);
     fmt::print("{}: is what its plan and the RTL sources give\n", source);
     return;
   }
@@ -66,6 +77,7 @@ void generate(const GenerateOptions& o) {
   request.board = o.board;
   request.clock_khz = static_cast<int>(std::lround(1000 * o.clock_mhz));
   request.rtl_dir = o.rtl;
+  request.boards_dir = o.boards;
   std::map<std::string, std::string> files;
   if (is_plan(source)) {
     o.frame.refuse_derivation(source);
@@ -83,14 +95,8 @@ void generate(const GenerateOptions& o) {
       request.images = images(frame);
     files = generate_hardware(request);
   }
-  if (o.board == "ulx3s-85f" && o.unit.empty()) {
-    const int blocks = board_memories(request.plan).total();
-    if (blocks > kUlx3sBlockRams)
-      print_warnings({fmt::format(
-          "{}: the top takes {} block RAMs, {} has {}; expected fewer photons in block RAM, a "
-          "smaller reorder.packets or gatherer.cache_bytes (photonloom plan tells what takes them)",
-          source, blocks, o.board, kUlx3sBlockRams)});
-  }
+  if (!o.board.empty() && o.unit.empty())
+    warn_of_block_ram(source, request.plan, read_board(o.board, o.boards));
   OutputFolder folder(o.output, "package.json");
   for (const auto& [name, text] : files) {
     const std::filesystem::path path = std::filesystem::path(folder.temporary()) / name;
@@ -134,6 +140,9 @@ void add_generate(CLI::App& app) {
   std::string boards;
   for (const std::string& b : board_names()) boards += (boards.empty() ? "" : ", ") + b;
   c->add_option("--board", o->board, "For this board: " + boards)->type_name("NAME");
+  c->add_option("--boards", o->boards,
+                "Folder of the boards, if not those of this build or of PHOTONLOOM_BOARDS")
+      ->type_name("DIR");
   c->add_option("--clock", o->clock_mhz, "The board's clock, if not its default")
       ->type_name("MHZ")
       ->check(number_range(1, 400));

@@ -10,6 +10,7 @@
 #include "command/frame_options.hpp"
 #include "golden/numeric/output_file.hpp"
 #include "golden/planner/resources.hpp"
+#include "rtl/generate/board_file.hpp"
 #include "rtl/generate/hardware.hpp"
 
 namespace photonloom {
@@ -94,8 +95,12 @@ void describe(const Plan& plan, const std::string& file, const PlanOptions& o) {
   of_board(
       fmt::format("its whole top, {} gatherer{}", plan.gatherers, plan.gatherers == 1 ? "" : "s"),
       b.total());
-  if (b.total() > kUlx3sBlockRams)
-    fmt::print("  more than the {} block RAMs of a ULX3S's LFE5U-85F\n", kUlx3sBlockRams);
+  for (const std::string& name : board_names()) {
+    const BoardDescription board = read_board(name);
+    const auto has = board.resources.find(kBlockRam);
+    if (board.has_core() && has != board.resources.end() && b.total() > has->second)
+      fmt::print("  more than the {} block RAMs of board {}\n", has->second, name);
+  }
 }
 
 // A plan that is there already, with lines changed.

@@ -16,8 +16,8 @@ struct UnitResources {
   double lut = 0, ff = 0, dsp = 0, ebr = 0;
 };
 
-// Block RAMs of 18 Kibit in an LFE5U-85F, the ULX3S's part.
-inline constexpr int kUlx3sBlockRams = 208;
+// What board_memories counts, as a part's resources call it: 18 Kibit block RAM of an LFE5U.
+inline constexpr const char* kBlockRam = "DP16KD";
 
 // 18 Kibit block RAMs of a memory with one write and one read port, in the shape that takes fewest.
 int block_rams(int width, uint64_t depth);

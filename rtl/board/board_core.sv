@@ -7,25 +7,25 @@ module board_core #(
     parameter int unsigned ClocksPerBit = 4,
     parameter int unsigned ClockKHz = 0
 ) (
-    input  logic        clk_i,
-    input  logic        rst_i,
+    input  logic        clk_i,  // clock
+    input  logic        rst_i,  // reset, synchronous
     // host link
-    input  logic        uart_rx_i,
-    output logic        uart_tx_o,
+    input  logic        uart_rx_i,  // serial line from the host
+    output logic        uart_tx_o,  // serial line to the host
     output logic [ 7:0] led_o,          // 1 is lit
     // SDRAM, in the domain of clk_sdram_i; without one in the plan its pins rest
-    input  logic        clk_sdram_i,
-    output logic        sdram_cke_o,
-    output logic        sdram_cs_no,
-    output logic        sdram_ras_no,
-    output logic        sdram_cas_no,
-    output logic        sdram_we_no,
-    output logic [ 1:0] sdram_ba_o,
-    output logic [12:0] sdram_a_o,
-    output logic [ 1:0] sdram_dqm_o,
-    input  logic [15:0] sdram_dq_i,
-    output logic [15:0] sdram_dq_o,
-    output logic        sdram_dq_oe_o
+    input  logic        clk_sdram_i,  // clock of the SDRAM's pins
+    output logic        sdram_cke_o,  // clock enable
+    output logic        sdram_cs_no,  // chip select, active low
+    output logic        sdram_ras_no,  // row address strobe, active low
+    output logic        sdram_cas_no,  // column address strobe, active low
+    output logic        sdram_we_no,  // write enable, active low
+    output logic [ 1:0] sdram_ba_o,  // bank
+    output logic [12:0] sdram_a_o,  // row or column address
+    output logic [ 1:0] sdram_dqm_o,  // byte masks
+    input  logic [15:0] sdram_dq_i,  // data from the chip
+    output logic [15:0] sdram_dq_o,  // data to the chip
+    output logic        sdram_dq_oe_o  // data pins are driven
 );
   localparam int unsigned RxBytes = 2048;
   localparam int unsigned InputWords = 512;

@@ -22,14 +22,14 @@ module cdf_sampler #(
     parameter int unsigned Combine = photonloom_pkg::Combine,  // 0 sum, 1 product
     parameter int unsigned RequestDepth = 64  // a power of two
 ) (
-    input  logic clk_i,
-    input  logic rst_i,
-    input  logic in_valid_i,
-    output logic in_ready_o,
-    input  photonloom_pkg::sampler_input_t in_i,
-    output logic out_valid_o,
-    input  logic out_ready_i,
-    output photonloom_pkg::sample_t out_o,
+    input  logic clk_i,  // clock
+    input  logic rst_i,  // reset, synchronous
+    input  logic in_valid_i,  // offered
+    output logic in_ready_o,  // taken when offered
+    input  photonloom_pkg::sampler_input_t in_i,  // the packet
+    output logic out_valid_o,  // offered
+    input  logic out_ready_i,  // taken when offered
+    output photonloom_pkg::sample_t out_o,  // the packet
     output logic [31:0] count_tables_o,  // headers taken in
     output logic [31:0] count_photons_o,  // photons that counted
     output logic [31:0] count_samples_o,  // samples given out

@@ -1,17 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 // What a hardware package has for one FPGA board beside the RTL: the top with clock, reset and
-// pins, the constraints, and a Makefile that goes from there to a bitstream. docs/fpga.md.
+// pins, the constraints, and a Makefile that goes from there to a bitstream. All of it is files of
+// fpga/boards/NAME and fpga/flows, copied and filled. docs/fpga.md, docs/porting.md.
 #pragma once
 #include <map>
 #include <string>
 #include <vector>
 
 #include "golden/plan/plan.hpp"
+#include "rtl/generate/board_file.hpp"
 
 namespace photonloom {
-
-// Names of the boards: "ulx3s-85f", "up5k", "arty-a7-100t".
-std::vector<std::string> board_names();
 
 struct BoardRequest {
   std::string name;
@@ -21,21 +20,24 @@ struct BoardRequest {
   // Clock of the design in kHz, 0 for the board's default: what the PLL makes for the whole board,
   // what a unit alone is constrained to.
   int clock_khz = 0;
+  std::string boards_dir;  // empty: default_boards_dir()
 };
 
 struct BoardFiles {
-  std::string top;    // module in rtl/TOP.sv
-  std::string inner;  // the module that it instantiates: a unit, or board_core
-  int clock_khz = 0;  // as chosen
-  int uart_baud = 0;  // of the link; 0 for a unit alone
+  std::string top;                   // module in rtl/TOP.sv
+  std::string inner;                 // the module that it instantiates: a unit, or board_core
+  int clock_khz = 0;                 // as chosen
+  std::vector<std::string> sources;  // those of `files` that are RTL, in order
   std::map<std::string, std::string> files;  // path in the package -> text
+  std::string lint;                          // options for Verilator: where the part's cells are
   std::string readme;                        // section of the package's README
 };
 
 // Throws std::runtime_error for an unknown board or one that cannot hold what is asked for.
 void check_board(const Plan& plan, const BoardRequest& request);
 
-// Throws too for a clock that the board's PLL cannot make. `sources` are the files of the RTL in
+// Throws too for a clock that the board's PLL cannot make, and for files of the board or its flow
+// that do not fit together, naming file and key or place. `sources` are the files of the RTL in
 // order, without the top.
 BoardFiles board_files(const Plan& plan, const BoardRequest& request, const std::string& rtl_dir,
                        const std::vector<std::string>& sources);

@@ -11,10 +11,6 @@
 
 namespace photonloom {
 
-// The generated top: query -> reorder_buffer -> photon_gatherer -> result and photon, and the other
-// units with their own streams, as far as they are present. Its ports are the units' own.
-std::string write_chip(const Plan& plan, const std::string& rtl_dir);
-
 struct HardwareRequest {
   Plan plan{};
   PlanReasons reasons{};
@@ -23,6 +19,7 @@ struct HardwareRequest {
   std::string board{};    // files of this board too; with a unit, that unit alone on its part
   int clock_khz = 0;      // the board's clock, 0 for its default
   std::map<std::string, std::string> images{};  // further files, images/NAME -> text
+  std::string boards_dir{};                     // empty: default_boards_dir()
 };
 
 // Path in the package -> text. Deterministic in the request and the RTL. A unit that the plan has
@@ -31,8 +28,9 @@ struct HardwareRequest {
 std::map<std::string, std::string> generate_hardware(const HardwareRequest& request);
 
 // Throws std::runtime_error with the first thing in `dir` that is stale: a file that is not what
-// its plan.toml, its package.json and the RTL in `rtl_dir` give, is missing, or is too much in
-// rtl/, board/ or images/.
-void check_hardware(const std::string& dir, const std::string& rtl_dir);
+// its plan.toml, its package.json, the RTL in `rtl_dir` and the boards in `boards_dir` give, is
+// missing, or is too much in rtl/, board/ or images/.
+void check_hardware(const std::string& dir, const std::string& rtl_dir,
+                    const std::string& boards_dir = "");
 
 }  // namespace photonloom

@@ -20,10 +20,20 @@ namespace photonloom {
 
 namespace fs = std::filesystem;
 
-std::string default_rtl_dir() {
-  const char* chosen = std::getenv("PHOTONLOOM_RTL");
-  return chosen && *chosen ? chosen : PHOTONLOOM_SOURCE_DIR "/rtl";
+namespace {
+
+std::string chosen_or(const char* variable, const std::string& folder) {
+  const char* chosen = std::getenv(variable);
+  return chosen && *chosen ? chosen : data_dir(folder);
 }
+
+}  // namespace
+
+std::string data_dir(const std::string& folder) { return PHOTONLOOM_SOURCE_DIR "/" + folder; }
+
+std::string default_rtl_dir() { return chosen_or("PHOTONLOOM_RTL", "rtl"); }
+
+std::string default_boards_dir() { return chosen_or("PHOTONLOOM_BOARDS", "fpga/boards"); }
 
 namespace {
 
@@ -96,6 +106,14 @@ std::vector<std::string> module_files(const std::string& rtl_dir, const std::str
   std::vector<std::string> files;
   visit(modules, rtl_dir, module, seen, files);
   return files;
+}
+
+std::vector<std::string> modules_named(const std::string& text, const std::string& dir) {
+  const std::string code = without_comments(text);
+  std::set<std::string> found;
+  for (const auto& [module, file] : index_modules(dir))
+    if (std::regex_search(code, std::regex("\\b" + module + "\\b"))) found.insert(module);
+  return {found.begin(), found.end()};
 }
 
 std::vector<ModulePort> module_ports(const std::string& rtl_dir, const std::string& module) {

@@ -8,8 +8,15 @@
 
 namespace photonloom {
 
+// Where a folder of files that the program needs lies: "rtl", "fpga/boards", "fpga/flows",
+// "fpga/models", "rtl/generate/templates".
+std::string data_dir(const std::string& folder);
+
 // The folder rtl/ of the sources: PHOTONLOOM_RTL of the environment, or that of the build.
 std::string default_rtl_dir();
+
+// The folder of the boards: PHOTONLOOM_BOARDS of the environment, or that of the build.
+std::string default_boards_dir();
 
 // Files of `module` and of everything that it instantiates, directly or not, each after those it
 // uses; paths relative to `rtl_dir`, which is searched one level deep (rtl/<folder>/<module>.sv,
@@ -17,6 +24,9 @@ std::string default_rtl_dir();
 // that only they use. An unknown module is an error.
 std::vector<std::string> module_files(const std::string& rtl_dir, const std::string& module,
                                       const std::set<std::string>& without = {});
+
+// Modules in `dir` whose name stands in `text`, comments apart, in order.
+std::vector<std::string> modules_named(const std::string& text, const std::string& dir);
 
 struct ModulePort {
   bool output = false;

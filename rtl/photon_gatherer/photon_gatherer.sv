@@ -24,32 +24,32 @@ module photon_gatherer #(
     localparam int unsigned TagBits = CacheMisses > 1 ? $clog2(CacheMisses) : 1,
     localparam int unsigned LineBits = photonloom_pkg::LineBits
 ) (
-    input  logic                              clk_i,
-    input  logic                              rst_i,
+    input  logic                              clk_i,  // clock
+    input  logic                              rst_i,  // reset, synchronous
     // queries
-    input  logic                              in_valid_i,
-    output logic                              in_ready_o,
-    input  photonloom_pkg::gather_query_t     in_i,
+    input  logic                              in_valid_i,  // offered
+    output logic                              in_ready_o,  // taken when offered
+    input  photonloom_pkg::gather_query_t     in_i,  // the packet
     // results
-    output logic                              result_valid_o,
-    input  logic                              result_ready_i,
-    output photonloom_pkg::gather_result_t    result_o,
+    output logic                              result_valid_o,  // offered
+    input  logic                              result_ready_i,  // taken when offered
+    output photonloom_pkg::gather_result_t    result_o,  // the packet
     // photons
-    output logic                              photon_valid_o,
-    input  logic                              photon_ready_i,
-    output photonloom_pkg::gather_photon_t    photon_o,
+    output logic                              photon_valid_o,  // offered
+    input  logic                              photon_ready_i,  // taken when offered
+    output photonloom_pkg::gather_photon_t    photon_o,  // the packet
     // leaf lines; the address is {map, line}
-    output logic                              line_req_valid_o,
-    input  logic                              line_req_ready_i,
-    output logic [                LineBits:0] line_req_addr_o,
-    output logic [               TagBits-1:0] line_req_tag_o,
-    input  logic                              line_rsp_valid_i,
-    input  logic [               TagBits-1:0] line_rsp_tag_i,
-    input  logic [          LineBeatBits-1:0] line_rsp_data_i,
+    output logic                              line_req_valid_o,  // offered
+    input  logic                              line_req_ready_i,  // taken when offered
+    output logic [                LineBits:0] line_req_addr_o,  // map, then line; 1 is the caustic map
+    output logic [               TagBits-1:0] line_req_tag_o,  // comes back with every beat of the line
+    input  logic                              line_rsp_valid_i,  // a beat is there; it is always taken
+    input  logic [               TagBits-1:0] line_rsp_tag_i,  // of the request
+    input  logic [          LineBeatBits-1:0] line_rsp_data_i,  // beats of a line in order, the lowest bytes first
     // node memory and registers, written while idle
-    input  logic                              cfg_valid_i,
-    input  logic [                      23:0] cfg_addr_i,
-    input  logic [                      63:0] cfg_data_i,
+    input  logic                              cfg_valid_i,  // a word is written
+    input  logic [                      23:0] cfg_addr_i,  // where: docs/photon_gatherer.md
+    input  logic [                      63:0] cfg_data_i,  // the word
     // counted since reset, shown at most 18 cycles late
     output logic [31:0] count_busy_o, // cycles with a query in flight
     output logic [31:0] count_queries_o, // queries started, flushes apart

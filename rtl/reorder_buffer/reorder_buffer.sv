@@ -15,14 +15,14 @@ module reorder_buffer #(
     parameter int unsigned CellBits = photonloom_pkg::ReorderCellBits,
     parameter int unsigned PositionBits = photonloom_pkg::PositionBits
 ) (
-    input  logic clk_i,
-    input  logic rst_i,
-    input  logic in_valid_i,
-    output logic in_ready_o,
-    input  photonloom_pkg::gather_query_t in_i,
-    output logic out_valid_o,
-    input  logic out_ready_i,
-    output photonloom_pkg::gather_query_t out_o,
+    input  logic clk_i,  // clock
+    input  logic rst_i,  // reset, synchronous
+    input  logic in_valid_i,  // offered
+    output logic in_ready_o,  // taken when offered
+    input  photonloom_pkg::gather_query_t in_i,  // the packet
+    output logic out_valid_o,  // offered
+    input  logic out_ready_i,  // taken when offered
+    output photonloom_pkg::gather_query_t out_o,  // the packet
     output logic [31:0] count_packets_o,  // packets taken in, flushes included
     output logic [31:0] count_flushes_o,  // flushes taken in
     output logic [31:0] count_cycles_busy_o,  // cycles in which a packet came or went

@@ -21,7 +21,7 @@ constexpr const char* kYosysCells[] = {"cells_sim.v", "cells_ff.vh", "cells_io.v
 constexpr int kOptimise = 1;
 constexpr const char* kFlags = "--assert --x-initial 0 --x-assign 0 -Wno-fatal -Wno-lint";
 
-std::string cells_dir() { return PHOTONLOOM_SOURCE_DIR "/fpga/models"; }
+std::string cells_dir() { return data_dir("fpga/models"); }
 
 }  // namespace
 

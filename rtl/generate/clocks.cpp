@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rtl/generate/clocks.hpp"
+
+#include <fmt/core.h>
+
+#include <cstdlib>
+#include <regex>
+#include <stdexcept>
+#include <utility>
+
+#include "golden/numeric/output_file.hpp"
+
+namespace photonloom {
+namespace {
+
+bool within(const IntRange& range, long x) { return x >= range.least && x <= range.most; }
+
+// Sets dividers and VCO: exact, the VCO nearest to the best; false where there are none.
+bool choose_dividers(const PllLimits& pll, long in_khz, BoardClocks& clocks) {
+  const long out_khz = clocks.core_khz;
+  long best_distance = -1;
+  if (!within(pll.output_khz, out_khz)) return false;
+  for (int ref = pll.reference.least; ref <= pll.reference.most; ++ref) {
+    if (in_khz < static_cast<long>(pll.detector_least_khz) * ref) break;
+    for (int feedback = pll.feedback.least; feedback <= pll.feedback.most; ++feedback)
+      for (int output = pll.output.least; output <= pll.output.most; ++output) {
+        if (in_khz * feedback != out_khz * ref * (pll.fed_back_from_output ? 1 : output)) continue;
+        const long vco = out_khz * output, distance = std::labs(vco - pll.vco_best_khz);
+        if (!within(pll.vco_khz, vco) || (best_distance >= 0 && distance >= best_distance))
+          continue;
+        best_distance = distance;
+        clocks.reference = ref;
+        clocks.feedback = feedback;
+        clocks.output = output;
+        clocks.vco_khz = static_cast<int>(vco);
+      }
+  }
+  return best_distance >= 0;
+}
+
+// Core clocks that the PLL makes, for a message.
+std::string examples(const BoardDescription& board, int sdram_khz) {
+  std::string text;
+  for (const int khz : {25000, 50000, 60000, 62500, 75000, 100000}) {
+    BoardClocks clocks{.core_khz = khz};
+    if (!choose_dividers(*board.pll, board.oscillator_khz, clocks)) continue;
+    if (sdram_khz && clocks.vco_khz % sdram_khz != 0) continue;
+    text += fmt::format("{}{}", text.empty() ? "" : ", ", khz);
+  }
+  return text.empty() ? fmt::format("another clock or other limits in [pll] of {}", board.file)
+                      : "for example one of " + text;
+}
+
+// Fastest rate that whole core clocks make, at least 8 of them a bit.
+void choose_baud(const BoardDescription& board, BoardClocks& clocks) {
+  const long hz = 1000L * clocks.core_khz;
+  for (const int baud : board.baud) {
+    const long whole = hz / baud;
+    // 2 % off in the middle of the last bit is what a receiver bears; exact rates are the rule.
+    if (whole < 8 || std::labs(hz - whole * baud) * 200 > hz) continue;
+    clocks.baud = baud;
+    clocks.clocks_per_bit = (hz + baud / 2) / baud;
+    return;
+  }
+  throw std::runtime_error(
+      fmt::format("board {}: a core clock of {} kHz is too slow for its UART, expected a clock of "
+                  "8 cycles a bit at one of the rates of serial.baud",
+                  board.name, clocks.core_khz));
+}
+
+// The number behind `before` in a source of the RTL.
+int number_in(const std::string& file, const std::string& before) {
+  const std::string text = read_file(file);
+  std::smatch m;
+  if (!std::regex_search(text, m, std::regex(before + R"((\d+))")))
+    throw std::runtime_error(fmt::format("{}: says no number behind {}", file, before));
+  return std::stoi(m[1]);
+}
+
+// The controller waits the times that stand in it, at the frequency that photon_sdram gives it.
+void check_sdram(const BoardDescription& board, const std::string& rtl_dir) {
+  const std::string memory = rtl_dir + "/board/photon_sdram.sv";
+  const std::string controller = rtl_dir + "/board/sdram_controller.sv";
+  const int khz = number_in(memory, "SdramKHz = ");
+  if (board.sdram->clock_khz != khz)
+    throw std::runtime_error(fmt::format("{}: sdram.clock_khz is {}, expected {}, that of {}",
+                                         board.file, board.sdram->clock_khz, khz, memory));
+  static const std::pair<const char*, const char*> kTimes[] = {
+      {"row_to_column_ns", "RowToColumn"},    {"precharge_ns", "Precharge"},
+      {"row_active_ns", "RowActive"},         {"row_to_row_ns", "RowToRow"},
+      {"write_recovery_ns", "WriteRecovery"}, {"refresh_ns", "RefreshTime"}};
+  for (const auto& [key, name] : kTimes) {
+    const int served = number_in(controller, fmt::format(R"({} = cycles\()", name));
+    const int time = board.sdram->times_ns.at(key);
+    if (time > served)
+      throw std::runtime_error(fmt::format("{}: sdram.{} is {}, expected at most {}, what {} waits",
+                                           board.file, key, time, served, controller));
+  }
+}
+
+}  // namespace
+
+BoardClocks board_clocks(const BoardDescription& board, int core_khz, bool sdram,
+                         const std::string& rtl_dir) {
+  BoardClocks clocks{.core_khz = core_khz};
+  if (!choose_dividers(*board.pll, board.oscillator_khz, clocks))
+    throw std::runtime_error(
+        fmt::format("the PLL cannot make {} kHz of {} kHz exactly, expected {}", core_khz,
+                    board.oscillator_khz, examples(board, 0)));
+  if (sdram) {
+    check_sdram(board, rtl_dir);
+    clocks.sdram_khz = board.sdram->clock_khz;
+    if (clocks.vco_khz % clocks.sdram_khz != 0)
+      throw std::runtime_error(
+          fmt::format("the PLL cannot make {} kHz beside the SDRAM's {} kHz, expected {}", core_khz,
+                      clocks.sdram_khz, examples(board, clocks.sdram_khz)));
+  }
+  choose_baud(board, clocks);
+  return clocks;
+}
+
+}  // namespace photonloom
