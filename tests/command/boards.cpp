@@ -152,7 +152,7 @@ TEST_CASE("files of a board that do not fit together are named, with the key or 
                 "b/board.toml: flow.name is ecp6, expected one of ecp5, ice40, vivado"},
            Case{"board.toml", "\"core.lpf\"", "\"pins.lpf\"",
                 "b/board.toml: top.block_ram names pins.lpf, expected a file of"},
-           Case{"board.toml", "[clock]", "[clock", "board.toml, line 14: not TOML"},
+           Case{"board.toml", "[clock]", "[clock", "board.toml, line 16: not TOML"},
            // places of the flow's files
            Case{"board.toml", "loader = \"ulx3s\"", "", "the place @LOADER@ is unknown, expected"},
            Case{"board.toml", "speed = 6", "speed = 6\nsped = 6",
