@@ -25,10 +25,6 @@ namespace fs = std::filesystem;
 
 namespace {
 
-bool has(const std::vector<std::string>& list, const std::string& name) {
-  return std::find(list.begin(), list.end(), name) != list.end();
-}
-
 // Modules that stand in branches which this plan does not take.
 std::set<std::string> modules_not_taken(const Plan& plan) {
   std::set<std::string> without;
