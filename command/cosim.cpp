@@ -217,7 +217,7 @@ void cosim(const CosimOptions& o) {
   o.rig.check_waveform(units_with_waves);
   o.threads.apply();
   const std::string stem = std::filesystem::path(request.scene_file).stem().string();
-  const std::string output = o.output.empty() ? o.rig.options("").work_dir + "/" + stem : o.output;
+  const std::string output = o.output.empty() ? o.rig.results_dir() + "/" + stem : o.output;
   OutputFolder folder(output, "summary.json");
 
   ConsoleProgress progress;
@@ -369,8 +369,10 @@ void add_cosim(CLI::App& app) {
   c->add_flag("--keep-going", o->keep_going,
               "Render to the end with the hardware's packets although they differ");
   o->board.add_to(*c);
-  c->add_option("-o,--output", o->output,
-                "Folder for images, timeline and summary (default: WORK/SCENE)")
+  c->add_option(
+       "-o,--output", o->output,
+       "Folder for images, timeline and summary (default: SCENE in --work, else in build/cosim; "
+       "of an installed program cosim/SCENE)")
       ->type_name("DIR");
   c->add_option("--timeline", o->timeline, "Packets of each unit in timeline.json (default 5000)")
       ->check(CLI::Range(uint64_t{0}, uint64_t{1} << 48))

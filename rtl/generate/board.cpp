@@ -12,6 +12,7 @@
 #include "golden/numeric/output_file.hpp"
 #include "golden/plan/units.hpp"
 #include "rtl/generate/clocks.hpp"
+#include "rtl/generate/data_files.hpp"
 #include "rtl/generate/sources.hpp"
 #include "rtl/generate/unit_top.hpp"
 
@@ -67,7 +68,7 @@ void add_core(const BoardDescription& b, const BoardTop& top, const BoardClocks&
                                      {"VCO_KHZ", fmt::format("{}", clocks.vco_khz)},
                                      {"SDRAM_KHZ", fmt::format("{}", clocks.sdram_khz)}});
   out.sources.push_back("rtl/board_pkg.sv");
-  const std::string models = data_dir("fpga/models");
+  const std::string models = data_dir() + "/fpga/models";
   for (const std::string& cell : modules_named(text, models)) {
     out.files["board/models/" + cell + ".sv"] = read_file(models + "/" + cell + ".sv");
     out.lint = " -y board/models";
@@ -89,7 +90,7 @@ std::string add_constraints(const BoardDescription& b, const BoardTop& top, int 
 // Fills the files of the board's flow; that of the README is returned. A key of [flow] that fills
 // no place of them is an error.
 std::string add_flow(const BoardDescription& b, const Places& common, BoardFiles& out) {
-  const std::string dir = data_dir("fpga/flows/" + b.flow);
+  const std::string dir = data_dir() + "/fpga/flows/" + b.flow;
   Places may = common;
   const auto refuse = [&](std::string place, const std::string& expected) {
     std::transform(place.begin(), place.end(), place.begin(),

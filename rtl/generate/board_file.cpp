@@ -12,6 +12,7 @@
 #include <stdexcept>
 
 #include "golden/numeric/output_file.hpp"
+#include "rtl/generate/data_files.hpp"
 #include "rtl/generate/sources.hpp"
 
 namespace photonloom {
@@ -151,7 +152,7 @@ BoardSdram read_sdram(Table t) {
 
 void read_flow(Table t, BoardDescription& board) {
   board.flow = t.text("name");
-  const std::string flows = data_dir("fpga/flows");
+  const std::string flows = data_dir() + "/fpga/flows";
   if (!fs::is_directory(flows + "/" + board.flow)) {
     std::set<std::string> known;
     for (const auto& entry : fs::directory_iterator(flows))

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "rtl/generate/fill.hpp"
+#include "rtl/generate/data_files.hpp"
 
 #include <fmt/core.h>
 
@@ -81,7 +82,7 @@ std::string fill(const std::string& file, const Places& must, const Places& may)
 }
 
 std::string fill_template(const std::string& name, const Places& must) {
-  return fill(data_dir("rtl/generate/templates") + "/" + name + ".in", must);
+  return fill(data_dir() + "/rtl/generate/templates/" + name + ".in", must);
 }
 
 }  // namespace photonloom

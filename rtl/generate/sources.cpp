@@ -15,6 +15,7 @@
 
 #include "golden/numeric/output_file.hpp"
 #include "golden/plan/units.hpp"
+#include "rtl/generate/data_files.hpp"
 
 namespace photonloom {
 
@@ -24,12 +25,10 @@ namespace {
 
 std::string chosen_or(const char* variable, const std::string& folder) {
   const char* chosen = std::getenv(variable);
-  return chosen && *chosen ? chosen : data_dir(folder);
+  return chosen && *chosen ? chosen : data_dir() + "/" + folder;
 }
 
 }  // namespace
-
-std::string data_dir(const std::string& folder) { return PHOTONLOOM_SOURCE_DIR "/" + folder; }
 
 std::string default_rtl_dir() { return chosen_or("PHOTONLOOM_RTL", "rtl"); }
 

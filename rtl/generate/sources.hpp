@@ -8,14 +8,10 @@
 
 namespace photonloom {
 
-// Where a folder of files that the program needs lies: "rtl", "fpga/boards", "fpga/flows",
-// "fpga/models", "rtl/generate/templates".
-std::string data_dir(const std::string& folder);
-
-// The folder rtl/ of the sources: PHOTONLOOM_RTL of the environment, or that of the build.
+// The folder of the RTL sources: PHOTONLOOM_RTL of the environment, or rtl in data_dir().
 std::string default_rtl_dir();
 
-// The folder of the boards: PHOTONLOOM_BOARDS of the environment, or that of the build.
+// The folder of the boards: PHOTONLOOM_BOARDS of the environment, or fpga/boards in data_dir().
 std::string default_boards_dir();
 
 // Files of `module` and of everything that it instantiates, directly or not, each after those it

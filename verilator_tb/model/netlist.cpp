@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include "golden/numeric/output_file.hpp"
+#include "rtl/generate/data_files.hpp"
 #include "verilator_tb/model/tools.hpp"
 
 namespace photonloom::model_tools {
@@ -21,7 +22,7 @@ constexpr const char* kYosysCells[] = {"cells_sim.v", "cells_ff.vh", "cells_io.v
 constexpr int kOptimise = 1;
 constexpr const char* kFlags = "--assert --x-initial 0 --x-assign 0 -Wno-fatal -Wno-lint";
 
-std::string cells_dir() { return data_dir("fpga/models"); }
+std::string cells_dir() { return data_dir() + "/fpga/models"; }
 
 }  // namespace
 

@@ -5,6 +5,8 @@
 
 #include <cstdlib>
 
+#include "rtl/generate/data_files.hpp"
+
 namespace photonloom {
 
 void RigFlags::add_to(CLI::App& command, const std::string& seed_flag) {
@@ -35,7 +37,9 @@ void RigFlags::add_to(CLI::App& command, const std::string& seed_flag) {
       "500000.")
       ->check(CLI::Range(uint64_t{1}, uint64_t{1} << 48));
   add("--rtl", rtl_, "Folder of the RTL sources, if not those of this build.");
-  add("--work", work_, "Folder of the built models. Default build/cosim.");
+  add("--work", work_,
+      "Folder of the built models. Default build/cosim; of an installed program "
+      "~/.cache/photonloom.");
   add("--yosys", yosys_, "The Yosys that makes netlists and CXXRTL models. Default yosys.");
   add("--netlist", netlist_,
       "With backend netlist: this Verilog netlist of the unit, made for the same plan, instead of "
@@ -71,7 +75,7 @@ RunOptions RigFlags::options(const std::string& unit) const {
   o.bank_cycles = bank_cycles_;
   o.watchdog = watchdog_;
   o.rtl_dir = rtl_;
-  o.work_dir = work_;
+  o.work_dir = work_.empty() ? default_work_dir() : work_;
   o.yosys = yosys_;
   o.netlist = netlist_;
   if (wave_.empty() || (!wave_unit_.empty() && wave_unit_ != unit)) return o;
@@ -87,6 +91,8 @@ RunOptions RigFlags::options(const std::string& unit) const {
   }
   return o;
 }
+
+std::string RigFlags::results_dir() const { return work_.empty() ? default_results_dir() : work_; }
 
 void RigFlags::check_netlist(size_t units) const {
   if (!netlist_.empty() && units != 1)

@@ -15,6 +15,8 @@ class RigFlags {
   void add_to(CLI::App& command, const std::string& seed_flag);
   // The options for one unit; throws std::runtime_error for a bad value.
   RunOptions options(const std::string& unit) const;
+  // Where a run's results go that has no folder of its own: --work, or default_results_dir().
+  std::string results_dir() const;
 
   // A waveform is of one unit: an error where --wave does not say of which of several.
   void check_waveform(const std::set<std::string>& units) const;
@@ -27,7 +29,7 @@ class RigFlags {
   std::string latency_ = "20";
   int banks_ = 8, bank_cycles_ = 0;
   uint64_t watchdog_ = 500000;
-  std::string rtl_, work_ = "build/cosim", yosys_ = "yosys", netlist_;
+  std::string rtl_, work_, yosys_ = "yosys", netlist_;
   std::string wave_, wave_unit_, wave_cycles_;
 };
 

@@ -24,6 +24,7 @@
 
 #include "golden/numeric/output_file.hpp"
 #include "golden/plan/plan_file.hpp"
+#include "rtl/generate/data_files.hpp"
 #include "verilator_tb/chip/sdram_chip.hpp"
 #include "verilator_tb/throughput/gather_load.hpp"
 
@@ -177,7 +178,7 @@ int run(Options o) {
   }
   if (o.plans.empty())
     for (const PlanOfBoard& p : kPlans)
-      o.plans.push_back(fmt::format(PHOTONLOOM_SOURCE_DIR "/fpga/headline/{}.toml", p.name));
+      o.plans.push_back(fmt::format("{}/fpga/headline/{}.toml", data_dir(), p.name));
 
   fmt::print("gather engine: cycles of a core of {:g} MHz, SDRAM of {:g} MHz\n", o.core_mhz,
              kSdramMHz);

@@ -23,13 +23,14 @@
 #include "golden/transport/world.hpp"
 #include "golden/unit/backend.hpp"
 #include "golden/unit/pack_photons.hpp"
+#include "rtl/generate/data_files.hpp"
 #include "verilator_tb/unit/backends.hpp"
 
 namespace photonloom {
 
 // What both benches are told.
 struct LoadOptions {
-  std::string scene = PHOTONLOOM_SOURCE_DIR "/scenes/cornell.xml", json, work = "build/cosim";
+  std::string scene = data_dir() + "/scenes/cornell.xml", json, work = "build/cosim";
   uint64_t seed = 1;
   int size = 48, samples = 1, rays = 16;
 
