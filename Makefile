@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 # The daily workflow. Each verb first installs its own missing packages (scripts/setup), and only those.
 JOBS := $(shell nproc)
+PREFIX ?= /usr/local
 .DEFAULT_GOAL := build
-.PHONY: help build demo test test-full gallery precision mutate bench bench-rtl asan fuzz format clean references mutate-golden fpga-tools fpga board-sim headline fpga-plans area-check
+.PHONY: help build install demo test test-full gallery precision mutate bench bench-rtl asan fuzz format clean references mutate-golden fpga-tools fpga board-sim headline fpga-plans area-check
 
 help: ## this list
 	@sed -n 's/^\([a-z-]*\):[^#]*## \(.*\)/  make \1\t\2/p' Makefile | expand -t 24
@@ -11,6 +12,10 @@ build: ## build/photonloom (the default)
 	@scripts/setup build
 	@cmake --preset release
 	@cmake --build build --target photonloom scenes
+
+install: build ## the program with its data, manual page and completions into PREFIX (/usr/local), under DESTDIR if set
+	@cmake --build build --target manual
+	@cmake --install build --prefix "$(PREFIX)"
 
 demo: build ## images of two scenes: reference, golden, error map, metrics; then the same through the RTL
 	@scripts/setup demo

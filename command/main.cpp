@@ -14,6 +14,7 @@
 
 #include "command/command.hpp"
 #include "command/console.hpp"
+#include "rtl/generate/data_files.hpp"
 
 namespace photonloom {
 
@@ -83,6 +84,12 @@ int run(int argc, char** argv) {
       "photonloom"};
   app.require_subcommand(1);
   app.set_version_flag("--version", PHOTONLOOM_VERSION);
+  const auto print_data_dir = [] {
+    fmt::print("{}\n", data_dir());
+    throw CLI::Success();
+  };
+  app.add_flag_callback("--data-dir", print_data_dir,
+                        "Print the folder of the program's RTL, boards and scenes, and exit");
   std::sort(registered_commands().begin(), registered_commands().end());
   for (const auto& [place, add] : registered_commands()) add(app);
   // An empty value is a slip (of a shell variable, most often), never the same as no option.
