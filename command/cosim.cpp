@@ -240,6 +240,7 @@ void cosim(const CosimOptions& o) {
   std::vector<Side> sides;
   Image hardware_image;
   std::vector<UnitReport> reports;
+  std::map<std::string, std::string> tools;  // versions of what made the models
   try {
     {
       const ProgressPhase phase(&progress, "models", hardware.size(), "units");
@@ -252,6 +253,7 @@ void cosim(const CosimOptions& o) {
         run.timeline = o.timeline > 0;
         context.backend = backend.kind.name;
         context.waveform = backend.kind.model ? waveform_extension(*backend.kind.model) : "";
+        if (backend.kind.model) tools.merge(tool_versions(*backend.kind.model, run.yosys));
         context.seed = run.seed;
         sides.push_back(compare_in_frame(units.of(unit), frame.plan, context,
                                          make_backend(unit, backend, frame.plan, run, o.board)));
@@ -285,6 +287,8 @@ void cosim(const CosimOptions& o) {
   Json summary;
   summary["scene"] = request.scene_file;
   summary["plan_hash"] = context.plan;
+  summary["program"] = PHOTONLOOM_VERSION;
+  summary["tools"] = tools;
   summary["camera_samples"] = counts.camera_samples;
   summary["caustic_queries"] = counts.caustic_queries;
   summary["table_gathers"] = counts.table_gathers;

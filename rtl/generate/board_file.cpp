@@ -252,6 +252,10 @@ BoardDescription read_board(const std::string& name, const std::string& boards_d
   }
   if (board.tops.count("sdram")) board.sdram = read_sdram(t.table("sdram"));
   read_flow(t.table("flow"), board);
+  if (t.has("tools")) {
+    Table tools = t.table("tools");
+    for (const std::string& tool : tools.keys()) board.tools[tool] = tools.text(tool);
+  }
   t.has("measure");  // of the flow's Python alone
   t.done();
   return board;

@@ -50,8 +50,9 @@ struct BoardDescription {
   std::string serial_port;  // for people
   std::vector<int> baud;    // rates of the serial port, fastest first
   std::optional<BoardSdram> sdram;
-  std::string flow;    // fpga/flows/FLOW
-  Places flow_places;  // further keys of [flow]: places of the flow's files
+  std::string flow;                          // fpga/flows/FLOW
+  std::map<std::string, std::string> tools;  // the oldest version of each, by its command
+  Places flow_places;                        // further keys of [flow]: places of the flow's files
   // What the board can be: "block_ram" and "sdram" (board_core with photons there), "unit" (one
   // unit alone).
   std::map<std::string, BoardTop> tops;

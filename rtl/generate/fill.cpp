@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include "golden/numeric/output_file.hpp"
+#include "rtl/generate/data_files.hpp"
 #include "rtl/generate/sources.hpp"
 
 namespace photonloom {

@@ -15,6 +15,7 @@
 #include "rtl/generate/board.hpp"
 #include "rtl/generate/chip.hpp"
 #include "rtl/generate/fill.hpp"
+#include "rtl/generate/lock.hpp"
 #include "rtl/generate/package.hpp"
 #include "rtl/generate/readme.hpp"
 #include "rtl/generate/sources.hpp"
@@ -115,6 +116,7 @@ std::map<std::string, std::string> generate_hardware(const HardwareRequest& requ
   readme.lint_options = board.lint;
   readme.board = board.readme;
   files["README.md"] = write_readme(readme);
+  files["photonloom.lock"] = write_lock(plan, request.board, request.boards_dir, files);
   return files;
 }
 
@@ -167,11 +169,15 @@ void check_hardware(const std::string& dir, const std::string& rtl_dir,
     if (!fs::is_regular_file(path)) throw std::runtime_error(path + ": is missing" + again);
     return read_file(path);
   };
-  for (const auto& [name, content] : files)
+  const auto compare = [&](const std::string& name, const std::string& content) {
     if (read(name) != content)
       throw std::runtime_error(
           fmt::format("{}/{}: is stale, differs from what its plan and the RTL sources give{}", dir,
                       name, again));
+  };
+  const std::string lock = files.extract("photonloom.lock").mapped();
+  for (const auto& [name, content] : files) compare(name, content);
+  compare("photonloom.lock", lock);  // last: a source that differs is named itself
   for (const auto& [name, hash] : images) {
     Sha256 sum;
     sum.add(read(name));

@@ -24,7 +24,7 @@ struct HardwareRequest {
 
 // Path in the package -> text. Deterministic in the request and the RTL. A unit that the plan has
 // not, an unknown one, and an unknown board are errors. package.json says what was asked for and
-// the SHA-256 of each image, for check_hardware.
+// the SHA-256 of each image, for check_hardware; photonloom.lock is that of rtl/generate/lock.hpp.
 std::map<std::string, std::string> generate_hardware(const HardwareRequest& request);
 
 // Throws std::runtime_error with the first thing in `dir` that is stale: a file that is not what

@@ -33,6 +33,9 @@ TEST_CASE("all units as RTL give golden's packets and render's bytes") {
   CHECK_THAT(o.out, ContainsSubstring("mean displacement"));
   const auto summary = nlohmann::json::parse(read_file(scratch / "out/summary.json"));
   CHECK(summary["images_identical"] == true);
+  CHECK_THAT(summary["tools"]["verilator"].get<std::string>(), ContainsSubstring("Verilator 5."));
+  CHECK(summary["tools"].contains("compiler"));
+  CHECK_FALSE(summary["tools"].contains("yosys"));
   for (const char* unit : {"photon_gatherer", "reorder_buffer", "cdf_sampler"}) {
     INFO(unit);
     CHECK(summary["units"][unit]["packets"] > 50);

@@ -58,6 +58,39 @@ TEST_CASE("a package lints, is the same twice, and is checked") {
   CHECK(all.find(environment("PHOTONLOOM_SOURCE")) == std::string::npos);
 }
 
+TEST_CASE("the lock names each source's hash, the plan and the oldest tools") {
+  const Scratch scratch;
+  const std::string hw = scratch / "hw";
+  const auto lock_of = [&](const std::string& more) {
+    const Outcome made = run(fmt::format("generate {} -o {} {}", scratch / "plan.toml", hw, more));
+    INFO(made.err);
+    REQUIRE(made.status == 0);
+    return nlohmann::json::parse(read_file(hw + "/photonloom.lock"));
+  };
+  write_plan(gatherer_plan(), scratch / "plan.toml");
+  const auto lock = lock_of("");
+  CHECK("photonloom " + lock["photonloom"].get<std::string>() + "\n" == run("--version").out);
+  CHECK(lock["plan"] == plan_hash_text(gatherer_plan()));
+  CHECK(lock["tools"] == nlohmann::json{{"verilator", ">= 5.006"}, {"yosys", ">= 0.23"}});
+  size_t sources = 0;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(hw + "/rtl")) {
+    if (!entry.is_regular_file()) continue;
+    ++sources;
+    const std::string name = std::filesystem::relative(entry.path(), hw).string();
+    INFO(name);
+    REQUIRE(lock["sources"].contains(name));
+    // coreutils' sha256sum, not ours.
+    CHECK(std::system(fmt::format("echo '{}  {}' | sha256sum --check --status",
+                                  lock["sources"][name].get<std::string>(), entry.path().string())
+                          .c_str()) == 0);
+  }
+  CHECK(lock["sources"].size() == sources);
+  const auto board = lock_of("--board ulx3s-85f");
+  CHECK(board["sources"].contains("board/synth.ys"));
+  CHECK(board["tools"]["yosys"] == ">= 0.52");
+  CHECK(board["tools"].contains("nextpnr-ecp5"));
+}
+
 TEST_CASE("a stale package names what is stale") {
   const Scratch scratch;
   write_plan(gatherer_plan(), scratch / "plan.toml");
@@ -84,6 +117,12 @@ TEST_CASE("a stale package names what is stale") {
   fresh();
   std::filesystem::remove(module);
   CHECK_THAT(check(), ContainsSubstring("photon_gatherer.sv: is missing"));
+  fresh();
+  const std::string lock = hw + "/photonloom.lock";
+  write_file(lock, read_file(lock) + "\n");
+  CHECK_THAT(check(), ContainsSubstring("photonloom.lock: is stale"));
+  std::filesystem::remove(lock);
+  CHECK_THAT(check(), ContainsSubstring("photonloom.lock: is missing"));
   fresh();
   write_file(hw + "/rtl/old.sv", "");
   CHECK_THAT(check(), ContainsSubstring("old.sv: does not belong to the package"));

@@ -5,6 +5,7 @@
 #pragma once
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
 #include <stdexcept>
@@ -52,6 +53,10 @@ struct ModelBuildError : std::runtime_error {
 // processes may ask for the same one. A failure is a ModelBuildError with the end of the tool's
 // output.
 std::string build_model(const Plan& plan, const ModelSource& source);
+
+// The tools that make such a library, by name, and what each calls itself: compiler, verilator,
+// yosys. An error where one is missing.
+std::map<std::string, std::string> tool_versions(ModelKind kind, const std::string& yosys);
 
 // A port's storage in the model: 1, 2, 4 or 8 bytes, or words of 32 bits least significant first.
 struct ModelPort {

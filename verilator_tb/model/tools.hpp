@@ -65,6 +65,7 @@ std::string yosys_read(const ModelInput& in, const std::string& flags);
 // depends on: tools and their versions, flags, text of its own. Asking for it is an error where a
 // tool is missing.
 std::string verilator_key();
+std::string verilator_version();  // "Verilator 5.006 ..."
 std::string netlist_key(const ModelInput& in);
 std::string cxxrtl_key(const ModelInput& in);
 void build_verilator(const ModelInput& in);

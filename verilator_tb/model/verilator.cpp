@@ -157,6 +157,8 @@ std::string build_runtime(const std::string& work, const std::vector<std::string
 
 }  // namespace
 
+std::string verilator_version() { return verilator().version; }
+
 std::string verilator_key() { return verilator().version + compiler().version + kCompile + kShim; }
 
 void verilate(const ModelInput& in, const std::vector<std::string>& files, const std::string& flags,
