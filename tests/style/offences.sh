@@ -18,6 +18,7 @@ printf '// %s\n#include "command/console.hpp"\n' "$spdx" >"$tree/tests/units/roo
 printf '// %s\n#include "verilator_tb/rig/rig.hpp"\n' "$spdx" >"$tree/verilator_tb/model/upwards.hpp"
 printf '// %s\ndouble f(double x) { return std::sin(x); }\n' "$spdx" >"$tree/golden/numeric/libm.cpp"
 printf '// %s\n// see %shome/someone/notes\n' "$spdx" / >"$tree/golden/numeric/path.cpp"
+printf '| where is | look in |\n|---|---|\n| `x` | `scripts/style`: `no such symbol`; `golden/gone.cpp` |\n| y | `scripts/style`: `offences=` |\n\n' >"$tree/README.md"
 printf '// %s\nmodule odd; endmodule\n' "$spdx" >"$tree/rtl/odd/odd.sv"
 
 printf '// %s\n#define UNITS(UNIT) \\\n  UNIT(EvenUnit, even_unit, 1) \\\n  UNIT(Far, far_unit, 2)\n' "$spdx" >"$tree/golden/plan/units.hpp"
@@ -37,6 +38,9 @@ expect "tests/units/roof.cpp: includes a file of command"
 expect "verilator_tb/model/upwards.hpp: includes verilator_tb/rig/rig.hpp, which is not below verilator_tb/model"
 expect "golden/numeric/libm.cpp:2:"
 expect "golden/numeric/path.cpp:2:"
+expect "README.md: the table \"where is\" names golden/gone.cpp, which is not there"
+expect "README.md: the table \"where is\" says that no such symbol stands in scripts/style"
+printf '%s\n' "$report" | grep -qF 'says that offences=' && { echo "style reported a symbol that is there"; status=1; }
 expect "rtl/odd: there is no golden/unit/odd.cpp"
 expect "rtl/odd: there is no docs/odd.md"
 expect "rtl/odd: is not in golden/plan/units.hpp"
