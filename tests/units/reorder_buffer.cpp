@@ -3,6 +3,9 @@
 // plainly as possible.
 #include "golden/unit/reorder_buffer.hpp"
 
+#include <algorithm>
+#include <array>
+#include <cstdlib>
 #include <deque>
 #include <set>
 
@@ -42,6 +45,56 @@ Plan small_plan(ReorderKey key, ReorderDrain drain, int packets, int bins) {
   return plan;
 }
 
+// The Hilbert curve by its definition: it passes the octants of a cube in the order of a Gray code,
+// x the top bit of an octant and z the lowest, and each octant by the curve itself, turned so that
+// it enters beside where it left the octant before. `from` says which coordinate of the octant each
+// coordinate of the curve before its turn is; those of `back` run backwards.
+struct Octant {
+  std::array<uint32_t, 3> at;
+  std::array<size_t, 3> from;
+  std::array<bool, 3> back;
+};
+constexpr std::array<Octant, 8> kOctants{{{{0, 0, 0}, {2, 0, 1}, {false, false, false}},
+                                          {{0, 0, 1}, {1, 0, 2}, {false, false, false}},
+                                          {{0, 1, 1}, {0, 1, 2}, {false, false, false}},
+                                          {{0, 1, 0}, {2, 1, 0}, {true, false, true}},
+                                          {{1, 1, 0}, {2, 1, 0}, {false, false, false}},
+                                          {{1, 1, 1}, {0, 1, 2}, {false, false, false}},
+                                          {{1, 0, 1}, {1, 0, 2}, {true, true, false}},
+                                          {{1, 0, 0}, {2, 0, 1}, {true, false, true}}}};
+
+uint64_t index_on_curve(const std::array<uint32_t, 3>& cell, int bits) {
+  if (bits == 0) return 0;
+  const uint32_t half = uint32_t{1} << (bits - 1);
+  for (uint64_t o = 0; o < kOctants.size(); ++o) {
+    const Octant& octant = kOctants[o];
+    bool here = true;
+    for (size_t c = 0; c < 3; ++c) here = here && cell[c] / half == octant.at[c];
+    if (!here) continue;
+    std::array<uint32_t, 3> inside;
+    for (size_t c = 0; c < 3; ++c) {
+      const uint32_t x = cell[octant.from[c]] % half;
+      inside[c] = octant.back[octant.from[c]] ? half - 1 - x : x;
+    }
+    return o * half * half * half + index_on_curve(inside, bits - 1);
+  }
+  FAIL("no octant");
+  return 0;
+}
+
+// What docs/reorder_buffer.md says of a bin.
+size_t bin_on_page(const Plan& plan, const UVec3& position) {
+  const uint64_t edge = uint64_t{1} << plan.reorder_cell_bits;
+  std::array<uint32_t, 3> cell;
+  for (size_t c = 0; c < 3; ++c)
+    cell[c] = position[c] >> (plan.position_bits - plan.reorder_cell_bits);
+  const auto bins = static_cast<uint64_t>(plan.reorder_bins);
+  if (plan.reorder_key == ReorderKey::kHilbert)
+    return index_on_curve(cell, plan.reorder_cell_bits) / (edge * edge * edge / bins);
+  const uint64_t product = ((cell[2] * edge + cell[1]) * edge + cell[0]) * 2654435769;
+  return (product % 0x100000000) / (0x100000000 / bins);
+}
+
 // One deque a bin, every rule by brute force.
 std::vector<GatherQuery> plain_model(const Plan& plan, const std::vector<GatherQuery>& in) {
   std::vector<GatherQuery> out;
@@ -67,7 +120,7 @@ std::vector<GatherQuery> plain_model(const Plan& plan, const std::vector<GatherQ
       out.push_back(q);
       current = fixed = 0;
     } else {
-      bins[reorder_bin(plan, q.position)].push_back(q);
+      bins[bin_on_page(plan, q.position)].push_back(q);
       if (++held == static_cast<size_t>(plan.reorder_packets)) release();
     }
   }
@@ -85,20 +138,50 @@ std::vector<GatherQuery> golden(const Plan& plan, const std::vector<GatherQuery>
 
 }  // namespace
 
-TEST_CASE("reorder_bin: Hilbert bins are prefixes, every bin of a full set of cells is used") {
-  Plan plan = small_plan(ReorderKey::kHilbert, ReorderDrain::kSweep, 16, 512);
-  for (const auto key : {ReorderKey::kHilbert, ReorderKey::kHash})
-    for (const int bins : {1, 2, 64, 512}) {
-      plan.reorder_key = key;
-      plan.reorder_bins = bins;
-      std::set<uint32_t> seen;
-      for (uint32_t i = 0; i < 512; ++i)
-        seen.insert(reorder_bin(plan, {(i & 7) << 5 | 31, (i >> 3 & 7) << 5, (i >> 6) << 5}));
-      CAPTURE(bins);
-      REQUIRE(*seen.rbegin() < static_cast<uint32_t>(bins));
-      // A hash may leave bins empty, but not many.
-      REQUIRE(seen.size() * (key == ReorderKey::kHash ? 2 : 1) >= static_cast<size_t>(bins));
+TEST_CASE(
+    "the curve of this test is a Hilbert curve: every cell once, each beside the one before") {
+  for (const int bits : {1, 2, 3, 4}) {
+    const uint32_t edge = uint32_t{1} << bits;
+    std::vector<std::array<uint32_t, 3>> on_curve(edge * edge * edge, {edge, edge, edge});
+    for (uint32_t x = 0; x < edge; ++x)
+      for (uint32_t y = 0; y < edge; ++y)
+        for (uint32_t z = 0; z < edge; ++z)
+          on_curve.at(index_on_curve({x, y, z}, bits)) = {x, y, z};
+    CAPTURE(bits);
+    REQUIRE(on_curve[0] == std::array<uint32_t, 3>{0, 0, 0});
+    for (size_t i = 1; i < on_curve.size(); ++i) {
+      int distance = 0;
+      for (size_t c = 0; c < 3; ++c)
+        distance +=
+            std::abs(static_cast<int>(on_curve[i][c]) - static_cast<int>(on_curve[i - 1][c]));
+      REQUIRE(distance == 1);
     }
+  }
+}
+
+TEST_CASE("reorder_bin: Hilbert bins are prefixes of the index, hash bins of the hash, all used") {
+  Plan plan = small_plan(ReorderKey::kHilbert, ReorderDrain::kSweep, 16, 512);
+  for (const int cell_bits : {3, 4})
+    for (const auto key : {ReorderKey::kHilbert, ReorderKey::kHash})
+      for (const int bins : {1, 2, 64, 512}) {
+        plan.reorder_cell_bits = cell_bits;
+        plan.reorder_key = key;
+        plan.reorder_bins = bins;
+        const uint32_t edge = uint32_t{1} << cell_bits, size = 256 / edge;
+        std::set<uint32_t> seen;
+        CAPTURE(cell_bits, bins);
+        for (uint32_t i = 0; i < edge * edge * edge; ++i) {
+          // Anywhere in the cell.
+          const UVec3 position{i % edge * size + i % size, i / edge % edge * size,
+                               i / (edge * edge) * size + size - 1};
+          const uint32_t bin = reorder_bin(plan, position);
+          REQUIRE(bin == bin_on_page(plan, position));
+          seen.insert(bin);
+        }
+        REQUIRE(*seen.rbegin() < static_cast<uint32_t>(bins));
+        // A hash may leave bins empty, but not many.
+        REQUIRE(seen.size() * (key == ReorderKey::kHash ? 2 : 1) >= static_cast<size_t>(bins));
+      }
 }
 
 TEST_CASE("golden reorder buffer does what the sentences say, however the stream is cut") {
