@@ -30,24 +30,6 @@ double power_sum(const PhotonPass& pass) {
   return sum;
 }
 
-// Photons of a pass by what each emitted path left: a value per path, paths without photons
-// included.
-template <class Value>
-Estimate per_path(const PhotonPass& pass, Value&& value) {
-  double sum = 0, squares = 0;
-  const double n = static_cast<double>(pass.paths);
-  for (size_t i = 0; i < pass.photons.size();) {
-    double x = 0;
-    const uint64_t path = pass.photons[i].path;
-    for (; i < pass.photons.size() && pass.photons[i].path == path; ++i)
-      x += value(pass.photons[i]) * n;
-    sum += x;
-    squares += x * x;
-  }
-  const double mean = sum / n;
-  return {mean, std::sqrt(std::max(0.0, squares / n - mean * mean) / n)};
-}
-
 Scene furnace(bool sphere, double rho) {
   Scene s;
   const int grey = add_diffuse(s, Rgb(rho));
@@ -60,17 +42,19 @@ Scene furnace(bool sphere, double rho) {
 
 }  // namespace
 
-TEST_CASE("white furnace: L = Le / (1 - rho) in a sphere and in a box") {
+TEST_CASE("white furnace: L = Le / (1 - rho) in a sphere and in a box, within 1 %") {
   for (uint64_t seed : kSeeds)
     for (double rho : {0.5, 0.9})
       for (bool sphere : {true, false})
-        check_estimate(sphere ? "sphere" : "box", seed,
-                       image_estimate(path_image(furnace(sphere, rho), 512, seed)), 1 / (1 - rho),
-                       0.01);
+        check_estimate(
+            sphere ? "sphere" : "box", seed,
+            image_estimate(path_image(furnace(sphere, rho), rho > 0.7 ? 2048 : 512, seed)),
+            1 / (1 - rho), 0.01);
 }
 
 TEST_CASE(
-    "integrating sphere: light that was reflected once is L = rho^2 Phi / (4 pi^2 R^2 (1 - rho))") {
+    "integrating sphere: light that was reflected once is L = rho^2 Phi / (4 pi^2 R^2 (1 - rho)), "
+    "within 2 %") {
   for (uint64_t seed : kSeeds)
     for (double rho : {0.3, 0.8}) {
       Scene s;
@@ -101,7 +85,7 @@ TEST_CASE("point light over a plane: L = rho / pi I cos / d^2") {
   }
 }
 
-TEST_CASE("disc light over a point: E = pi L R^2 / (R^2 + h^2)") {
+TEST_CASE("disc light over a point: E = pi L R^2 / (R^2 + h^2), within 1 %") {
   Scene s;
   add_quad(s, add_diffuse(s, Rgb(0.5)), Vec3(-1, -1, 0), Vec3(2, 0, 0), Vec3(0, 2, 0));
   Shape& disc = add_sphere(s, -1, Vec3(0, 0, 1.5), 1);
@@ -114,7 +98,7 @@ TEST_CASE("disc light over a point: E = pi L R^2 / (R^2 + h^2)") {
                    0.5 / kPi * (kPi * 3 / (1 + 1.5 * 1.5)), 0.01);
 }
 
-TEST_CASE("polygon light over a point: E = L / 2 times the sum of beta_i cos gamma_i") {
+TEST_CASE("polygon light over a point: E = L / 2 times the sum of beta_i cos gamma_i, within 1 %") {
   // Lambert's formula: beta_i is the angle an edge subtends, gamma_i the one between the normals of
   // the receiver and of the plane through the edge and the point.
   Scene s;
@@ -130,14 +114,14 @@ TEST_CASE("polygon light over a point: E = L / 2 times the sum of beta_i cos gam
     sum += std::acos(glm::dot(a, b)) * glm::normalize(glm::cross(b, a)).z;
   }
   for (uint64_t seed : kSeeds)
-    check_estimate("polygon", seed, image_estimate(path_image(s, 256, seed)),
+    check_estimate("polygon", seed, image_estimate(path_image(s, 1024, seed)),
                    0.5 / kPi * (2 * sum / 2), 0.01);
 }
 
-TEST_CASE("form factors of unit squares: parallel 0.1998, perpendicular 0.2000") {
+TEST_CASE("form factors of unit squares: parallel 0.1998, perpendicular 0.2000, within 1.5 %") {
   // Parallel at distance 1, and sharing an edge (Howell, A Catalog of Radiation Heat Transfer
   // Configuration Factors, C-11 and C-14, with all lengths 1).
-  const double root2 = std::sqrt(2.0), root3 = std::sqrt(3.0);
+  const double root2 = std::sqrt(2.0);
   const double parallel =
       2 / kPi *
       (std::log(std::sqrt(4.0 / 3)) + 2 * root2 * std::atan(1 / root2) - 2 * std::atan(1.0));
@@ -146,7 +130,8 @@ TEST_CASE("form factors of unit squares: parallel 0.1998, perpendicular 0.2000")
       (2 * std::atan(1.0) - root2 * std::atan(1 / root2) + std::log(4.0 / 3 * 3 / 4 * 3 / 4) / 4);
   REQUIRE(parallel == Approx(0.1998).margin(5e-5));
   REQUIRE(perpendicular == Approx(0.2000).margin(5e-5));
-  REQUIRE(root3 > root2);
+  // From a wall of a cube all light goes to the one opposite and the four beside it.
+  REQUIRE(parallel + 4 * perpendicular == Approx(1).epsilon(1e-12));
   for (uint64_t seed : kSeeds)
     for (bool facing : {true, false}) {
       Scene s;
@@ -164,7 +149,9 @@ TEST_CASE("form factors of unit squares: parallel 0.1998, perpendicular 0.2000")
     }
 }
 
-TEST_CASE("photon energy: after n bounces in a closed grey room Phi rho^n is left") {
+TEST_CASE(
+    "photon energy: after n bounces in a closed grey room Phi rho^n is left, within 8 %, of all "
+    "bounces within 2 %") {
   for (uint64_t seed : kSeeds) {
     Scene s;
     const double rho = 0.7;
@@ -172,7 +159,7 @@ TEST_CASE("photon energy: after n bounces in a closed grey room Phi rho^n is lef
     Shape& lamp = add_sphere(s, add_diffuse(s, Rgb(rho)), Vec3(1, 0.5, 0.5), 0.1);
     lamp.radiance = Rgb(2);
     const World world(s);
-    const PhotonPass pass = trace_global_photons(world, *make_double_bvh(world), 100000, seed);
+    const PhotonPass pass = trace_global_photons(world, *make_double_bvh(world), 300000, seed);
     const double phi = 2 * kPi * 4 * kPi * 0.01;
     REQUIRE(world.emitted_power().y == Approx(phi));
     check_estimate("all bounces", seed, per_path(pass, [](const Photon& p) { return p.power.y; }),
@@ -198,7 +185,8 @@ double fresnel_by_angles(double incidence, double ior) {
 }
 
 TEST_CASE(
-    "glass ball: two refractions carry 0.8355 of the intercepted power at n = 1.5, 0.8095 at 1.6") {
+    "glass ball: two refractions carry 0.8355 of the intercepted power at n = 1.5, 0.8095 at 1.6, "
+    "within 2 %") {
   // Parallel light: the mean of (1 - F)^2 over the disc, F at sin(angle) = distance from the axis.
   for (double n : {1.5, 1.6}) {
     double expected = 0;
@@ -224,8 +212,8 @@ TEST_CASE(
     s.lights.push_back(sun);
     const World world(s);
     for (uint64_t seed : kSeeds) {
-      const PhotonPass pass = trace_caustic_photons(world, *make_double_bvh(world), 20000, seed);
-      REQUIRE(pass.photons.size() >= 20000);
+      const PhotonPass pass = trace_caustic_photons(world, *make_double_bvh(world), 60000, seed);
+      REQUIRE(pass.photons.size() >= 60000);
       check_estimate("caustic power", seed,
                      per_path(pass, [](const Photon& p) { return p.bounce == 2 ? p.power.y : 0; }),
                      10 * kPi * expected, 0.02);
@@ -292,7 +280,8 @@ TEST_CASE("mirror ring: nephroid of parallel light, cardioid of a point on the r
   }
 }
 
-TEST_CASE("glass slab: T = (1 - F) / (1 + F) with all inner reflections, at any angle") {
+TEST_CASE(
+    "glass slab: T = (1 - F) / (1 + F) with all inner reflections, at any angle, within 1 %") {
   for (double angle : {0.0, 0.6, 1.2}) {
     Scene s;
     const int glass = add_glass(s, 1.5);
@@ -303,7 +292,7 @@ TEST_CASE("glass slab: T = (1 - F) / (1 + F) with all inner reflections, at any 
     set_camera(s, eye + Vec3(0, 0, 0.5), Vec3(0, 0, 0.5), Vec3(1, 0, 0), 1e-3, 8, 8);
     const double f = fresnel_by_angles(angle, 1.5);
     for (uint64_t seed : kSeeds)
-      check_estimate("slab", seed, image_estimate(path_image(s, 512, seed), "emission"),
+      check_estimate("slab", seed, image_estimate(path_image(s, 1024, seed), "emission"),
                      4 * (1 - f) / (1 + f), 0.01);
   }
 }
@@ -357,10 +346,10 @@ TEST_CASE("a lamp close to the ceiling leaks no light, and scale does not matter
         .radiance = Rgb(1);
     set_camera(s, Vec3(0, -0.9, 0.5) * scale, Vec3(0, 0, 0.3) * scale, Vec3(0, 0, 1), 80, 24, 24);
     const World world(s);
-    // The room itself: the same image at every scale.
-    const Estimate room = image_estimate(path_image(s, 64, 1));
-    if (scale == 1.0) reference = room.mean;
-    CHECK(room.mean == Approx(reference).epsilon(0.01));
+    // The room itself: the same image at every scale, of the same paths.
+    const double room = channel_mean(path_image(s, 64, 1), "G");
+    if (scale == 1.0) reference = room;
+    CHECK(room == Approx(reference).epsilon(1e-4));
     // The attic is dark, for the path tracer and for photons.
     Scene attic = s;
     set_camera(attic, Vec3(0, -0.9, 1.3) * scale, Vec3(0, 0, 1.2) * scale, Vec3(0, 0, 1), 100, 24,

@@ -217,7 +217,8 @@ TEST_CASE("conductor at normal incidence: Cu in 0.x files, an ideal mirror in 3.
   CHECK(probe(body, "0,0,-1", "0,0,0") == Rgb(0));
 }
 
-TEST_CASE("dielectric at normal incidence: Fresnel, and radiance by the index squared") {
+TEST_CASE(
+    "dielectric at normal incidence: Fresnel, and radiance by the index squared, within 0.5 %") {
   // Below one boundary of water a lamp: L = (1 - F) Le / n^2; the reflected part sees nothing.
   const std::string body =
       rectangle("<translate z=\"-3\"/>", emitter("1")) +
@@ -228,10 +229,12 @@ TEST_CASE("dielectric at normal incidence: Fresnel, and radiance by the index sq
   const TestFolder folder;
   const Rendered r = render(
       scene_text(body + sensor("origin=\"0,0,1\" target=\"0,0,0\" up=\"0,1,0\"", 0.01, 1, 1)),
-      4096);
-  // Standard error of a choice of probability F among 4096.
-  const double error = std::sqrt(reflected * (1 - reflected) / 4096) / (n * n);
-  CHECK(std::fabs(r.at(0, 0).x - (1 - reflected) / (n * n)) < 4 * error);
+      16384);
+  const double expected = (1 - reflected) / (n * n);
+  // Standard error of a choice of probability F among 16384.
+  const double error = std::sqrt(reflected * (1 - reflected) / 16384) / (n * n);
+  CHECK(error <= 0.005 * expected / 4);
+  CHECK(std::fabs(r.at(0, 0).x - expected) <= 0.005 * expected);
 }
 
 TEST_CASE("phong: rho_d / pi + rho_s (n + 2) / (2 pi) at the mirror direction") {
