@@ -79,7 +79,7 @@ namespace {
 
 int run(int argc, char** argv) {
   CLI::App app{
-      "Photonloom: photon-mapping hardware for one scene at one accuracy, generated and proved.\n"
+      "Photonloom: photon-mapping hardware for one scene at one accuracy, generated and checked.\n"
       "Each command explains itself: photonloom COMMAND --help.",
       "photonloom"};
   app.require_subcommand(1);

@@ -194,7 +194,7 @@ struct Plan {
     v("sampler", "probability_bits", p.probability_bits, 4, 24, "width of a cell's weight");
     v("sampler", "u_bits", p.u_bits, 16, 48, "bits of the number that picks the cell");
     v("sampler", "v_bits", p.v_bits, 1, 12, "bits of each number that places the direction in it");
-    v("sampler", "combine", p.combine, 0, 0, "sum or product of photon and BRDF table");
+    v("sampler", "combine", p.combine, 0, 0, "sum or product of photon and cosine table");
     v("board", "gatherers", p.gatherers, 1, 16, "gatherers behind a board's dispatcher");
     v("board", "photon_memory", p.photon_memory, 0, 0,
       "where a board keeps the photon lines: block_ram or sdram");

@@ -27,7 +27,7 @@ struct PlanProblem {
 };
 
 // The first line that is out of its range or does not go with the others; nothing for a plan that
-// can be built. A plan that passes cannot overflow any width: see docs/plan.md for the proof.
+// can be built. A plan that passes cannot overflow any width: docs/plan.md says why.
 std::optional<PlanProblem> find_problem(const Plan& plan);
 
 // Throws PlanError with the first problem.

@@ -372,7 +372,8 @@ PlannedFrame make_plan(const World& world, const PlanRequest& request, const Pho
   why["sampler.u_bits"] =
       fmt::format("at least 8 bits more than the {} of the total", plan.total_bits());
   why["sampler.v_bits"] = "the ray is jittered below it";
-  why["sampler.combine"] = "keeps every direction likely that either table finds likely";
+  why["sampler.combine"] =
+      "keeps every direction likely that either the photon or the cosine table finds likely";
   if (map_bytes > kBoardBlockRamBytes) plan.photon_memory = PhotonMemory::kSdram;
   // What comes from an SDRAM comes in whole photons.
   if (plan.photon_memory == PhotonMemory::kSdram)
