@@ -13,6 +13,10 @@ namespace fs = std::filesystem;
 
 namespace {
 
+// Volatile, so that the path stands in the program as it is, however short: tests/install puts
+// another one in its place.
+const char* const volatile kSources = PHOTONLOOM_SOURCE_DIR;
+
 struct Place {
   std::string dir;
   bool installed;
@@ -31,7 +35,7 @@ const Place& place() {
     const fs::path share =
         (program.parent_path() / PHOTONLOOM_SHARE_FROM_PROGRAM).lexically_normal();
     if (!program.empty() && holds_data(share)) return Place{share.string(), true};
-    const fs::path sources = PHOTONLOOM_SOURCE_DIR;
+    const fs::path sources = kSources;
     if (holds_data(sources)) return Place{sources.string(), false};
     throw std::runtime_error(fmt::format(
         "the program's data files are not there: expected the folder rtl in {} (installed) or in "
