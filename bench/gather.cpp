@@ -178,6 +178,11 @@ Cell time_cell(const Contenders& all, const std::vector<UVec3>& points,
 void add_rates(const Cell& cell, nlohmann::ordered_json& to) {
   for (const auto& [library, seconds] : cell.times) {
     to["queries_per_second"][library] = 1 / median(seconds);
+    const auto [least, most] = std::minmax_element(seconds.begin(), seconds.end());
+    to["spread"][library] = {{"least", 1 / *most},
+                             {"median", 1 / median(seconds)},
+                             {"most", 1 / *least},
+                             {"runs", seconds.size()}};
     const auto best = cell.best.find(library);
     if (best != cell.best.end())
       to["configuration"][library] = best->second.second->configuration();

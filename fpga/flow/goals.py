@@ -18,10 +18,11 @@ class AreaGoals:
 
 @dataclass(frozen=True)
 class HeadlineGoals:
-    """board: where queries a second are those of its routed top. of_bound: share of the bound that is asked where the bound
-    is under the goal. times: multiples of one core, photon memory -> k as text -> multiple."""
+    """board: where queries a second are those of its routed top. scene: whose photons and queries are gathered. replay: the
+    plan whose replayer is simulated. times: multiples of one core, photon memory -> k as text -> multiple."""
     board: str
-    of_bound: float
+    scene: Path
+    replay: str
     times: dict[str, dict[str, float]]
     path: Path
 
@@ -46,4 +47,5 @@ def headline_goals(path: Path = GOALS) -> HeadlineGoals:
         for k in field(said, path, f"headline.times_core.{memory}", dict, "a table"):
             field(said, path, f"headline.times_core.{memory}.{k}", (int, float), "a multiple of one core")
     return HeadlineGoals(field(said, path, "headline.board", str, "a board"),
-                         field(said, path, "headline.of_bound", (int, float), "a share"), times, path)
+                         ROOT / field(said, path, "headline.scene", str, "a scene below the repository's root"),
+                         field(said, path, "headline.replay", str, "a plan of fpga/headline"), times, path)

@@ -1,74 +1,60 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A plan's board beside one core, without a radius and within one, and which goals it misses."""
+"""The rows of a plan, without a radius and within one: what was routed, simulated and timed, put together."""
+from collections.abc import Mapping
 from typing import Any
 
-from flow.goals import HeadlineGoals
-from flow.headline.tops import Bench
+from flow.boards import Board
+from flow.headline.data import Rate, Row, SdramLoad
+from flow.headline.plans import HeadlinePlan
+from flow.headline.simulation import Simulated
+from flow.headline.tops import Top
+from flow.package import PlanFacts, describe
 from flow.results import Entry
-from flow.shell import Failure, read_json, run, say
+from flow.shell import Failure, field, read_toml
 
-Row = dict[str, Any]
-
-
-def time_core(name: str, rows: list[Row], bench: Bench) -> list[Row]:
-    """Queries a second of each CPU library and of golden, on the photons and queries of the simulation, in its order."""
-    radius = next(r["r2_max"] for r in rows if r["r2_max"])
-    timed = bench.file(name, ".core.json")
-    say(f"times one core on {name}")
-    run([str(bench.core), str(timed), "--cloud", str(bench.file(name, ".photons")), str(bench.file(name, ".queries")),
-         str(rows[0]["k"]), str(radius)], log=bench.file(name, ".core.log"))
-    cores: list[Row] = read_json(timed)
-    return cores
+# photonloom's name of a resource -> the part's.
+RESOURCES = {"ebr": "DP16KD", "lut": "LUT4", "dsp": "MULT18X18D"}
 
 
-def measure(name: str, bench: Bench, goals: HeadlineGoals, routed: Entry, rows: list[Row]) -> list[Row]:
-    """Rows of one plan: without a radius and within one."""
-    def simulated(order: str, core: Row) -> Row | None:
-        return next((r for r in rows if r["order"] == order and r["r2_max"] == core["r2_max"]), None)
+def gatherers_that_fit(facts: PlanFacts, gatherers: int, board: Board) -> dict[str, int]:
+    """Resource of the part -> gatherers that it has room for beside what a top has once, as photonloom predicts both: of
+    block RAM all memories of the top, of the others the reorder buffer alone. So it is rather too many than too few."""
+    each, once = facts["resources"]["photon_gatherer"], dict(facts["resources"].get("reorder_buffer", {}))
+    once["ebr"] = facts["board_ebr"]["total"] - gatherers * each["ebr"]
+    return {part: int((board.resources[part] - once.get(name, 0)) // each[name]) for name, part in RESOURCES.items()}
 
-    out = []
-    for core in time_core(name, rows, bench):
-        own = simulated("reordered", core)
+
+def sdram_load(own: Mapping[str, Any], plain: Mapping[str, Any] | None) -> SdramLoad | None:
+    """plain: the same queries as they come, without the reorder buffer."""
+    if own["memory"] != "sdram":
+        return None
+    if not plain:
+        raise Failure(f"{own['plan']}: the simulation has no row of r2_max {own['r2_max']} in the pixels' order")
+    return {"lines": own["memory_lines_per_gather"], "line_bytes": own["line_bytes"],
+            "row_changes": own["row_changes_per_gather"], "row_change_cycles": own["row_change_cycles"],
+            "cycles": own["roofline_cycles"], "pins_cycles": own["pins_cycles"], "mhz": own["sdram_mhz"],
+            "reorder_gain": plain["reorder_gain"], "reorder_goal": plain["reorder_goal"]}
+
+
+def rows_of(plan: HeadlinePlan, top: Top, entry: Entry, simulated: Simulated, cores: Mapping[int | None, dict[str, Rate]],
+            versions: Mapping[str, str], processor: str, board: Board) -> list[Row]:
+    """The rows of one plan."""
+    def simulated_row(order: str, radius: int | None) -> dict[str, Any] | None:
+        return next((r for r in simulated.rows if r["order"] == order and r["r2_max"] == radius), None)
+
+    replay = field(read_toml(plan.path), plan.path, "board.replay_queries", int, "a number of queries")
+    out: list[Row] = []
+    for radius, rates in cores.items():
+        own = simulated_row("reordered", radius)
         if not own:
-            raise Failure(f"{name}: the simulation has no reordered row with r2_max {core['r2_max']}")
-        out.append(row_of(name, goals, routed, core["queries_per_second"], own, simulated("pixels", core)))
+            raise Failure(f"{plan.name}: the simulation has no reordered row with r2_max {radius}")
+        out.append({"plan": plan.name, "rejected": plan.rejected, "memory": own["memory"], "k": own["k"], "radius": radius,
+                    "gatherers": own["gatherers"], "replay_queries": replay, "digest": top.digest,
+                    "clock_mhz": top.clock_mhz, "versions": list(versions.values()), "processor": processor,
+                    "seeds": [s["seed"] for s in entry["seeds"]], "fmax_mhz": entry["fmax_mhz"], "clocks": entry["clocks"],
+                    "binding": entry["binding"], "fits": gatherers_that_fit(describe(plan.path), own["gatherers"], board),
+                    "cycles_per_gather": own["cycles_per_gather"],
+                    "cost": {"nodes": own["nodes"], "leaves": own["leaves"], "insertions": own["insertions"],
+                             "bound": own["bound"]},
+                    "sdram": sdram_load(own, simulated_row("pixels", radius)), "cores": rates, "uart": top.rate})
     return out
-
-
-def bounds_of(own: Row, fmax: float) -> dict[str, float]:
-    """Queries a second that the search itself allows: every gatherer's busiest port at work in every cycle. From SDRAM also
-    what its data pins allow."""
-    bounds = {"gatherers": 1e6 * fmax * own["gatherers"] / own["bound"]}
-    if own["roofline_cycles"]:
-        bounds["SDRAM"] = 1e6 * fmax / own["roofline_cycles"]
-    return bounds
-
-
-def row_of(name: str, goals: HeadlineGoals, routed: Entry, rates: dict[str, float], own: Row, plain: Row | None) -> Row:
-    """One row. rates: of one core; own: simulated in the reordered order; plain: in that of the pixels, from SDRAM."""
-    fmax = routed["fmax_mhz"]["median"]
-    golden = rates["photonloom"]
-    library, best = max(((n, r) for n, r in rates.items() if n != "photonloom"), key=lambda x: x[1])
-    board = 1e6 * fmax / own["cycles_per_gather"]
-    bounds = bounds_of(own, fmax)
-    limit = min(bounds, key=lambda b: bounds[b])  # the lower roof
-    goal = goals.times_core(own["memory"], own["k"])
-    times, of_bound, bound_times = (board / max(golden, best), board / bounds[limit], bounds[limit] / max(golden, best))
-    times_met = times >= goal or (bound_times < goal and of_bound >= goals.of_bound)
-    missed = []
-    if not times_met:
-        missed.append(f"{times:.2f} times one core, goal {goal:g}; {100 * of_bound:.0f} % of the bound")
-    if own["roofline_met"] is False:
-        missed.append(own["roofline_verdict"])
-    if plain and plain["reorder_gain"] < plain["reorder_goal"]:
-        missed.append(f"reordering gains {plain['reorder_gain']:.2f}, goal {plain['reorder_goal']:g}")
-    return {"plan": name, "memory": own["memory"], "k": own["k"], "radius": own["r2_max"],
-            "gatherers": own["gatherers"], "fmax_mhz": fmax, "seeds": [s["seed"] for s in routed["seeds"]],
-            "cycles_per_gather": own["cycles_per_gather"],
-            "board": board, "library": library, "library_rate": best, "golden_rate": golden,
-            "times_core": times, "goal": goal, "bound": bounds[limit], "bound_by": limit,
-            "bound_times_core": bound_times, "of_bound": of_bound,
-            "binding": routed["binding"], "simulated": own,
-            "reorder_gain": plain["reorder_gain"] if plain else None,
-            "reorder_goal": plain["reorder_goal"] if plain else None,
-            "times_met": times_met, "missed": missed}

@@ -1,22 +1,40 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A plan's routed top, and the simulation of it at the clock that it reaches."""
+"""Routed tops of the headline's plans, each seed kept apart.
+
+build/headline/tops/NAME-KEY has what belongs to one netlist and one set of tools: the package, top.json with what was
+synthesized, and a file of each seed. KEY is made of both, so that such folders of several checkouts can be copied together
+and a seed that is there is not routed again."""
+import contextlib
+import fcntl
 import hashlib
+import json
+import shutil
+import tempfile
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TypedDict
 
 from flow.boards import Board
-from flow.package import describe, digest, generate
-from flow.results import Entry, entries_of, report_folder
-from flow.shell import ROOT, Failure, read_json, run, say, warn, write_json
-from flow.tools import find_tools
+from flow.headline.link import link_of
+from flow.headline.data import Link
+from flow.headline.netlist import netlist_digest
+from flow.headline.plans import HeadlinePlan
+from flow.package import generate
+from flow.results import Entry, add_placements
+from flow.routing import Placement, place, placements
+from flow.shell import Failure, read_json, say, write_json
+from flow.synthesis import Binding, Counts, binding, synthesise
+from flow.tools import Tools
 
 
 @dataclass(frozen=True)
 class Routing:
-    """What a top is routed with if it is not yet, or `again`."""
+    """What a top is routed with. seeds: as many, from first_seed on; again: even what is kept."""
     board: Board
+    tools: Tools
     seeds: int
+    first_seed: int
     clock: float | None
     route_speed: int
     placer: str
@@ -24,74 +42,105 @@ class Routing:
 
 
 @dataclass(frozen=True)
-class Bench:
-    """work: where results, logs and what is kept lie, a plan's under its name. throughput, core: the programs that simulate
-    the board and that time one core."""
-    work: Path
-    throughput: Path = ROOT / "build" / "verilator_tb" / "throughput" / "throughput_gather_cluster"
-    core: Path = ROOT / "build" / "bench" / "bench_gather"
+class Top:
+    """A plan's top before it is routed. folder: where what is kept of it lies."""
+    name: str
+    digest: str
+    folder: Path
+    clock_mhz: float
+    link: Link
+    rate: float
 
-    def file(self, name: str, end: str) -> Path:
-        return self.work / (name + end)
-
-
-def routed_entry(report_file: Path) -> Entry | None:
-    """The board's entry of a report, if it has been routed."""
-    return next((e for e in entries_of(report_file) if e["name"] == "board" and "fmax_mhz" in e), None)
+    @property
+    def package(self) -> Path:
+        return self.folder / "package"
 
 
-def route(plan: Path, work: Path, o: Routing) -> tuple[Entry, Path]:
-    """The board's entry of the report of scripts/fpga, and its folder."""
-    folder = report_folder(o.board, describe(plan)["hash"])
-    report, where = folder / "report.json", folder / "board"
-    found = routed_entry(report)
-    if found:  # of these very sources and tools?
-        generate(plan, where, o.board, None, o.clock or found["constraint_mhz"])
-        if found.get("digest") != digest(where, find_tools(o.board).versions):
-            found = None
-    if found and not o.again:
-        return found, where
-    say(f"routes {plan.name}, {o.seeds} seeds")
-    command = [str(ROOT / "scripts" / "fpga"), str(plan), "--board", o.board.name, "--units", "board",
-               "--seeds", str(o.seeds), "--route-speed", str(o.route_speed), "--placer", o.placer]
-    if o.clock:
-        command += ["--clock", str(o.clock)]
-    log = work / f"{plan.name}.fpga.log"
-    try:
-        run(command, log=log)
-    except Failure:
-        if not routed_entry(report):
-            raise
-        warn(f"{plan.name} misses a clock that it is constrained to")
-    found = routed_entry(report)
-    if not found:
-        raise Failure(f"{report}: has no routed board (log: {log})")
-    return found, where
+class Synthesized(TypedDict):
+    """top.json."""
+    digest: str
+    versions: dict[str, str]
+    resources: Counts
+    binding: Binding
 
 
-def simulate(plan: Path, name: str, routed: Entry, bench: Bench) -> list[dict[str, Any]]:
-    """The rows of throughput_gather_cluster for a plan, kept while the top, its clock and the program are the same; beside
-    them, photons and queries as bench_gather reads them."""
-    simulated, kept = bench.file(name, ".cycles.json"), bench.file(name, ".simulated.json")
-    fmax = f"{routed['fmax_mhz']['median']:.2f}"
-    key = [routed["digest"], fmax, hashlib.sha256(bench.throughput.read_bytes()).hexdigest()]
-    rows: list[dict[str, Any]]
-    if all(path.is_file() for path in (bench.file(name, ".photons"), bench.file(name, ".queries"), kept)):
-        before = read_json(kept)
-        if before["key"] == key:
-            rows = before["rows"]
-            return rows
-    for path in (simulated, kept):
-        path.unlink(missing_ok=True)
-    say(f"simulates {name}")
-    try:
-        run([str(bench.throughput), str(plan), "--radius", "--core-mhz", fmax, "--json", str(simulated), "--dump",
-             str(bench.work)], log=bench.file(name, ".cycles.log"), cwd=ROOT)
-    except Failure:
-        if not simulated.is_file():
-            raise
-        warn(f"{name}: a goal of the simulation is missed, see {name}.cycles.log")
-    rows = read_json(simulated)["gather_cluster"]
-    simulated.unlink()
-    write_json(kept, {"key": key, "rows": rows}, indent=None)
-    return rows
+class Seed(TypedDict):
+    """A file of one seed; placed: None where the static placer did not end."""
+    placed: Placement | None
+
+
+def top_key(digest: str, versions: dict[str, str]) -> str:
+    return hashlib.sha256((digest + json.dumps(versions, sort_keys=True)).encode()).hexdigest()[:16]
+
+
+def prepare(plan: HeadlinePlan, work: Path, o: Routing) -> Top:
+    """Generates the package, and keeps it if none of the same netlist and tools is there."""
+    (work / "tops").mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(dir=work) as made:
+        package = Path(made, "package")
+        clock_mhz = generate(plan.path, package, o.board, None, o.clock)["clock_khz"] / 1000
+        digest = netlist_digest(package)
+        link = link_of(package, o.board, 1000 * clock_mhz)
+        top = Top(plan.name, digest, work / "tops" / f"{plan.name}-{top_key(digest, o.tools.versions)}", clock_mhz,
+                  {"baud": link.baud, "down": link.down, "up": link.up}, link.rate)
+        with locked(top):
+            if not top.package.is_dir():
+                shutil.copytree(package, top.package)
+    return top
+
+
+@contextlib.contextmanager
+def locked(top: Top) -> Iterator[None]:
+    """One at a time: several commands may route seeds of the same top."""
+    top.folder.mkdir(exist_ok=True)
+    with open(top.folder / "lock", "w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        yield
+
+
+def synthesized(top: Top, o: Routing) -> Synthesized:
+    """What the top takes, synthesized unless that is kept."""
+    kept = top.folder / "top.json"
+    with locked(top):
+        if kept.is_file():
+            found: Synthesized = read_json(kept)
+            return found
+        say(f"{top.name}: synthesis")
+        module = o.board.top()
+        counts = synthesise(top.package, o.board, module, module, o.tools)
+        found = {"digest": top.digest, "versions": o.tools.versions, "resources": counts, "binding": binding(counts, o.board)}
+        write_json(kept, found)
+        return found
+
+
+def seed_file(top: Top, seed: int, placer: str, route_speed: int) -> Path:
+    return top.folder / f"seed{seed}-{placer}-route{route_speed}.json"
+
+
+def route_seed(top: Top, seed: int, placer: str, o: Routing) -> Placement | None:
+    """One seed, routed unless it is kept. None where the static placer does not end."""
+    kept = seed_file(top, seed, placer, o.route_speed)
+    if kept.is_file() and not o.again:
+        said: Seed = read_json(kept)
+        return said["placed"]
+    full = synthesized(top, o)["binding"]
+    if full["used"] > full["of"]:  # nextpnr would look for places without end
+        raise Failure(f"{top.name}: its board needs {full['used']} {full['resource']}, the part has {full['of']}")
+    if not (top.package / "build" / f"{o.board.top()}.json").is_file():  # top.json came from another checkout
+        with locked(top):
+            synthesise(top.package, o.board, o.board.top(), o.board.top(), o.tools)
+    placed = place(top.package, o.board.top(), seed, o.tools, o.route_speed, placer)
+    write_json(kept, {"placed": placed})
+    return placed
+
+
+def route(top: Top, o: Routing) -> Entry:
+    """The top's entry, as one of scripts/fpga, of all seeds that are asked for."""
+    placed = placements(top.name, range(o.first_seed, o.first_seed + o.seeds), o.placer,
+                        lambda seed, placer: route_seed(top, seed, placer, o))
+    said = synthesized(top, o)
+    entry: Entry = {"name": "board", "digest": top.digest, "top": o.board.top(), "constraint_mhz": top.clock_mhz,
+                    "resources": said["resources"], "binding": said["binding"], "seeds": [],
+                    "route_speed": o.route_speed, "placer": o.placer}
+    add_placements(entry, placed, top.folder)
+    return entry

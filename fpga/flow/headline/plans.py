@@ -1,0 +1,60 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The plans of the headline: files of fpga/headline, and of fpga/headline.toml those that were rejected."""
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from flow.package import PHOTONLOOM, set_options
+from flow.shell import ROOT, Failure, field, read_toml, run
+
+FOLDER = ROOT / "fpga" / "headline"
+VARIANTS = ROOT / "fpga" / "headline.toml"
+
+
+@dataclass(frozen=True)
+class HeadlinePlan:
+    """rejected: why it is none of the headline's; "" for one of them."""
+    name: str
+    path: Path
+    rejected: str = ""
+
+
+def rejected_names(variants: Path = VARIANTS) -> list[str]:
+    return list(field(read_toml(variants), variants, "rejected", dict, "a table of plans"))
+
+
+def rejected_plan(name: str, work: Path, variants: Path = VARIANTS) -> HeadlinePlan:
+    """Writes the plan into `work`."""
+    said, key = read_toml(variants), f"rejected.{name}"
+    base = field(said, variants, f"{key}.base", str, "a plan of fpga/headline")
+    settings = field(said, variants, f"{key}.set", list, "a list of strings")
+    why = field(said, variants, f"{key}.why", str, "why it is not in the headline")
+    path = work / "plans" / f"{name}.toml"
+    path.parent.mkdir(parents=True, exist_ok=True)
+    run([PHOTONLOOM, "plan", str(FOLDER / f"{base}.toml"), "-o", str(path)] + set_options(settings))
+    return HeadlinePlan(name, path, why)
+
+
+def find_plan(name: str, work: Path) -> HeadlinePlan:
+    """A plan of the headline, a rejected one, or one of a file of its own."""
+    path = FOLDER / f"{name}.toml"
+    if path.is_file():
+        return HeadlinePlan(name, path)
+    if name in rejected_names():
+        return rejected_plan(name, work)
+    path = Path(name)
+    if not path.is_file():
+        known = [p.stem for p in sorted(FOLDER.glob("*.toml"))] + rejected_names()
+        raise Failure(f"{name}: there is no such plan, expected a file or one of {', '.join(known)}")
+    return HeadlinePlan(path.stem, path, "" if path.resolve().parent == FOLDER else f"not in {FOLDER.relative_to(ROOT)}")
+
+
+def find_plans(names: Sequence[str], work: Path) -> list[HeadlinePlan]:
+    """The named plans, or those of fpga/headline; each of a name of its own, under which results are kept."""
+    plans = [find_plan(name, work) for name in names or [p.stem for p in sorted(FOLDER.glob("*.toml"))]]
+    if not plans:
+        raise Failure("fpga/headline: has no plan")
+    twice = next((p.name for p in plans if [q.name for q in plans].count(p.name) > 1), None)
+    if twice:
+        raise Failure(f"there are two plans {twice}, expected each name once")
+    return plans

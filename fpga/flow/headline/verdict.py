@@ -1,0 +1,81 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Whether a row reaches its goal, its stated multiple of one core, and apart from that what bounds it."""
+from dataclasses import dataclass
+
+from flow.goals import HeadlineGoals
+from flow.headline.data import Row
+
+GOLDEN = "photonloom"
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """Rates in queries a second. library: the fastest but golden. times: of the faster of the two cores, by the medians.
+    bound: what this design's own gatherers, at its own clock, could do with the lines that they read; share: of it, reached.
+    part: resource of the part -> what gatherers that fill it could do at this clock. missed: why the row fails."""
+    board: float
+    library: str
+    times: float
+    goal: float
+    missed_clocks: list[str]
+    bound: float
+    bound_by: str
+    share: float
+    part: dict[str, float]
+    missed: list[str]
+
+    @property
+    def reached(self) -> bool:
+        return self.times >= self.goal and not self.missed_clocks
+
+    @property
+    def part_by(self) -> str:
+        """The resource of the part that bounds first."""
+        return min(self.part, key=lambda name: self.part[name])
+
+
+def slower_than_golden(row: Row, verdict: Verdict) -> bool:
+    return verdict.board < row["cores"][GOLDEN]["median"]
+
+
+def clock_name(net: str) -> str:
+    """'clk_sdram' of '$glbnet$clk_sdram'."""
+    return net.rsplit("$", 1)[-1]
+
+
+def clocks_missed(row: Row) -> list[str]:
+    """The clocks whose median over the seeds is under what they are constrained to."""
+    return [f"{clock_name(net)} reaches {c['median']:.1f} MHz of {c['constraint']:g}"
+            for net, c in (row["clocks"] or {}).items() if c["median"] < c["constraint"]]
+
+
+def own_bound(row: Row) -> tuple[float, str]:
+    """The bound that binds, chosen by cycles."""
+    cycles = {"gatherers": row["cost"]["bound"] / row["gatherers"]}
+    if row["sdram"]:
+        cycles["SDRAM"] = row["sdram"]["cycles"]
+    by = max(cycles, key=lambda name: cycles[name])
+    return 1e6 * row["fmax_mhz"]["median"] / cycles[by], by
+
+
+def part_bounds(row: Row) -> dict[str, float]:
+    """Queries a second of as many gatherers as each resource of the part has room for, and of the SDRAM's pins."""
+    each = 1e6 * row["fmax_mhz"]["median"] / row["cost"]["bound"]
+    bounds = {name: number * each for name, number in row["fits"].items()}
+    if load := row["sdram"]:
+        bounds["SDRAM pins"] = 1e6 * load["mhz"] / (load["lines"] * load["line_bytes"] / 2)
+    return bounds
+
+
+def judge(row: Row, goals: HeadlineGoals) -> Verdict:
+    board = 1e6 * row["fmax_mhz"]["median"] / row["cycles_per_gather"]
+    library = max((name for name in row["cores"] if name != GOLDEN), key=lambda name: row["cores"][name]["median"])
+    times = board / max(row["cores"][name]["median"] for name in (GOLDEN, library))
+    goal = goals.times_core(row["memory"], row["k"])
+    clocks = clocks_missed(row)
+    bound, by = own_bound(row)
+    missed = [f"{times:.2f} times one core, goal {goal:g}"] if times < goal else []
+    missed += clocks
+    if (load := row["sdram"]) and load["reorder_gain"] < load["reorder_goal"]:
+        missed.append(f"reordering gains {load['reorder_gain']:.2f}, goal {load['reorder_goal']:g}")
+    return Verdict(board, library, times, goal, clocks, bound, by, board / bound, part_bounds(row), missed)
