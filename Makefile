@@ -80,10 +80,10 @@ fpga: build ## resources, Fmax and bitstream of PLAN on BOARD (SEEDS=3, UNITS=..
 	@case "$(BOARD)" in up5k) ;; *) scripts/fpga-tools ;; esac
 	@scripts/fpga $(if $(PLAN),"$(PLAN)") $(if $(BOARD),--board $(BOARD)) $(if $(SEEDS),--seeds $(SEEDS)) $(if $(UNITS),--units $(UNITS)) $(if $(CLOCK),--clock $(CLOCK)) $(FPGA_FLAGS)
 
-headline: build ## gathers a second of a routed board beside one core of this machine (hours where nothing is routed yet; SEEDS, CLOCK)
+headline: build ## gathers a second of a routed board beside one core of this machine (hours where nothing is routed yet; goes on where it was ended; PLAN, SEEDS, CLOCK)
 	@scripts/setup headline
 	@scripts/fpga-tools
-	@cmake --build build --target throughput_gather_cluster
+	@cmake --build build --target throughput_gather_cluster board_sim
 	@cmake -S bench -B build/bench -G Ninja
 	@cmake --build build/bench
 	@scripts/headline $(PLAN) $(if $(SEEDS),--seeds $(SEEDS)) $(if $(CLOCK),--clock $(CLOCK)) $(HEADLINE_FLAGS)

@@ -1,98 +1,168 @@
 # SPDX-License-Identifier: Apache-2.0
 """Gathers a second of a board beside one core of this machine, for the plans of fpga/headline.
 
-Queries a second = routed Fmax of the board's whole top (median of the seeds of scripts/fpga) / cycles per gather, simulated
-with all its gatherers at work on the shared photon memory, fill and drain included. The core: the best of nanoflann, FLANN and
-CGAL, and the golden gather, on the same quantised photons and queries in the same order, timed in this run; without a radius
-and within the mean r^2 of the queries. A plan that is not routed yet is routed first; cycles that the same program simulated
-of the same top at the same clock before are taken from build/headline. Writes build/headline/report.json and report.md; exit
-status 1 where a goal is missed: times one core, or 80 % of the bound where that is under the goal; from SDRAM also the share
-of its roofline and what reordering gains, as scripts/bench-rtl gather_cluster judges them."""
+Queries a second = routed Fmax of the board's whole top (median of the seeds) / cycles per gather, simulated with all its
+gatherers at work on the shared photon memory, fill and drain included. The core: the best of nanoflann, FLANN and CGAL, and
+the golden gather, on the same quantised photons and queries in the same order, timed in this run; without a radius and within
+the mean r^2 of the queries.
+
+Routed seeds and simulations are kept in build/headline by what they were made from, and are not made again; a run that was
+ended goes on where it was. Writes report.json there; with --page fpga/headline.json and docs/headline.md, which --render
+writes from it again and --check compares with it and with today's RTL. Exit status 1 where a row misses its multiple of one
+core or a clock, or where reordering gains too little."""
 import argparse
 import concurrent.futures
 import os
-from collections.abc import Sequence
 from pathlib import Path
 
 from flow.boards import read_board
-from flow.goals import headline_goals
-from flow.headline.link import link_of
-from flow.headline.page import radius_of, report
-from flow.headline.rows import Row, measure
-from flow.headline.tops import Bench, Routing, route, simulate
-from flow.shell import ROOT, Failure, warn, write_json
-from flow.tables import replace_between
+from flow.goals import HeadlineGoals, headline_goals
+from flow.headline.data import DATA, Data, Link, Replay, Row, merge, read_data
+from flow.headline.netlist import SHORT, digest_now
+from flow.headline.page import check_page, radius_of, report, stale_plans, summary, write_page
+from flow.headline.plans import HeadlinePlan, find_plan, find_plans
+from flow.headline.replay import replay
+from flow.headline.rows import rows_of
+from flow.headline.simulation import Bench, sha256, simulate, time_core
+from flow.headline.tops import Routing, Top, prepare, route, route_seed
+from flow.headline.verdict import judge
+from flow.shell import ROOT, Failure, read_json, read_text, say, warn, write_json
 from flow.tools import find_tools, nextpnr_is_slow
 
-PLANS = ROOT / "fpga" / "headline"
 
-
-def processor() -> str:
-    """What this machine calls its processor."""
-    with open("/proc/cpuinfo") as f:
-        return next((line.split(":", 1)[1].strip() for line in f if line.startswith("model name")), "unknown")
+def processor(path: Path = Path("/proc/cpuinfo")) -> str:
+    """The exact model: its name, and the numbers that tell it from others of that name."""
+    lines = [line.split(":", 1) for line in read_text(path).split("\n\n")[0].splitlines() if ":" in line]
+    said = {name.strip(): value.strip() for name, value in lines}
+    numbers = ", ".join(f"{name.removeprefix('cpu ')} {said[name]}" for name in ("cpu family", "model", "stepping", "microcode")
+                        if name in said)
+    return said.get("model name", "unknown") + (f" ({numbers})" if numbers else "")
 
 
 def options() -> argparse.Namespace:
     p = argparse.ArgumentParser(prog="headline", description=__doc__)
-    p.add_argument("plans", nargs="*", type=Path, help="plan files (default: those of fpga/headline)")
-    p.add_argument("--seeds", type=int, default=1,
-                   help="placements of what is not routed yet (default: 1; a headline top took 10 to 40 minutes beside another)")
+    p.add_argument("plans", nargs="*", help="names of fpga/headline or fpga/headline.toml, or files (default: all of fpga/headline)")
+    p.add_argument("--seeds", type=int, default=3, help="placements of each top (default: 3; a top took 10 to 40 minutes)")
+    p.add_argument("--first-seed", type=int, default=1)
     p.add_argument("--jobs", type=int, default=os.cpu_count(), help="tops routed, then simulated, at a time (default: one a core; 2 GB each)")
     p.add_argument("--clock", type=float, help="MHz of the core to route to, if not the board's default")
     p.add_argument("--route-speed", type=int, choices=(6, 7, 8),
                    help="as of scripts/fpga (default: 6, but 8 with nextpnr 0.7, which did not end at 6)")
     p.add_argument("--placer", choices=("heap", "static"), help="as of scripts/fpga (default: static, but heap with nextpnr 0.7)")
-    p.add_argument("--route-again", action="store_true", help="route even what has been")
-    p.add_argument("--page", action="store_true", help="put the report into docs/headline.md too")
+    p.add_argument("--route-again", action="store_true", help="route even what is kept")
+    p.add_argument("--results", type=Path, default=ROOT / "build" / "headline",
+                   help="where results are kept (default: build/headline); such folders can be copied together")
+    p.add_argument("--route-only", action="store_true", help="route the seeds, and leave the rest to a later run")
+    p.add_argument("--replay-only", action="store_true", help="replay on the simulated board alone; with --page onto the page")
+    p.add_argument("--page", action="store_true", help="put the rows into fpga/headline.json and docs/headline.md too")
+    p.add_argument("--render", action="store_true", help="write docs/headline.md from fpga/headline.json, nothing else")
+    p.add_argument("--check", action="store_true", help="tell whether docs/headline.md is that of fpga/headline.json and of today's RTL")
     o = p.parse_args()
-    if o.jobs < 1:
-        p.error("--jobs must be at least 1")
+    for name in ("jobs", "seeds"):
+        if getattr(o, name) < 1:
+            p.error(f"--{name} must be at least 1")
     return o
 
 
-def checked(plans: Sequence[Path]) -> Sequence[Path]:
-    """The plans, each there and of a name of its own: what is simulated and timed is kept by name."""
-    if not plans:
-        raise Failure("fpga/headline: has no plan")
-    for plan in plans:
-        if not plan.is_file():
-            raise Failure(f"{plan}: there is no such plan")
-    names = [plan.stem for plan in plans]
-    twice = next((name for name in names if names.count(name) > 1), None)
-    if twice:
-        raise Failure(f"there are two plans {twice}.toml, expected each name once")
-    return plans
+def routing_of(o: argparse.Namespace, goals: HeadlineGoals) -> Routing:
+    board = read_board(goals.board)
+    tools = find_tools(board)
+    slow = nextpnr_is_slow(tools.versions[board.family.nextpnr])
+    return Routing(board, tools, o.seeds, o.first_seed, o.clock, o.route_speed or (8 if slow else 6),
+                   o.placer or ("heap" if slow else "static"), o.route_again)
+
+
+def digests_today(data: Data, work: Path) -> dict[str, str]:
+    """Plan -> digest of its netlist, of each plan of the data."""
+    board = read_board(data["board"])
+    clocks = {row["plan"]: row["clock_mhz"] for row in data["rows"]}
+    return {name: digest_now(find_plan(name, work).path, board, mhz) for name, mhz in clocks.items()}
+
+
+def route_only(tops: list[Top], routing: Routing, jobs: int) -> None:
+    """Each seed of each top, whichever is asked for."""
+    seeds = range(routing.first_seed, routing.first_seed + routing.seeds)
+
+    def one(job: tuple[Top, int]) -> None:
+        top, seed = job
+        placed = route_seed(top, seed, routing.placer, routing)
+        reached = (", ".join(f"{net} {c['achieved']:.1f} of {c['constraint']:g} MHz" for net, c in placed["clocks"].items())
+                   if placed else "nextpnr's static placer does not end")
+        say(f"{top.name}, seed {seed}: {reached}")
+
+    with concurrent.futures.ThreadPoolExecutor(jobs) as pool:
+        list(pool.map(one, [(top, seed) for seed in seeds for top in tops]))
+
+
+def play(plan: HeadlinePlan, goals: HeadlineGoals, work: Path, clock: float | None) -> Replay:
+    """The replay of a plan's board, simulated unless that of the same netlist and scene is kept."""
+    digest = digest_now(plan.path, read_board(goals.board), clock)
+    kept = work / "replays" / f"{plan.name}-{digest[:SHORT]}-{sha256(goals.scene)[:SHORT]}.json"
+    if kept.is_file():
+        found: Replay = read_json(kept)
+        return found
+    played = replay(plan, digest, goals.scene, work)
+    kept.parent.mkdir(exist_ok=True)
+    write_json(kept, played)
+    return played
+
+
+def publish(rows: list[Row], played: Replay | None, link: Link | None, goals: HeadlineGoals, work: Path, page: bool) -> Data:
+    """Writes what was measured; onto the page where asked, beside what stands there of other plans. link: None where that
+    of fpga/headline.json stays."""
+    before = read_data() if DATA.is_file() else None
+    if not link:
+        if not before:
+            raise Failure(f"{DATA}: is not there, expected the rows beside which a replay stands")
+        link = before["link"]
+    data: Data = {"board": goals.board, "rows": merge([], rows), "replay": played, "link": link}
+    write_json(work / "report.json", data)
+    if page:
+        whole: Data = {"board": goals.board, "rows": merge(before["rows"] if before else [], rows),
+                       "replay": played or (before["replay"] if before else None), "link": link}
+        write_json(DATA, whole)
+        write_page(whole, goals, stale_plans(whole, digests_today(whole, work)))
+    return data
 
 
 def main() -> int:
     o, goals = options(), headline_goals()
-    board = read_board(goals.board)
-    versions = find_tools(board).versions
-    slow = nextpnr_is_slow(versions[board.family.nextpnr])
-    routing = Routing(board, o.seeds, o.clock, o.route_speed or (8 if slow else 6), o.placer or ("heap" if slow else "static"),
-                      o.route_again)
-    bench = Bench(ROOT / "build" / "headline")
-    bench.work.mkdir(parents=True, exist_ok=True)
-    plans = checked(o.plans or sorted(PLANS.glob("*.toml")))
+    work = o.results.resolve()
+    work.mkdir(parents=True, exist_ok=True)
+    if o.render or o.check:
+        data = read_data()
+        today = digests_today(data, work)
+        if o.render:
+            write_page(data, goals, stale_plans(data, today))
+        check_page(data, goals, today)
+        stale = stale_plans(data, today)
+        say("docs/headline.md is that of fpga/headline.json" +
+            (f", and says that earlier RTL was routed for {', '.join(sorted(stale))}" if stale else " and of today's RTL"))
+        return 0
+    replayed = find_plan(goals.replay, work)
+    if o.replay_only:
+        publish([], play(replayed, goals, work, o.clock), None, goals, work, o.page)
+        return 0
+    routing = routing_of(o, goals)
+    plans = find_plans(o.plans, work)
+    tops = [prepare(plan, work, routing) for plan in plans]
+    if o.route_only:
+        route_only(tops, routing, o.jobs)
+        return 0
     # A top that fails does not end the others: what they reach is kept.
+    bench = Bench(work, goals.scene)
     with concurrent.futures.ThreadPoolExecutor(o.jobs) as pool:
-        tops = list(pool.map(lambda plan: route(plan, bench.work, routing), plans))
-        simulated = list(pool.map(lambda plan, top: simulate(plan, plan.stem, top[0], bench), plans, tops))
+        entries = list(pool.map(lambda top: route(top, routing), tops))
+        simulated = list(pool.map(lambda plan, entry: simulate(plan, entry, bench), plans, entries))
     rows: list[Row] = []
-    for plan, (routed, where), of_plan in zip(plans, tops, simulated):  # one after the other: a core is timed on a quiet machine
-        link = link_of(where, board, 1000 * routed["constraint_mhz"])
-        for row in measure(plan.stem, bench, goals, routed, of_plan):
-            row.update(uart=link.rate, baud=link.baud, uart_bytes=[link.down, link.up])
-            rows.append(row)
-        text = report(rows, link)
-        write_json(bench.work / "report.json", rows)
-        (bench.work / "report.md").write_text(text)
+    for plan, top, entry, of_plan in zip(plans, tops, entries, simulated):  # one after the other: a core is timed on a quiet machine
+        rows += rows_of(plan, top, entry, of_plan, time_core(of_plan, bench), routing.tools.versions, processor(), routing.board)
+    played = play(replayed, goals, work, o.clock) if goals.replay in [plan.name for plan in plans] else None
+    data = publish(rows, played, tops[-1].link, goals, work, o.page)
+    text = summary(data, goals, []) + "\n" + report(data, goals)
+    (work / "report.md").write_text(text)
     print("\n" + text)
-    if o.page:
-        replace_between(ROOT / "docs" / "headline.md", "report",
-                        f"\nOne core of: {processor()}. {'; '.join(versions.values())}.\n\n{text}\n")
-    for r in rows:
-        for miss in r["missed"]:
-            warn(f"{r['plan']}, {radius_of(r, 'no radius')}: {miss}")
-    return 1 if any(r["missed"] for r in rows) else 0
+    missed = [(row, miss) for row in rows if not row["rejected"] for miss in judge(row, goals).missed]
+    for row, miss in missed:
+        warn(f"{row['plan']}, {radius_of(row, 'no radius')}: {miss}")
+    return 1 if missed else 0

@@ -28,29 +28,27 @@ class Cost(TypedDict):
 
 
 class SdramLoad(TypedDict):
-    """What a gather asks of the SDRAM. cycles: of the core, with row changes and refreshes; pins_cycles: without row
-    changes, None where that was not recorded. mhz: the clock simulated, that of its constraint or the one that was reached
-    where that is slower."""
+    """What a gather asks of the SDRAM. cycles: of the core, with row changes and refreshes. mhz: the clock simulated, that of
+    its constraint or the one that was reached where that is slower."""
     lines: float
     line_bytes: int
     row_changes: float
     row_change_cycles: float
     cycles: float
-    pins_cycles: float | None
     mhz: float
     reorder_gain: float
     reorder_goal: float
 
 
 class Row(TypedDict):
-    """A plan without a radius or within one. rejected: why the plan is none of the headline's, "" where it is one.
+    """A plan, without a radius or within the mean r^2 of its queries. rejected: why the plan is none of the headline's, "" where it is one.
     digest: of the netlist that was routed. clocks: None where only the core's was recorded. fits: resource of the part ->
     gatherers of this plan that it has room for. cores: library, or photonloom for golden -> its rate."""
     plan: str
     rejected: str
     memory: str
     k: int
-    radius: int | None
+    within_mean: bool
     gatherers: int
     replay_queries: int
     digest: str

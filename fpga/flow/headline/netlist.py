@@ -32,7 +32,7 @@ def netlist_digest(folder: Path) -> str:
     return hashlib.sha256("".join(parts).encode()).hexdigest()
 
 
-def digest_now(plan: Path, board: Board, clock_mhz: float) -> str:
+def digest_now(plan: Path, board: Board, clock_mhz: float | None = None) -> str:
     """The digest of what today's RTL makes of a plan's board."""
     with tempfile.TemporaryDirectory() as folder:
         generate(plan, Path(folder, "board"), board, None, clock_mhz)

@@ -1,78 +1,237 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What is written of the headline's rows."""
-from collections.abc import Sequence
+"""What is written of the headline's rows: docs/headline.md between its marks, from fpga/headline.json and fpga/goals.toml."""
+import re
+from collections.abc import Collection, Sequence
+from pathlib import Path
 
-from flow.headline.link import Link
-from flow.headline.rows import Row
-from flow.tables import markdown
+from flow.goals import HeadlineGoals
+from flow.headline.data import Data, Rate, Replay, Row
+from flow.headline.netlist import SHORT
+from flow.headline.verdict import GOLDEN, Verdict, clock_name, cycles_without_row_changes, judge, slower_than_golden
+from flow.headline.plans import rejected_names
+from flow.results import ClockSpread, Spread
+from flow.shell import ROOT, Failure, read_text
+from flow.tables import markdown, replace_between
 
-COLUMNS = ["plan", "k", "radius", "gatherers", "Fmax, MHz", "cycles/gather, all", "board, Mquery/s",
-           "best library, one core", "golden, one core", "times library", "times golden", "goal",
-           "bound, Mquery/s, reached", "of the gatherers' bound", "of the SDRAM's roofline",
-           "reordering gains", "binding resource of the top", "over the UART, kquery/s"]
+PAGE = ROOT / "docs" / "headline.md"
+PARTS = {"DP16KD": "block RAM", "LUT4": "LUTs", "MULT18X18D": "multipliers"}
+Judged = Sequence[tuple[Row, Verdict]]
+STALE, STALE_PLAN = "Routed with earlier RTL: ", re.compile(r"`(\w+)`")
 
-
-def against(text: str, goal: str, met: bool) -> str:
-    """A cell: what is reached beside its goal."""
-    return f"{text} (goal {goal})" + ("" if met else " **missed**")
+GOAL_COLUMNS = ["plan", "k", "radius", "board, Mquery/s", "best library, one core", "golden, one core", "times library",
+                "times golden", "goal", "goal reached"]
+BOUND_COLUMNS = ["plan", "radius", "cycles a gather, all gatherers", "own bound, Mquery/s", "share of this design's own bound",
+                 "by gatherers", "by SDRAM, with row changes", "by SDRAM, without", "the part's bound, Mquery/s",
+                 "reordering gains"]
+TOP_COLUMNS = ["plan", "gatherers", "core's clock, MHz", "other clocks, MHz", "seeds", "netlist", "over the UART, kquery/s",
+               "fullest resource of the top"]
 
 
 def radius_of(row: Row, without: str) -> str:
-    return "mean r²" if row["radius"] else without
+    return "mean r²" if row["within_mean"] else without
 
 
-def memory_cells(r: Row) -> list[str]:
-    """Share of the gatherers' bound, of the SDRAM's roofline, and what reordering gains."""
-    s = r["simulated"]
-    gatherers = f"{100 * s['of_gatherers']:.0f} %"
-    if s["memory"] != "sdram":
-        return [gatherers, "–", "–"]
-    # Where the SDRAM's roofline is out of the gatherers' reach, their bound has the goal.
-    by_gatherers = s["bound_by_gatherers"]
-    roofline = against(f"{100 * s['of_roofline']:.0f} %", f"{100 * s['roofline_goal']:.0f} %", s["roofline_met"] or by_gatherers)
-    if by_gatherers:
-        roofline += ", bound by the gatherers"
-        gatherers = against(gatherers, f"{100 * s['gatherers_goal']:.0f} %", s["roofline_met"])
-    return [gatherers, roofline,
-            against(f"{r['reorder_gain']:.1f}", f"{r['reorder_goal']:g}", r["reorder_gain"] >= r["reorder_goal"])]
+def mega(rate: float) -> str:
+    return f"{rate / 1e6:.2f}"
 
 
-def table(rows: Sequence[Row]) -> str:
-    out = []
-    for r in rows:
-        b, seeds = r["binding"], ", ".join(map(str, r["seeds"]))
-        out.append([r["plan"], r["k"], radius_of(r, "none"), r["gatherers"],
-                    f"{r['fmax_mhz']:.1f} ({'seed' if len(r['seeds']) == 1 else 'seeds'} {seeds})",
-                    f"{r['cycles_per_gather']:.2f}", f"{r['board'] / 1e6:.2f}",
-                    f"{r['library_rate'] / 1e6:.2f} ({r['library']})", f"{r['golden_rate'] / 1e6:.2f}",
-                    f"{r['board'] / r['library_rate']:.1f}", f"{r['board'] / r['golden_rate']:.1f}",
-                    f"{r['goal']:g}{'' if r['times_met'] else ' **missed**'}",
-                    f"{r['bound'] / 1e6:.2f} ({r['bound_by']}), {100 * r['of_bound']:.0f} %", *memory_cells(r),
-                    f"{b['resource']} {b['used']:,} of {b['of']:,}", f"{r['uart'] / 1e3:.1f}"])
-    return markdown(out, COLUMNS)
+def rate_cell(rate: Rate) -> str:
+    """The median, and least and most where they were recorded."""
+    if rate["least"] is None or rate["most"] is None:
+        return mega(rate["median"])
+    return f"{mega(rate['median'])} ({mega(rate['least'])} – {mega(rate['most'])})"
 
 
-def arithmetic(rows: Sequence[Row]) -> str:
-    """How each bound comes about."""
+def clock_cell(clock: Spread, seeds: int) -> str:
+    return f"{clock['median']:.1f}" + (f" ({clock['low']:.1f} – {clock['high']:.1f})" if seeds > 1 else "")
+
+
+def is_core(row: Row, clock: ClockSpread) -> bool:
+    return abs(clock["constraint"] - row["clock_mhz"]) < 0.01
+
+
+def sdram_clock_unknown(row: Row) -> bool:
+    return row["memory"] == "sdram" and row["clocks"] is None
+
+
+def other_clocks(row: Row) -> str:
+    """Every clock but the core's beside its constraint."""
+    if row["clocks"] is None:
+        return "not recorded" if sdram_clock_unknown(row) else "–"
+    cells = [f"{clock_name(net)} {clock_cell(c, len(row['seeds']))} of {c['constraint']:g}" +
+             (" **missed**" if c["median"] < c["constraint"] else "")
+             for net, c in row["clocks"].items() if not is_core(row, c)]
+    return ", ".join(cells) or "–"
+
+
+def goal_cell(row: Row, v: Verdict) -> str:
+    """yes, or no with the figure that misses."""
+    if v.reached:
+        return "yes, the SDRAM's clock not recorded" if sdram_clock_unknown(row) else "yes"
+    misses = [f"{v.times:.2f} of {v.goal:g}"] if v.times < v.goal else []
+    return f"no, **missed**: {'; '.join(misses + v.missed_clocks)}"
+
+
+def goal_table(judged: Judged) -> str:
+    return markdown([[r["plan"], r["k"], radius_of(r, "none"), mega(v.board),
+                      f"{rate_cell(r['cores'][v.library])} {v.library}", rate_cell(r["cores"][GOLDEN]),
+                      f"{v.board / r['cores'][v.library]['median']:.2f}", f"{v.board / r['cores'][GOLDEN]['median']:.2f}",
+                      f"{v.goal:g}", goal_cell(r, v)] for r, v in judged], GOAL_COLUMNS)
+
+
+def gain_cell(row: Row) -> str:
+    load = row["sdram"]
+    if not load:
+        return "–"
+    return f"{load['reorder_gain']:.1f} (goal {load['reorder_goal']:g})" + (
+        " **missed**" if load["reorder_gain"] < load["reorder_goal"] else "")
+
+
+def bound_table(judged: Judged) -> str:
+    rows = []
+    for r, v in judged:
+        mhz, load = 1e6 * r["fmax_mhz"]["median"], r["sdram"]
+        rows.append([r["plan"], radius_of(r, "none"), f"{r['cycles_per_gather']:.2f}", f"{mega(v.bound)} ({v.bound_by})",
+                     f"{100 * v.share:.0f} %", mega(mhz * r["gatherers"] / r["cost"]["bound"]),
+                     mega(mhz / load["cycles"]) if load else "–",
+                     mega(mhz / cycles_without_row_changes(load)) if load else "–",
+                     f"{mega(v.part[v.part_by])} ({PARTS.get(v.part_by, v.part_by)})", gain_cell(r)])
+    return markdown(rows, BOUND_COLUMNS)
+
+
+def part_table(judged: Judged) -> str:
+    """What each resource of the part would allow."""
+    names = list(dict.fromkeys(name for _, v in judged for name in v.part))
+
+    def cell(row: Row, v: Verdict, name: str) -> str:
+        if name not in v.part:
+            return "–"
+        return mega(v.part[name]) + (f" ({row['fits'][name]})" if name in row["fits"] else "")
+
+    return markdown([[r["plan"], radius_of(r, "none")] + [cell(r, v, name) for name in names] for r, v in judged],
+                    ["plan", "radius"] + [PARTS.get(name, name) for name in names])
+
+
+def top_table(judged: Judged) -> str:
+    """One line a plan."""
+    tops = {r["plan"]: r for r, _ in judged}
+    return markdown([[r["plan"], r["gatherers"], clock_cell(r["fmax_mhz"], len(r["seeds"])), other_clocks(r),
+                      ", ".join(map(str, r["seeds"])), f"`{r['digest'][:SHORT]}`", f"{r['uart'] / 1e3:.1f}",
+                      f"{r['binding']['resource']} {r['binding']['used']:,} of {r['binding']['of']:,}"]
+                     for r in tops.values()], TOP_COLUMNS)
+
+
+def arithmetic(judged: Judged) -> str:
+    """How each bound of the design comes about."""
     lines = []
-    for r in rows:
-        s = r["simulated"]
-        text = (f"- `{r['plan']}`, {radius_of(r, 'no radius')}: {s['nodes']:.1f} nodes, {s['leaves']:.1f} leaves, "
-                f"{s['insertions']:.1f} insertions a query: {s['bound']:.1f} cycles of a gatherer; {r['gatherers']} x "
-                f"{r['fmax_mhz']:.1f} MHz: {r['gatherers'] * r['fmax_mhz'] / s['bound']:.2f} Mquery/s.")
-        if s["roofline_cycles"]:
-            text += (f" SDRAM: {s['memory_lines_per_gather']:.3f} lines a query * {s['line_bytes'] // 2} cycles of "
-                     f"{s['sdram_mhz']:g} MHz, {s['row_changes_per_gather']:.3f} row changes * "
-                     f"{s['row_change_cycles']:g}, refreshes apart: {r['fmax_mhz'] / s['roofline_cycles']:.2f} Mquery/s. "
-                     f"Cycles of the core: {s['roofline_verdict']}.")
-        if r["reorder_gain"]:
-            text += f" Reordering gains {r['reorder_gain']:.1f} times."
+    for r, v in judged:
+        cost, fmax = r["cost"], r["fmax_mhz"]["median"]
+        text = (f"- `{r['plan']}`, {radius_of(r, 'no radius')}: {cost['nodes']:.1f} nodes, {cost['leaves']:.1f} leaves, "
+                f"{cost['insertions']:.1f} insertions a query: {cost['bound']:.1f} cycles of a gatherer; {r['gatherers']} x "
+                f"{fmax:.1f} MHz: {r['gatherers'] * fmax / cost['bound']:.2f} Mquery/s.")
+        if load := r["sdram"]:
+            text += (f" SDRAM: {load['lines']:.3f} lines a query * {load['line_bytes'] // 2} cycles of {load['mhz']:g} MHz, "
+                     f"{load['row_changes']:.3f} row changes * {load['row_change_cycles']:g}, refreshes apart: "
+                     f"{fmax / load['cycles']:.2f} Mquery/s. Bound by the {v.bound_by}.")
         lines.append(text)
     return "\n".join(lines) + "\n"
 
 
-def report(rows: Sequence[Row], link: Link) -> str:
-    """report.md, and what docs/headline.md takes."""
-    return ("Simulated cycles times routed frequency; not run on a board. The goal is against the faster of the two cores.\n\n" +
-            table(rows) + "\nBounds:\n\n" + arithmetic(rows) +
-            f"\nUART: {link.baud:.0f} baud, {link.down:.1f} bytes a query down, {link.up:.1f} up.\n")
+def names(plans: Collection[str]) -> str:
+    return ", ".join(f"`{plan}`" for plan in sorted(plans))
+
+
+def judged_of(rows: Sequence[Row], goals: HeadlineGoals) -> Judged:
+    return [(row, judge(row, goals)) for row in rows]
+
+
+def summary(data: Data, goals: HeadlineGoals, stale: Collection[str]) -> str:
+    """The first lines of the page. stale: plans whose netlist is not that of today's RTL."""
+    judged = judged_of([r for r in data["rows"] if not r["rejected"]], goals)
+    reached = [r["plan"] for r, v in judged if v.reached]
+    lines = [f"**{len(reached)} of {len(judged)} rows reach their goal" + (f" ({names(set(reached))})" if reached else "") +
+             f"; {sum(slower_than_golden(r, v) for r, v in judged)} are slower than one core of golden.**"]
+    if stale:
+        lines.append(f"{STALE}{names(stale)}. Their figures are not those of the RTL beside this page; "
+                     "`make headline PLAN=NAME HEADLINE_FLAGS=--page` measures a plan again.")
+    if one := {r["plan"] for r, _ in judged if len(r["seeds"]) < 3}:
+        lines.append(f"Routed with fewer than three seeds: {names(one)}.")
+    if unknown := {r["plan"] for r, _ in judged if sdram_clock_unknown(r)}:
+        lines.append(f"The clock that the SDRAM's controller reached was not recorded: {names(unknown)}; "
+                     "their goal is judged without it.")
+    if single := {r["plan"] for r, _ in judged if any(rate["least"] is None for rate in r["cores"].values())}:
+        lines.append(f"Of one core the median of seven runs alone was recorded: {names(single)}.")
+    fewest, most = (f(r["replay_queries"] for r, _ in judged) for f in (min, max))
+    slowest, fastest = (f(r["uart"] for r, _ in judged) / 1e3 for f in (min, max))
+    lines.append("Rates are the engine's, which gets queries as fast as it takes them. A board is fed by its link, "
+                 f"{slowest:.1f} to {fastest:.1f} thousand queries a second, or by a replayer of {fewest:,} to {most:,} queries. "
+                 "Cycles are simulated and clocks are routed; nothing was run on a board.")
+    return "\n\n".join(lines)
+
+
+def replay_text(replay: Replay | None, judged: Judged) -> str:
+    """The replay on a simulated board beside the engine's row."""
+    if not replay:
+        return "No replay on the verilated `board_core` was recorded.\n"
+    gathers = replay["queries"] * replay["passes"]
+    cycles = replay["cycles"] / gathers
+    own = next((r for r, _ in judged if r["plan"] == replay["plan"] and not r["within_mean"]), None)
+    text = (f"The verilated `board_core` of `{replay['plan']}` replays {replay['queries']:,} queries {replay['passes']} times, "
+            f"in the order of the pixels: {cycles:.2f} cycles and {replay['lines_per_gather']:.2f} lines a gather")
+    if own:
+        fmax = own["fmax_mhz"]["median"]
+        text += (f", {fmax / cycles:.2f} Mquery/s at its {fmax:.1f} MHz. The engine's row has {own['cycles_per_gather']:.2f} "
+                 "cycles, on a whole frame through the reorder buffer")
+    if own and own["digest"] != replay["digest"]:
+        text += f". The replay is of netlist `{replay['digest'][:SHORT]}`, the row's is another"
+    return text + ".\n"
+
+
+def report(data: Data, goals: HeadlineGoals) -> str:
+    """Everything below the first lines."""
+    judged = judged_of([r for r in data["rows"] if not r["rejected"]], goals)
+    rejected = judged_of([r for r in data["rows"] if r["rejected"]], goals)
+    link = data["link"]
+    parts = ["One core of: " + "; ".join(dict.fromkeys(r["processor"] for r, _ in judged)) + ". " +
+             "; ".join(dict.fromkeys(v for r, _ in judged for v in r["versions"])) + ".\n",
+             goal_table(judged), "## A board's replayer\n", replay_text(data["replay"], judged), "## What bounds a row\n",
+             bound_table(judged), "The part's bounds, Mquery/s, and how many gatherers each resource has room for:\n",
+             part_table(judged), "## Tops\n", top_table(judged), "## Rejected plans\n"]
+    for name in rejected_names():
+        found = [(r, v) for r, v in rejected if r["plan"] == name]
+        parts.append(f"`{name}`: " + (f"{found[0][0]['rejected']}." if found else
+                                      f"not measured; `make headline PLAN={name} HEADLINE_FLAGS=--page` does.") + "\n")
+    if rejected:
+        parts += [goal_table(rejected), bound_table(rejected), top_table(rejected)]
+    parts += ["## Arithmetic of the bounds\n", arithmetic([*judged, *rejected]),
+              f"UART: {link['baud']:.0f} baud, {link['down']:.1f} bytes a query down, {link['up']:.1f} up.\n"]
+    return "\n" + "\n".join(parts) + "\n"
+
+
+def write_page(data: Data, goals: HeadlineGoals, stale: Collection[str], page: Path = PAGE) -> None:
+    replace_between(page, "summary", summary(data, goals, stale) + "\n")
+    replace_between(page, "report", report(data, goals))
+
+
+def said_stale(text: str) -> set[str]:
+    """The plans that a page's first lines call routed with earlier RTL."""
+    line = next((line for line in text.splitlines() if line.startswith(STALE)), "")
+    return set(STALE_PLAN.findall(line.split(". ")[0]))
+
+
+def check_page(data: Data, goals: HeadlineGoals, today: dict[str, str], page: Path = PAGE) -> None:
+    """Fails where the page is not that of the data, or hides that a row was routed with other RTL than today's. today:
+    plan -> digest of its netlist."""
+    text, stale = read_text(page), stale_plans(data, today)
+    for row in data["rows"]:
+        if row["plan"] in stale - said_stale(text):
+            raise Failure(f"{page.name}: row {row['plan']} was routed with earlier RTL (netlist {row['digest'][:SHORT]}, today's "
+                          f"is {today[row['plan']][:SHORT]}), and the first lines do not say so; make headline "
+                          f"PLAN={row['plan']} HEADLINE_FLAGS=--page measures it again, scripts/headline --render marks it")
+    if f"{summary(data, goals, stale)}\n<!-- end of summary -->" not in text or report(data, goals) not in text:
+        raise Failure(f"{page.name}: is not what fpga/headline.json and fpga/goals.toml give; scripts/headline --render "
+                      "writes it")
+
+
+def stale_plans(data: Data, today: dict[str, str]) -> set[str]:
+    return {row["plan"] for row in data["rows"] if row["digest"] != today[row["plan"]]}

@@ -32,8 +32,7 @@ def sdram_load(own: Mapping[str, Any], plain: Mapping[str, Any] | None) -> Sdram
         raise Failure(f"{own['plan']}: the simulation has no row of r2_max {own['r2_max']} in the pixels' order")
     return {"lines": own["memory_lines_per_gather"], "line_bytes": own["line_bytes"],
             "row_changes": own["row_changes_per_gather"], "row_change_cycles": own["row_change_cycles"],
-            "cycles": own["roofline_cycles"], "pins_cycles": own["pins_cycles"], "mhz": own["sdram_mhz"],
-            "reorder_gain": plain["reorder_gain"], "reorder_goal": plain["reorder_goal"]}
+            "cycles": own["roofline_cycles"], "mhz": own["sdram_mhz"], "reorder_gain": plain["reorder_gain"], "reorder_goal": plain["reorder_goal"]}
 
 
 def rows_of(plan: HeadlinePlan, top: Top, entry: Entry, simulated: Simulated, cores: Mapping[int | None, dict[str, Rate]],
@@ -48,8 +47,8 @@ def rows_of(plan: HeadlinePlan, top: Top, entry: Entry, simulated: Simulated, co
         own = simulated_row("reordered", radius)
         if not own:
             raise Failure(f"{plan.name}: the simulation has no reordered row with r2_max {radius}")
-        out.append({"plan": plan.name, "rejected": plan.rejected, "memory": own["memory"], "k": own["k"], "radius": radius,
-                    "gatherers": own["gatherers"], "replay_queries": replay, "digest": top.digest,
+        out.append({"plan": plan.name, "rejected": plan.rejected, "memory": own["memory"], "k": own["k"],
+                    "within_mean": radius is not None, "gatherers": own["gatherers"], "replay_queries": replay, "digest": top.digest,
                     "clock_mhz": top.clock_mhz, "versions": list(versions.values()), "processor": processor,
                     "seeds": [s["seed"] for s in entry["seeds"]], "fmax_mhz": entry["fmax_mhz"], "clocks": entry["clocks"],
                     "binding": entry["binding"], "fits": gatherers_that_fit(describe(plan.path), own["gatherers"], board),

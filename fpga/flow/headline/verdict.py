@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from flow.goals import HeadlineGoals
-from flow.headline.data import Row
+from flow.headline.data import Row, SdramLoad
 
 GOLDEN = "photonloom"
 
@@ -47,6 +47,12 @@ def clocks_missed(row: Row) -> list[str]:
     """The clocks whose median over the seeds is under what they are constrained to."""
     return [f"{clock_name(net)} reaches {c['median']:.1f} MHz of {c['constraint']:g}"
             for net, c in (row["clocks"] or {}).items() if c["median"] < c["constraint"]]
+
+
+def cycles_without_row_changes(load: SdramLoad) -> float:
+    """Cycles of the core in which the SDRAM's pins move a gather's lines, refreshes apart."""
+    moved = load["lines"] * load["line_bytes"] / 2
+    return load["cycles"] * moved / (moved + load["row_changes"] * load["row_change_cycles"])
 
 
 def own_bound(row: Row) -> tuple[float, str]:
