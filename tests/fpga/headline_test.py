@@ -1,133 +1,441 @@
 # SPDX-License-Identifier: Apache-2.0
-"""scripts/headline with programs that stand in for the simulation and for the timing of a core."""
+"""scripts/headline: what it keeps, judges and writes, with programs that stand in for simulation, routing and the timing of
+a core."""
 import contextlib
+import copy
 import io
 import json
 import tempfile
 import unittest
 from pathlib import Path
 from typing import Any
+from unittest import mock
 
 from flow.boards import read_board
 from flow.goals import headline_goals
+from flow.headline import netlist, page, replay, tops
+from flow.headline.command import processor
+from flow.headline.data import Data, Rate, Replay, Row, SdramLoad, merge
 from flow.headline.link import link_of
-from flow.headline.page import arithmetic, table
-from flow.headline.rows import Row, measure
-from flow.headline.tops import Bench, simulate
-from flow.results import Entry
+from flow.headline.netlist import netlist_digest
+from flow.headline.plans import HeadlinePlan, rejected_names, rejected_plan
+from flow.headline.rows import gatherers_that_fit, rows_of
+from flow.headline.simulation import Bench, simulate, time_core
+from flow.headline.tops import Routing, Top, route, route_seed
+from flow.headline.verdict import Verdict, judge, own_bound
+from flow.results import Entry, add_placements
+from flow.routing import Placement
 from flow.shell import Failure
+from flow.tools import Tools
 
 RECORDED = Path(__file__).parent / "recorded"
 SIMULATION = """#!/bin/sh
-# PLAN --radius --core-mhz F --json OUT --dump FOLDER
-echo run >> "$8/runs"; : > "$8/p.photons"; : > "$8/p.queries"; cp "$8/rows" "$6"
+# PLAN --radius --core-mhz F [--sdram-mhz F] --json OUT --dump FOLDER --scene SCENE
+here=$(dirname "$0"); echo "$*" >> "$here/runs"
+while [ "$1" != --json ]; do shift; done
+echo photons > "$4/p.photons"; echo queries > "$4/p.queries"; cp "$here/rows" "$2"
 """
 CORE = """#!/bin/sh
-cp "$(dirname "$1")/cores" "$1"
+cp "$(dirname "$0")/cores" "$1"
 """
+CORE_CLOCK, SDRAM_CLOCK = "$glbnet$clk", "$glbnet$clk_sdram"
 
 
-class Headline(unittest.TestCase):
+def placement(seed: int, core: float = 100, sdram: float | None = None) -> Placement:
+    clocks: Any = {CORE_CLOCK: {"achieved": core, "constraint": 50.0}}
+    if sdram:
+        clocks[SDRAM_CLOCK] = {"achieved": sdram, "constraint": 100.0}
+    return {"seed": seed, "placer": "static", "clocks": clocks, "utilization": {}, "bitstream": ""}
+
+
+def routed(*placed: Placement, digest: str = "d") -> Entry:
+    entry: Entry = {"name": "board", "digest": digest, "top": "t", "constraint_mhz": 50.0, "resources": {},
+                    "binding": {"resource": "DP16KD", "used": 104, "of": 208}, "seeds": []}
+    add_placements(entry, list(placed), Path("there"))
+    return entry
+
+
+class Folder(unittest.TestCase):
     def setUp(self) -> None:
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
         self.work = Path(folder.name)
-        self.bench = Bench(self.work, self.work / "throughput", self.work / "core")
-        for path, text in ((self.bench.throughput, SIMULATION), (self.bench.core, CORE)):
-            path.write_text(text)
-            path.chmod(0o755)
+        silence = contextlib.redirect_stdout(io.StringIO())
+        silence.__enter__()
+        self.addCleanup(silence.__exit__, None, None, None)
 
-    def simulated(self, cycles: float = 10, bound: float = 16, **others: Any) -> list[Row]:
-        row: Row = {"memory": "block_ram", "k": 8, "gatherers": 2, "order": "reordered", "cycles_per_gather": cycles,
-                    "bound": bound, "roofline_cycles": None, "roofline_met": None, **others}
-        rows: list[Row] = [{**row, "r2_max": None}, {**row, "r2_max": 7, "cycles_per_gather": bound / 2}]
-        if row["memory"] == "sdram":
-            rows += [{**r, "order": "pixels", "reorder_goal": 4, "reorder_gain": 5} for r in rows]
-        self.write("rows", {"gather_cluster": rows})
-        return rows
+    def write(self, name: str, text: str) -> Path:
+        path = self.work / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text)
+        return path
 
-    def write(self, name: str, value: object) -> None:
-        (self.work / name).write_text(json.dumps(value))
 
-    def routed(self, fmax: float, digest: str = "d") -> Entry:
-        spread = {"median": fmax, "low": fmax, "high": fmax}
-        entry: Any = {"fmax_mhz": spread, "digest": digest, "binding": {}, "seeds": [{"seed": 1}]}
-        found: Entry = entry
-        return found
+class Simulations(Folder):
+    def setUp(self) -> None:
+        super().setUp()
+        self.scene = self.write("scene.xml", "a scene")
+        self.plan = HeadlinePlan("p", self.write("p.toml", "a plan"))
+        self.bench = Bench(self.work, self.scene, self.write("throughput", SIMULATION), self.write("core", CORE))
+        for program in (self.bench.throughput, self.bench.core):
+            program.chmod(0o755)
+        self.rows = [{"k": 8, "r2_max": None}, {"k": 8, "r2_max": 7}]
+        self.write("rows", json.dumps({"gather_cluster": self.rows}))
 
-    def rows(self, fmax: float = 100, digest: str = "d") -> list[Row]:
-        with contextlib.redirect_stdout(io.StringIO()):
-            return simulate(Path("p.toml"), "p", self.routed(fmax, digest), self.bench)
-
-    def runs(self) -> int:
-        return len((self.work / "runs").read_text().splitlines())
+    def runs(self) -> list[str]:
+        return (self.work / "runs").read_text().splitlines()
 
     def test_what_was_simulated_is_kept(self) -> None:
-        self.assertEqual(self.simulated(), self.rows())
-        self.rows()
-        self.assertEqual(self.runs(), 1)
+        for _ in range(2):
+            self.assertEqual(simulate(self.plan, routed(placement(1)), self.bench).rows, self.rows)
+        self.assertEqual(len(self.runs()), 1)
 
-    def test_simulates_again_what_changed(self) -> None:
-        self.simulated()
-        self.rows()
-        self.rows(99)
-        self.assertEqual(self.runs(), 2, "another clock")
-        self.rows(99, "e")
-        self.assertEqual(self.runs(), 3, "another top")
-        self.simulated(cycles=11)  # another program, another answer
+    def test_simulates_again_whatever_changed(self) -> None:
+        def again(why: str, entry: Entry | None = None) -> None:
+            before = len(self.runs()) if (self.work / "runs").is_file() else 0
+            simulate(self.plan, entry or routed(placement(1)), self.bench)
+            self.assertEqual(len(self.runs()), before + 1, why)
+
+        again("the first")
+        again("another clock", routed(placement(1, 99)))
+        again("another netlist", routed(placement(1), digest="e"))
+        again("another clock of the SDRAM", routed(placement(1, 100, 97)))
+        self.scene.write_text("another scene")
+        again("another scene")
+        self.plan.path.write_text("another plan")
+        again("another plan")
         self.bench.throughput.write_text(SIMULATION + "# changed\n")
-        self.assertEqual(self.rows(99, "e")[0]["cycles_per_gather"], 11)
-        (self.work / "p.queries").unlink()  # which the timing of a core needs
-        self.rows(99, "e")
-        self.assertEqual(self.runs(), 5)
+        again("another program")
+        folder = simulate(self.plan, routed(placement(1)), self.bench).folder
+        (folder / "p.queries").write_text("of another run")
+        again("another cloud")
+        (folder / "p.photons").unlink()
+        again("no cloud")
 
-    def measured(self, golden: float, library: float = 0.5e6, fmax: float = 100) -> list[Row]:
-        """The rows beside a core of these rates."""
-        rates = {"photonloom": golden, "nanoflann": library}
-        self.write("cores", [{"r2_max": r, "queries_per_second": rates} for r in (None, 7)])
-        with contextlib.redirect_stdout(io.StringIO()):
-            rows = simulate(Path("p.toml"), "p", self.routed(fmax), self.bench)
-            return measure("p", self.bench, headline_goals(), self.routed(fmax), rows)
+    def test_the_sdrams_clock_is_the_one_reached(self) -> None:
+        simulate(self.plan, routed(placement(1, 80, 97.1)), self.bench)
+        self.assertIn("--core-mhz 80.00 --sdram-mhz 97.10 ", self.runs()[-1])
+        simulate(self.plan, routed(placement(1, 80, 120)), self.bench)  # the chip's times are counted for 100 MHz
+        self.assertIn("--sdram-mhz 100.00 ", self.runs()[-1])
+        simulate(self.plan, routed(placement(1, 80)), self.bench)
+        self.assertNotIn("--sdram-mhz", self.runs()[-1])
 
-    def missed(self, golden: float, library: float = 0.5e6, fmax: float = 100) -> object:
-        """What the row without a radius misses."""
-        return self.measured(golden, library, fmax)[0]["missed"]
+    def cores(self, runs: int) -> dict[int | None, dict[str, Rate]]:
+        rate = {"least": 1.0, "median": 2.0, "most": 3.0, "runs": runs}
+        self.write("cores", json.dumps([{"r2_max": r, "spread": {"photonloom": rate, "FLANN": rate}} for r in (None, 7)]))
+        return time_core(simulate(self.plan, routed(placement(1)), self.bench), self.bench)
 
-    def test_goal_is_of_the_faster_core(self) -> None:
-        self.simulated()  # 10 Mquery/s; the bound of 12.5 is above the goal in all three
-        self.assertEqual(self.missed(1.25e6), [])
-        over = ["7.69 times one core, goal 8; 80 % of the bound"]
-        self.assertEqual(self.missed(1.3e6, library=1e6), over)
-        self.assertEqual(self.missed(1e6, library=1.3e6), over)
+    def test_a_core_is_timed_seven_times(self) -> None:
+        self.assertEqual(self.cores(7)[7]["FLANN"], {"least": 1, "median": 2, "most": 3, "runs": 7})
+        with self.assertRaisesRegex(Failure, "core.json: photonloom was timed 6 times, expected at least 7"):
+            self.cores(6)
 
-    def test_a_bound_under_the_goal_is_to_be_reached_by_four_fifths(self) -> None:
-        self.simulated()
-        self.assertEqual(self.missed(2e6), [])
-        self.simulated(cycles=10.1)
-        self.assertEqual(self.missed(2e6, fmax=99), ["4.90 times one core, goal 8; 79 % of the bound"])
 
-    def test_roofline_and_reordering_count_too(self) -> None:
-        self.simulated(memory="sdram", roofline_cycles=9.0, roofline_met=False, roofline_verdict="too far", reorder_gain=5)
-        self.assertEqual(self.missed(1e6), ["too far"])
-        rows = self.simulated(memory="sdram", roofline_cycles=9.0, roofline_met=True)
-        rows[2]["reorder_gain"] = 3.9
-        self.write("rows", {"gather_cluster": rows})
-        self.assertEqual(self.missed(1e6, fmax=101), ["reordering gains 3.90, goal 4"])
+class KeptSeeds(Folder):
+    """Routing with a placer that counts."""
+
+    def setUp(self) -> None:
+        super().setUp()
+        self.routing = Routing(read_board("ulx3s-85f"), Tools([], {"yosys": "1"}), 3, 1, None, 6, "static", False)
+        self.top = Top("p", "d", self.work / "p-key", 50.0, {"baud": 2e6, "down": 1, "up": 1}, 1)
+        self.write("p-key/package/build/ulx3s_85f_top.json", "{}")
+        self.write("p-key/top.json", json.dumps({"digest": "d", "versions": {}, "resources": {},
+                                                 "binding": {"resource": "DP16KD", "used": 1, "of": 208}}))
+        self.placed: list[tuple[int, str]] = []
+        self.endless: set[int] = set()
+        self.enterContext(mock.patch.object(tops, "place", self.place))
+
+    def place(self, folder: Path, top: str, seed: int, tools: Tools, route_speed: int, placer: str) -> Placement | None:
+        self.placed.append((seed, placer))
+        return None if placer == "static" and seed in self.endless else placement(seed, 60 + seed)
+
+    def test_a_run_goes_on_where_it_was(self) -> None:
+        route_seed(self.top, 2, "static", self.routing)
+        self.assertEqual([s["seed"] for s in route(self.top, self.routing)["seeds"]], [1, 2, 3])
+        self.assertEqual(self.placed, [(2, "static"), (1, "static"), (3, "static")])
+        self.assertEqual(route(self.top, self.routing)["fmax_mhz"], {"median": 62, "low": 61, "high": 63})
+        self.assertEqual(len(self.placed), 3)
+
+    def test_a_seed_without_an_end_is_not_tried_again(self) -> None:
+        self.endless = {2}
+        for _ in range(2):
+            self.assertEqual([s["seed"] for s in route(self.top, self.routing)["seeds"]], [1, 3, 4])
+        self.assertEqual([seed for seed, _ in self.placed], [1, 2, 3, 4])
+
+    def test_other_tools_have_other_results(self) -> None:
+        self.assertNotEqual(tops.top_key("d", {"yosys": "1"}), tops.top_key("d", {"yosys": "2"}))
+        self.assertNotEqual(tops.top_key("d", {"yosys": "1"}), tops.top_key("e", {"yosys": "1"}))
+
+    def test_a_top_too_large_is_not_routed(self) -> None:
+        self.write("p-key/top.json", json.dumps({"binding": {"resource": "DP16KD", "used": 223, "of": 208}}))
+        with self.assertRaisesRegex(Failure, "^p: its board needs 223 DP16KD, the part has 208$"):
+            route_seed(self.top, 1, "static", self.routing)
+
+
+class Netlists(Folder):
+    def digest(self, **files: str) -> str:
+        texts = {"rtl/a.sv": 'module a; // first\n  string s = "// kept"; /* second\n */ endmodule\n',
+                 "board/b.lpf": "# pins\nLOCATE COMP \"a\" SITE \"G2\";\n", "README.md": "text", **files}
+        with tempfile.TemporaryDirectory() as folder:
+            for name, text in texts.items():
+                path = Path(folder, name)
+                path.parent.mkdir(exist_ok=True)
+                path.write_text(text)
+            return netlist_digest(Path(folder))
+
+    def test_comments_change_nothing(self) -> None:
+        self.assertEqual(self.digest(), self.digest(**{"rtl/a.sv": 'module a;\n string s = "// kept"; endmodule // end\n',
+                                                      "board/b.lpf": "LOCATE COMP \"a\" SITE \"G2\";\n", "README.md": ""}))
+
+    def test_anything_else_does(self) -> None:
+        for name, text in (("rtl/a.sv", 'module a; string s = "// other"; endmodule\n'), ("rtl/c.sv", "module c; endmodule\n"),
+                           ("board/b.lpf", "LOCATE COMP \"a\" SITE \"G3\";\n")):
+            with self.subTest(name):
+                self.assertNotEqual(self.digest(), self.digest(**{name: text}))
+
+    def test_the_plans_hash_is_left_out(self) -> None:
+        def text(digit: str) -> str:
+            return f"localparam logic [63:0] PlanHash = 64'h{digit * 16};"
+        self.assertEqual(netlist.without_comments("a.sv", text("1")), netlist.without_comments("a.sv", text("2")))
+
+
+def rate(median: float) -> Rate:
+    return {"least": 0.9 * median, "median": median, "most": 1.1 * median, "runs": 7}
+
+
+class MadeUp(unittest.TestCase):
+    """100 MHz and 10 cycles a gather: 10 Mquery/s; the gatherers' bound is 12.5."""
+
+    def row(self, golden: float = 1e6, library: float = 0.5e6, **others: Any) -> Row:
+        row: Row = {"plan": "p", "rejected": "", "memory": "block_ram", "k": 8, "within_mean": False, "gatherers": 2,
+                    "replay_queries": 1024, "digest": "d" * 64, "clock_mhz": 50.0, "versions": ["Yosys 1"],
+                    "processor": "a core", "seeds": [1, 2, 3], "fmax_mhz": {"median": 100, "low": 95, "high": 101},
+                    "clocks": {CORE_CLOCK: {"median": 100, "low": 95, "high": 101, "constraint": 50.0}},
+                    "binding": {"resource": "DP16KD", "used": 104, "of": 208},
+                    "fits": {"DP16KD": 3, "LUT4": 12, "MULT18X18D": 6}, "cycles_per_gather": 10,
+                    "cost": {"nodes": 12, "leaves": 3.5, "insertions": 16, "bound": 16}, "sdram": None,
+                    "cores": {"photonloom": rate(golden), "nanoflann": rate(library)}, "uart": 4600}
+        whole: Any = {**row, **others}
+        changed: Row = whole
+        return changed
+
+    def sdram(self, cycles: float = 9.0, reached: float = 105, gain: float = 5, **others: Any) -> Row:
+        load: SdramLoad = {"lines": 0.25, "line_bytes": 64, "row_changes": 0.5, "row_change_cycles": 6, "cycles": cycles,
+                           "mhz": min(100, reached), "reorder_gain": gain, "reorder_goal": 4}
+        row = self.row(memory="sdram", sdram=load, **others)
+        assert row["clocks"]
+        row["clocks"][SDRAM_CLOCK] = {"median": reached, "low": reached, "high": reached, "constraint": 100.0}
+        return row
+
+    def judge(self, row: Row) -> Verdict:
+        return judge(row, headline_goals())
+
+
+class Verdicts(MadeUp):
+    def test_the_goal_is_of_the_faster_core(self) -> None:
+        self.assertEqual(self.judge(self.row(1.25e6)).missed, [])
+        over = ["7.69 times one core, goal 8"]
+        self.assertEqual(self.judge(self.row(1.3e6, 1e6)).missed, over)
+        self.assertEqual(self.judge(self.row(1e6, 1.3e6)).missed, over)
+
+    def test_a_bound_under_the_goal_excuses_nothing(self) -> None:
+        v = self.judge(self.row(2e6))  # 5 times one core where the bound is 6.25 times
+        self.assertFalse(v.reached)
+        self.assertAlmostEqual(v.share, 0.8)
+        self.assertEqual(page.goal_cell(self.row(2e6), v), "no, **missed**: 5.00 of 8")
+
+    def test_before_an_sdram_queries_a_second_count(self) -> None:
+        low = self.judge(self.sdram(cycles=5))  # half of its SDRAM's roofline, and ten times one core
+        self.assertEqual((low.missed, low.bound_by), ([], "gatherers"))
+        high = self.judge(self.sdram(cycles=9.9, golden=11e6))  # 99 % of it, and slower than one core
+        self.assertEqual(high.missed, ["0.91 times one core, goal 1"])
+
+    def test_the_bound_that_binds_has_the_most_cycles(self) -> None:
+        self.assertEqual(own_bound(self.sdram(cycles=8.1))[1], "SDRAM")
+        self.assertEqual(own_bound(self.sdram(cycles=7.9))[1], "gatherers")
+
+    def test_a_clock_that_is_missed_fails_the_row(self) -> None:
+        v = self.judge(self.sdram(reached=97.06))
+        self.assertFalse(v.reached)
+        self.assertEqual(v.missed, ["clk_sdram reaches 97.1 MHz of 100"])
+        self.assertIn("| clk_sdram 97.1 (97.1 – 97.1) of 100 **missed** |", page.top_table([(self.sdram(reached=97.06), v)]))
+        slow = self.row(clocks={CORE_CLOCK: {"median": 49, "low": 48, "high": 50, "constraint": 50.0}})
+        self.assertEqual(page.goal_cell(slow, self.judge(slow)), "no, **missed**: clk reaches 49.0 MHz of 50")
+
+    def test_a_clock_that_nobody_recorded_is_said(self) -> None:
+        row = self.sdram()
+        row["clocks"] = None
+        self.assertEqual(page.goal_cell(row, self.judge(row)), "yes, the SDRAM's clock not recorded")
+
+    def test_what_reordering_gains_is_judged_apart(self) -> None:
+        v = self.judge(self.sdram(gain=3.9))
+        self.assertTrue(v.reached)
+        self.assertEqual(v.missed, ["reordering gains 3.90, goal 4"])
+
+    def test_the_parts_bounds(self) -> None:
+        v = self.judge(self.sdram())
+        self.assertEqual(v.part, {"DP16KD": 18.75e6, "LUT4": 75e6, "MULT18X18D": 37.5e6, "SDRAM pins": 12.5e6})
+        self.assertEqual(v.part_by, "SDRAM pins")
+
+    def test_both_rooflines_stand_on_the_page(self) -> None:
+        row = self.sdram(cycles=11)  # 8 of its 11 cycles are lines
+        self.assertIn("| 9.09 (SDRAM) | 110 % | 12.50 | 9.09 | 12.50 |", page.bound_table([(row, self.judge(row))]))
 
     def test_a_plan_without_a_goal(self) -> None:
-        self.simulated(k=9)
         with self.assertRaisesRegex(Failure, r"goals.toml: headline.times_core.block_ram.9 is missing"):
-            self.missed(1e6)
+            self.judge(self.row(k=9))
 
     def test_a_row_of_the_page(self) -> None:
-        self.simulated(of_gatherers=0.8, nodes=12, leaves=3.5, insertions=16)
-        row = self.measured(1e6)[0]
-        row.update(uart=4600, binding={"resource": "DP16KD", "used": 104, "of": 208})
-        self.assertEqual(table([row]).splitlines()[2],
-                         "| p | 8 | none | 2 | 100.0 (seed 1) | 10.00 | 10.00 | 0.50 (nanoflann) | 1.00 | 20.0 | 10.0 | 8 | "
-                         "12.50 (gatherers), 80 % | 80 % | – | – | DP16KD 104 of 208 | 4.6 |")
-        self.assertEqual(arithmetic([row]), "- `p`, no radius: 12.0 nodes, 3.5 leaves, 16.0 insertions a query: 16.0 cycles of "
-                                            "a gatherer; 2 x 100.0 MHz: 12.50 Mquery/s.\n")
+        row = self.row()
+        self.assertEqual(page.goal_table([(row, self.judge(row))]).splitlines()[2],
+                         "| p | 8 | none | 10.00 | 0.50 (0.45 – 0.55) nanoflann | 1.00 (0.90 – 1.10) | 20.00 | 10.00 | 8 | yes |")
+        self.assertEqual(page.top_table([(row, self.judge(row))]).splitlines()[2],
+                         "| p | 2 | 100.0 (95.0 – 101.0) | – | 1, 2, 3 | `dddddddddddd` | 4.6 | DP16KD 104 of 208 |")
+        self.assertEqual(page.arithmetic([(row, self.judge(row))]),
+                         "- `p`, no radius: 12.0 nodes, 3.5 leaves, 16.0 insertions a query: 16.0 cycles of a gatherer; "
+                         "2 x 100.0 MHz: 12.50 Mquery/s.\n")
+
+
+class Page(MadeUp):
+    """The first lines, and what --check refuses."""
+
+    def setUp(self) -> None:
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.path = Path(folder.name, "headline.md")
+        self.path.write_text("<!-- summary -->\n<!-- end of summary -->\n<!-- report -->\n<!-- end of report -->\n")
+        self.data: Data = {"board": "ulx3s-85f", "replay": None, "link": {"baud": 2e6, "down": 15.3, "up": 43.6},
+                           "rows": [self.row(), self.row(11e6, plan="q"), self.row(plan="r", rejected="slower")]}
+
+    def text(self, stale: set[str] | None = None) -> str:
+        page.write_page(self.data, headline_goals(), stale or set(), self.path)
+        return self.path.read_text()
+
+    def check(self, **today: str) -> None:
+        digests = {name: "d" * 64 for name in ("p", "q", "r")}
+        page.check_page(self.data, headline_goals(), {**digests, **today}, self.path)
+
+    def test_it_opens_with_how_many_rows_reach_their_goal(self) -> None:
+        self.assertEqual(self.text().splitlines()[1], "**1 of 2 rows reach their goal (`p`); 1 are slower than one core of golden.**")
+
+    def test_it_says_who_feeds_a_board(self) -> None:
+        self.data["rows"][1]["replay_queries"] = 512
+        self.assertIn("A board is fed by its link, 4.6 to 4.6 thousand queries a second, or by a replayer of 512 to 1,024 queries.",
+                      self.text())
+
+    def test_few_seeds_and_unknown_clocks_are_said(self) -> None:
+        self.data["rows"][0]["seeds"] = [1]
+        self.data["rows"][1] = self.sdram(plan="q")
+        self.data["rows"][1]["clocks"] = None
+        self.assertIn("Routed with fewer than three seeds: `p`.", self.text())
+        self.assertIn("controller reached was not recorded: `q`;", self.text())
+
+    def test_a_row_of_earlier_rtl_is_to_be_said(self) -> None:
+        self.text()
+        self.check()
+        with self.assertRaisesRegex(Failure, r"headline.md: row q was routed with earlier RTL \(netlist dddddddddddd, today's is "
+                                             r"eeeeeeeeeeee\), and the first lines do not say so; make headline PLAN=q "
+                                             r"HEADLINE_FLAGS=--page measures it again, scripts/headline --render marks it"):
+            self.check(q="e" * 64)
+        self.assertIn("\nRouted with earlier RTL: `q`. ", self.text({"q"}))
+        self.check(q="e" * 64)
+        with self.assertRaisesRegex(Failure, "row p was routed with earlier RTL"):
+            self.check(q="e" * 64, p="e" * 64)
+
+    def test_a_row_of_todays_rtl_is_not_to_be_called_earlier(self) -> None:
+        self.text({"q"})
+        with self.assertRaisesRegex(Failure, "is not what fpga/headline.json and fpga/goals.toml give"):
+            self.check()
+
+    def test_a_figure_that_was_changed_by_hand(self) -> None:
+        self.path.write_text(self.text().replace("| 10.00 | 0.50", "| 11.00 | 0.50"))
+        with self.assertRaisesRegex(Failure, "is not what fpga/headline.json and fpga/goals.toml give"):
+            self.check()
+
+    def test_rejected_rows_stand_apart(self) -> None:
+        head, tail = self.text().split("## Rejected plans")
+        self.assertNotIn("| r | 8 |", head)
+        self.assertIn("| r | 8 |", tail)
+
+    def test_rows_that_were_measured_again_take_their_place(self) -> None:
+        new = copy.deepcopy(self.data["rows"][1])
+        new["seeds"] = [7]
+        merged = merge(self.data["rows"], [new])
+        self.assertEqual([(r["plan"], r["seeds"]) for r in merged], [("p", [1, 2, 3]), ("q", [7]), ("r", [1, 2, 3])])
+
+    def test_the_replay_stands_beside_the_row(self) -> None:
+        played: Replay = {"plan": "p", "digest": "d" * 64, "queries": 100, "passes": 2, "cycles": 2500, "lines_per_gather": 0.5}
+        self.data["replay"] = played
+        self.assertIn("replays 100 queries 2 times, in the order of the pixels: 12.50 cycles and 0.50 lines a gather, 8.00 Mquery/s "
+                      "at its 100.0 MHz. The engine's row has 10.00 cycles, on a whole frame through the reorder buffer.\n", self.text())
+        played["digest"] = "e" * 64
+        self.assertIn("The replay is of netlist `eeeeeeeeeeee`, the row's is another.", self.text())
+
+
+class Rows(Folder):
+    def test_put_together(self) -> None:
+        plan = HeadlinePlan("p", self.write("p.toml", "[board]\nreplay_queries = 512\n"))
+        own = {"plan": "p", "memory": "sdram", "k": 8, "gatherers": 2, "order": "reordered", "r2_max": 7, "cycles_per_gather": 10,
+               "nodes": 1, "leaves": 2, "insertions": 3, "bound": 4, "memory_lines_per_gather": 0.5, "line_bytes": 64,
+               "row_changes_per_gather": 0.1, "row_change_cycles": 6, "roofline_cycles": 5, "sdram_mhz": 97}
+        simulated = mock.Mock(rows=[own, {**own, "order": "pixels", "reorder_gain": 5, "reorder_goal": 4}])
+        top = Top("p", "d", self.work, 50.0, {"baud": 2e6, "down": 1, "up": 1}, 4600)
+        facts = {"resources": {"photon_gatherer": {"ebr": 40, "lut": 8000, "dsp": 24}, "reorder_buffer": {"ebr": 18, "lut": 3640, "dsp": 2}},
+                 "board_ebr": {"total": 150}}
+        with mock.patch("flow.headline.rows.describe", return_value=facts):
+            row, = rows_of(plan, top, routed(placement(1, 80, 97), placement(2, 70, 99)), simulated, {7: {"photonloom": rate(1e6)}},
+                           {"yosys": "Yosys 1"}, "a core", read_board("ulx3s-85f"))
+            simulated.rows.pop()
+            with self.assertRaisesRegex(Failure, "p: the simulation has no row of r2_max 7 in the pixels' order"):
+                rows_of(plan, top, routed(placement(1)), simulated, {7: {}}, {}, "", read_board("ulx3s-85f"))
+        self.assertEqual((row["within_mean"], row["replay_queries"], row["seeds"], row["fmax_mhz"]["median"]), (True, 512, [1, 2], 75))
+        assert row["clocks"] and row["sdram"]
+        self.assertEqual((row["clocks"][SDRAM_CLOCK]["median"], row["sdram"]["mhz"], row["sdram"]["reorder_gain"]), (98, 97, 5))
+        self.assertEqual(row["fits"], {"DP16KD": (208 - 70) // 40, "LUT4": (83640 - 3640) // 8000, "MULT18X18D": (156 - 2) // 24})
+        fewer: Any = {**facts, "resources": {"photon_gatherer": {"ebr": 40, "lut": 8000, "dsp": 24}}}
+        self.assertEqual(gatherers_that_fit(fewer, 2, read_board("ulx3s-85f"))["LUT4"], 10)
+
+
+class RejectedPlans(Folder):
+    def test_each_is_a_plan_that_says_why(self) -> None:
+        for name in rejected_names():
+            with self.subTest(name):
+                plan = rejected_plan(name, self.work)
+                self.assertTrue(plan.path.is_file() and plan.rejected)
+
+    def test_a_plan_without_a_reason(self) -> None:
+        variants = self.write("v.toml", '[rejected.a]\nbase = "sdram_k8"\nset = []\n')
+        with self.assertRaisesRegex(Failure, "v.toml: rejected.a.why is missing, expected why it is not in the headline"):
+            rejected_plan("a", self.work, variants)
+
+
+class BoardReplay(Folder):
+    def replay(self, signature: str) -> Any:
+        said = {"signature": signature, "golden_signature": "1", "gathers": 40 * replay.PASSES, "cycles": 500, "lines_per_gather": 0.5}
+        plan = HeadlinePlan("p", self.write("p.toml", "[global]\nphotons = 4096\n"))
+        commands: list[list[str]] = []
+
+        def run(command: list[str]) -> str:
+            commands.append(command)
+            return "a warning\n" + json.dumps(said)
+        with mock.patch.object(replay, "run", run), mock.patch.object(replay, "simulated_board", lambda *_: contextlib.nullcontext()):
+            played = replay.replay(plan, "d", Path("s.xml"), self.work)
+        self.assertIn(str(4096 - replay.SPARE_PHOTONS), commands[0])
+        return played
+
+    def test_cycles_of_all_passes(self) -> None:
+        self.assertEqual(self.replay("1"), {"plan": "p", "digest": "d", "queries": 40, "passes": replay.PASSES, "cycles": 500,
+                                            "lines_per_gather": 0.5})
+
+    def test_results_that_are_not_goldens(self) -> None:
+        with self.assertRaisesRegex(Failure, "p: the board's signature is 2, expected golden's 1"):
+            self.replay("2")
+
+
+class Processor(Folder):
+    def test_the_exact_model(self) -> None:
+        path = self.write("cpuinfo", "cpu family\t: 25\nmodel\t\t: 1\nmodel name\t: AMD EPYC\nstepping\t: 1\n\nmodel name\t: other\n")
+        self.assertEqual(processor(path), "AMD EPYC (family 25, model 1, stepping 1)")
 
 
 class SerialLink(unittest.TestCase):

@@ -160,7 +160,7 @@ def summary(data: Data, goals: HeadlineGoals, stale: Collection[str]) -> str:
         lines.append(f"The clock that the SDRAM's controller reached was not recorded: {names(unknown)}; "
                      "their goal is judged without it.")
     if single := {r["plan"] for r, _ in judged if any(rate["least"] is None for rate in r["cores"].values())}:
-        lines.append(f"Of one core the median of seven runs alone was recorded: {names(single)}.")
+        lines.append(f"Of one core the median alone was recorded: {names(single)}.")
     fewest, most = (f(r["replay_queries"] for r, _ in judged) for f in (min, max))
     slowest, fastest = (f(r["uart"] for r, _ in judged) / 1e3 for f in (min, max))
     lines.append("Rates are the engine's, which gets queries as fast as it takes them. A board is fed by its link, "
