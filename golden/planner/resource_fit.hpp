@@ -58,7 +58,7 @@ inline constexpr ResourceCoefficient kResourceCoefficients[] = {
 
 struct ResourceError {
   const char *unit, *resource;
-  double error;  // relative, the largest of all plans, each predicted from the others
+  double error;  // relative, the largest of all plans, each predicted from those not its twins
 };
 inline constexpr ResourceError kResourceErrors[] = {
     {unit_name<PhotonGatherer>, "lut", 0.1277},
@@ -70,7 +70,7 @@ inline constexpr ResourceError kResourceErrors[] = {
     {unit_name<ReorderBuffer>, "dsp", 0.0000},
     {unit_name<ReorderBuffer>, "ebr", 0.0000},
     {unit_name<CdfSampler>, "lut", 0.0345},
-    {unit_name<CdfSampler>, "ff", 0.0159},
+    {unit_name<CdfSampler>, "ff", 0.0161},
     {unit_name<CdfSampler>, "dsp", 0.0000},
     {unit_name<CdfSampler>, "ebr", 0.0000},
 };

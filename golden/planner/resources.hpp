@@ -47,7 +47,8 @@ bool is_predicted(const std::string& unit);
 // The prediction. Meaningful only where the plan has the unit.
 UnitResources estimate_resources(const Plan& plan, const std::string& unit);
 
-// Largest relative error of the prediction over the measured plans, each predicted from the others.
+// Largest relative error of the prediction over the measured plans, each predicted from those that
+// it does not see as the same or nearly so.
 double resource_error(const std::string& unit, const std::string& resource);
 
 }  // namespace photonloom

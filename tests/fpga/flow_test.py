@@ -11,8 +11,10 @@ from typing import Any
 
 from flow.headline.data import read_data
 from flow.package import PHOTONLOOM
-from flow.plans.fit import fit_one, least_squares, relative_error
+from flow.plans.fit import fit_one, least_squares, relative_error, twins_of
 from flow.plans.measurements import Measurement, Measurements, merge
+from flow.plans.catalogue import read_catalogue
+from flow.plans.pages import COLUMNS, measured_table
 from flow.results import Entry, add_placements, median, missed_clocks
 from flow.routing import Placement, placements
 from flow.shell import ROOT, Failure, run
@@ -89,6 +91,22 @@ class MeasuredAgain(unittest.TestCase):
             self.merge("b")
 
 
+class MeasuredTable(unittest.TestCase):
+    def test_clocks_of_one_nextpnr(self) -> None:
+        catalogue = read_catalogue()
+        name = next(iter(catalogue.scenes))
+        counts = {column: 1 for column in COLUMNS}
+        def measured(unit: str, by: str) -> Measurement:
+            return {"plan": name, "unit": unit, "resources": counts, "fmax_mhz": 95.0, "constraint_mhz": 100.0,
+                    "placed_by": f"nextpnr (Version {by})"}
+        data: Measurements = {"board": "b", "versions": {catalogue.board.family.nextpnr: "nextpnr (Version 0.11)"},
+                              "measurements": [measured("u", "0.11"), measured("v", "0.7")]}
+        rows = measured_table(catalogue, data).splitlines()
+        self.assertTrue(rows[2].endswith("| 95.0 |") and rows[3].endswith("| – |"))
+        self.assertEqual(rows[5], f"Not shown are clocks by another nextpnr than that of the table: `v` of `{name}` (0.7). "
+                                  f"`scripts/fpga-plans {name} --update` measures them again.")
+
+
 class Fitted(unittest.TestCase):
     rows = [{"one": 1.0, "bits": bits} for bits in (1.0, 2.0, 5.0, 9.0)]
 
@@ -101,10 +119,31 @@ class Fitted(unittest.TestCase):
         self.assertEqual(least_squares(self.rows, [40, 30, 20, 10])["bits"], 0)
 
     def test_each_plan_is_predicted_from_the_others(self) -> None:
-        outlier = fit_one(["a", "b", "c", "d"], self.rows, [13, 16, 25, 74])
+        alone: dict[str, list[str]] = {"a": [], "b": [], "c": [], "d": []}
+        outlier = fit_one(["a", "b", "c", "d"], self.rows, [13, 16, 25, 74], alone)
+        self.assertEqual(outlier.worst, "d")
         self.assertEqual(outlier.points[3].measured, 74)
         self.assertAlmostEqual(outlier.points[3].predicted, 37, places=1)
         self.assertAlmostEqual(outlier.error, max(abs(relative_error(p.predicted, p.measured)) for p in outlier.points))
+
+    def test_a_twin_does_not_predict_its_twin(self) -> None:
+        plans, rows = ["a", "b", "c", "d", "e"], [*self.rows, {"one": 1.0, "bits": 9.1}]
+        terms = {plan: {"lut": row, "ff": {"one": 1.0}} for plan, row in zip(plans, rows)}
+        twins = twins_of(plans, terms)
+        self.assertEqual(twins, {"a": [], "b": [], "c": [], "d": ["e"], "e": ["d"]})
+        measured = [13, 16, 25, 74, 74]  # d and e off the line of the others
+        apart, together = (fit_one(plans, rows, measured, left_out) for left_out in (twins, {plan: [] for plan in plans}))
+        self.assertAlmostEqual(apart.points[3].predicted, 37, places=1)
+        self.assertGreater(together.points[3].predicted, 60)
+        self.assertGreater(apart.error, together.error)
+
+    def test_a_term_of_any_resource_tells_plans_apart(self) -> None:
+        terms = {"a": {"lut": {"bits": 9.0}, "ff": {"one": 1.0}}, "b": {"lut": {"bits": 9.0}, "ff": {"one": 1.2}}}
+        self.assertEqual(twins_of(["a", "b"], terms), {"a": [], "b": []})
+
+    def test_a_plan_among_twins_alone(self) -> None:
+        with self.assertRaisesRegex(Failure, "a: all other plans are its twins"):
+            fit_one(["a", "b"], self.rows[:2], [1, 1], {"a": ["b"], "b": ["a"]})
 
     def test_error_where_nothing_was_measured(self) -> None:
         self.assertEqual(relative_error(0.4, 0), 0)

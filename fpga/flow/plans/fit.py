@@ -6,26 +6,30 @@ from dataclasses import dataclass
 from flow.package import UNITS
 from flow.plans.catalogue import facts_of
 from flow.plans.measurements import Measurement
+from flow.shell import Failure
 
 # photonloom's name of a resource -> the flow's.
 RESOURCES = {"lut": "LUT-eq", "ff": "FF", "dsp": "MULT18X18D", "ebr": "DP16KD"}
 Terms = Mapping[str, float]
+TWIN = 0.1  # by how much of the larger one a term of two twins may differ
 
 
 @dataclass(frozen=True)
 class Point:
-    """A resource of a plan: measured, and predicted from the other plans."""
+    """A resource of a plan: measured, and predicted from the plans that are not its twins."""
     plan: str
     measured: int
     predicted: float
+    twins: Sequence[str] = ()
 
 
 @dataclass(frozen=True)
 class Fit:
-    """error: relative, the largest of all points."""
+    """error: relative, the largest of all points; worst: its plan."""
     coefficients: dict[str, float]
     points: list[Point]
     error: float
+    worst: str
 
 
 Fits = dict[str, dict[str, Fit]]  # unit -> resource
@@ -67,13 +71,29 @@ def relative_error(predicted: float, measured: int) -> float:
     return (predicted - measured) / measured
 
 
-def fit_one(plans: Sequence[str], rows: Sequence[Terms], targets: Sequence[int]) -> Fit:
-    """Each plan is predicted from the coefficients of all others."""
+def are_twins(a: Mapping[str, Terms], b: Mapping[str, Terms]) -> bool:
+    """Whether the prediction of a unit sees two plans as the same, or nearly so: no term of any resource differs by more than
+    TWIN of the larger one. Such plans measure nearly the same, so that one of them in the fit would predict the other."""
+    return all(abs(a[resource][n] - b[resource][n]) <= TWIN * max(abs(a[resource][n]), abs(b[resource][n]))
+               for resource in a for n in a[resource])
+
+
+def twins_of(plans: Sequence[str], terms: Mapping[str, Mapping[str, Terms]]) -> dict[str, list[str]]:
+    """Plan -> its twins. terms: plan -> resource -> term -> value, of one unit."""
+    return {plan: [other for other in plans if other != plan and are_twins(terms[plan], terms[other])] for plan in plans}
+
+
+def fit_one(plans: Sequence[str], rows: Sequence[Terms], targets: Sequence[int], twins: Mapping[str, Sequence[str]]) -> Fit:
+    """Each plan is predicted from the coefficients of all others but its twins."""
     points = []
     for out, row in enumerate(rows):
-        others = least_squares([*rows[:out], *rows[out + 1:]], [*targets[:out], *targets[out + 1:]])
-        points.append(Point(plans[out], targets[out], predict(others, row)))
-    return Fit(least_squares(rows, targets), points, max(abs(relative_error(p.predicted, p.measured)) for p in points))
+        kept = [i for i, other in enumerate(plans) if i != out and other not in twins[plans[out]]]
+        if not kept:
+            raise Failure(f"{plans[out]}: all other plans are its twins, expected one that differs in a term of the prediction")
+        others = least_squares([rows[i] for i in kept], [targets[i] for i in kept])
+        points.append(Point(plans[out], targets[out], predict(others, row), twins[plans[out]]))
+    errors = [abs(relative_error(p.predicted, p.measured)) for p in points]
+    return Fit(least_squares(rows, targets), points, max(errors), points[errors.index(max(errors))].plan)
 
 
 def fit(measurements: Sequence[Measurement]) -> Fits:
@@ -82,7 +102,9 @@ def fit(measurements: Sequence[Measurement]) -> Fits:
     for unit in UNITS:
         of_unit = [m for m in measurements if m["unit"] == unit]
         plans = [m["plan"] for m in of_unit]
-        result[unit] = {resource: fit_one(plans, [said[plan]["resource_terms"][unit][resource] for plan in plans],
-                                          [m["resources"][column] for m in of_unit])
+        terms = {plan: said[plan]["resource_terms"][unit] for plan in plans}
+        twins = twins_of(plans, terms)
+        result[unit] = {resource: fit_one(plans, [terms[plan][resource] for plan in plans],
+                                          [m["resources"][column] for m in of_unit], twins)
                         for resource, column in RESOURCES.items()}
     return result

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What is written of measurements and fit: a C++ header for `photonloom plan`, tables for people."""
 from flow.plans.catalogue import Catalogue, line_of
-from flow.plans.fit import RESOURCES, Fits
+from flow.plans.fit import RESOURCES, TWIN, Fits
 from flow.plans.measurements import Measurement, Measurements
 from flow.tables import markdown
 from flow.tools import nextpnr_version
@@ -27,7 +27,7 @@ def header(fitted: Fits) -> str:
             for term, value in f.coefficients.items():
                 lines.append(f'    {{{name_of(unit)}, "{resource}", "{term}", {value:.6g}}},')
     lines += ["};", "", "struct ResourceError {", "  const char *unit, *resource;",
-              "  double error;  // relative, the largest of all plans, each predicted from the others", "};",
+              "  double error;  // relative, the largest of all plans, each predicted from those not its twins", "};",
               "inline constexpr ResourceError kResourceErrors[] = {"]
     for unit, resources in fitted.items():
         for resource, f in resources.items():
@@ -43,18 +43,28 @@ def plan_cells(name: str) -> list[str]:
             "none" if key == "none" else f"{key}, {line_of(name, 'reorder.drain')}"]
 
 
-def fmax_cells(m: Measurement) -> list[str]:
-    if "fmax_mhz" not in m:
-        return ["–", "–"]
-    return [f"{m['fmax_mhz']:.1f}", nextpnr_version(m["placed_by"]) or m["placed_by"]]
+def by_other_tools(m: Measurement, nextpnr: str) -> bool:
+    """Whether the unit's Fmax is of another nextpnr than the table's."""
+    return "fmax_mhz" in m and m["placed_by"] != nextpnr
+
+
+def fmax_cell(m: Measurement, nextpnr: str) -> str:
+    return f"{m['fmax_mhz']:.1f}" if "fmax_mhz" in m and m["placed_by"] == nextpnr else "–"
 
 
 def measured_table(catalogue: Catalogue, data: Measurements) -> str:
-    """Units of the scenes' plans."""
-    rows = [plan_cells(name) + [f"`{m['unit']}`"] + [f"{m['resources'][c]:,}" for c in COLUMNS] + fmax_cells(m)
-            for name in catalogue.scenes for m in data["measurements"] if m["plan"] == name]
-    return markdown(rows, ["plan", "photons", "k", "position bits", "reordering", "unit", *COLUMNS.values(), "Fmax, MHz",
-                           "nextpnr"])
+    """Units of the scenes' plans, clocks of one version of nextpnr; below it what that leaves out."""
+    nextpnr = data["versions"][catalogue.board.family.nextpnr]
+    shown = [m for name in catalogue.scenes for m in data["measurements"] if m["plan"] == name]
+    rows = [plan_cells(m["plan"]) + [f"`{m['unit']}`"] + [f"{m['resources'][c]:,}" for c in COLUMNS] + [fmax_cell(m, nextpnr)]
+            for m in shown]
+    text = markdown(rows, ["plan", "photons", "k", "position bits", "reordering", "unit", *COLUMNS.values(), "Fmax, MHz"])
+    other = [m for m in shown if by_other_tools(m, nextpnr)]
+    if other:
+        text += ("\nNot shown are clocks by another nextpnr than that of the table: " +
+                 ", ".join(f"`{m['unit']}` of `{m['plan']}` ({nextpnr_version(m['placed_by']) or m['placed_by']})" for m in other) +
+                 f". `scripts/fpga-plans {' '.join(dict.fromkeys(m['plan'] for m in other))} --update` measures them again.\n")
+    return text
 
 
 def fit_table(fitted: Fits) -> str:
@@ -63,7 +73,8 @@ def fit_table(fitted: Fits) -> str:
     for unit, resources in fitted.items():
         for resource, f in resources.items():
             terms = " + ".join(f"{value:.3g} · {term}" for term, value in f.coefficients.items() if value > 0)
-            rows.append([f"`{unit}`", RESOURCES[resource], len(f.points), f"{100 * f.error:.1f} %", terms or "0"])
+            worst = f" (`{f.worst}`)" if f.error else ""
+            rows.append([f"`{unit}`", RESOURCES[resource], len(f.points), f"{100 * f.error:.1f} %{worst}", terms or "0"])
     return markdown(rows, ["unit", "resource", "plans", "largest error", "prediction"])
 
 
@@ -72,12 +83,13 @@ def points_table(fitted: Fits) -> str:
     rows = []
     for unit, resources in fitted.items():
         for points in zip(*(resources[resource].points for resource in RESOURCES)):
-            rows.append([f"`{unit}`", f"`{points[0].plan}`"] + [f"{p.measured:,} / {round(p.predicted):,}" for p in points])
-    return markdown(rows, ["unit", "plan", *RESOURCES.values()])
+            rows.append([f"`{unit}`", f"`{points[0].plan}`"] + [f"{p.measured:,} / {round(p.predicted):,}" for p in points] +
+                        [", ".join(f"`{twin}`" for twin in points[0].twins) or "–"])
+    return markdown(rows, ["unit", "plan", *RESOURCES.values(), "its twins"])
 
 
 def page(catalogue: Catalogue, data: Measurements, fitted: Fits) -> str:
     """The tables of docs/fpga-plans.md."""
     return ("\n" + measured_table(catalogue, data) + "\nTools: " + "; ".join(data["versions"].values()) +
             ".\n\n## The prediction\n\n" + fit_table(fitted) +
-            "\nMeasured, and predicted from the other plans:\n\n" + points_table(fitted) + "\n")
+            f"\nMeasured, and predicted from the plans that are not its twins, of which some term differs by more than {100 * TWIN:.0f} %:\n\n" + points_table(fitted) + "\n")
