@@ -276,6 +276,7 @@ class Verdicts(MadeUp):
         v = self.judge(self.sdram())
         self.assertEqual(v.part, {"DP16KD": 18.75e6, "LUT4": 75e6, "MULT18X18D": 37.5e6, "SDRAM pins": 12.5e6})
         self.assertEqual(v.part_by, "SDRAM pins")
+        self.assertEqual(self.judge(self.sdram(reached=96)).part["SDRAM pins"], 12e6)
 
     def test_both_rooflines_stand_on_the_page(self) -> None:
         row = self.sdram(cycles=11)  # 8 of its 11 cycles are lines
@@ -329,6 +330,9 @@ class Page(MadeUp):
         self.data["rows"][1]["clocks"] = None
         self.assertIn("Routed with fewer than three seeds: `p`.", self.text())
         self.assertIn("controller reached was not recorded: `q`;", self.text())
+        self.assertNotIn("Of one core the median alone", self.text())
+        self.data["rows"][1]["cores"]["nanoflann"]["least"] = None
+        self.assertIn("Of one core the median alone was recorded: `q`.", self.text())
 
     def test_a_row_of_earlier_rtl_is_to_be_said(self) -> None:
         self.text()
