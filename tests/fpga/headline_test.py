@@ -356,6 +356,10 @@ class Page(MadeUp):
         with self.assertRaisesRegex(Failure, "is not what fpga/headline.json and fpga/goals.toml give"):
             self.check()
 
+    def test_rejected_rows_alone(self) -> None:
+        self.data["rows"] = self.data["rows"][2:]
+        self.assertIn("No row is of a plan of `fpga/headline`.", self.text())
+
     def test_rejected_rows_stand_apart(self) -> None:
         head, tail = self.text().split("## Rejected plans")
         self.assertNotIn("| r | 8 |", head)

@@ -116,7 +116,8 @@ def publish(rows: list[Row], played: Replay | None, link: Link | None, goals: He
             raise Failure(f"{DATA}: is not there, expected the rows beside which a replay stands")
         link = before["link"]
     data: Data = {"board": goals.board, "rows": merge([], rows), "replay": played, "link": link}
-    write_json(work / "report.json", data)
+    if rows:
+        write_json(work / "report.json", data)
     if page:
         whole: Data = {"board": goals.board, "rows": merge(before["rows"] if before else [], rows),
                        "replay": played or (before["replay"] if before else None), "link": link}

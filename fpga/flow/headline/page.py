@@ -148,6 +148,8 @@ def judged_of(rows: Sequence[Row], goals: HeadlineGoals) -> Judged:
 def summary(data: Data, goals: HeadlineGoals, stale: Collection[str]) -> str:
     """The first lines of the page. stale: plans whose netlist is not that of today's RTL."""
     judged = judged_of([r for r in data["rows"] if not r["rejected"]], goals)
+    if not judged:
+        return "No row is of a plan of `fpga/headline`."
     reached = [r["plan"] for r, v in judged if v.reached]
     lines = [f"**{len(reached)} of {len(judged)} rows reach their goal" + (f" ({names(set(reached))})" if reached else "") +
              f"; {sum(slower_than_golden(r, v) for r, v in judged)} are slower than one core of golden.**"]
