@@ -27,7 +27,7 @@ std::string upper_camel(const std::string& snake) {
 std::vector<PackageConstant> package_constants(const Plan& plan) {
   std::vector<PackageConstant> list;
   const auto number = [&](const std::string& name, uint64_t value, const std::string& meaning) {
-    list.push_back({upper_camel(name), "int unsigned", fmt::format("{}", value), meaning});
+    list.push_back({upper_camel(name), "int unsigned", fmt::format("{}", value), meaning, value});
   };
 #define LINE(member, meaning) number(#member, static_cast<uint64_t>(plan.member), meaning)
 #define WIDTH(function, meaning) number(#function, static_cast<uint64_t>(plan.function()), meaning)
@@ -48,7 +48,7 @@ std::vector<PackageConstant> package_constants(const Plan& plan) {
   LINE(normal_bits, "bits of each octahedral coordinate of a query's normal");
   list.push_back({"R2Floor", fmt::format("logic [{}:0]", plan.r2_bits() - 1),
                   fmt::format("{}'d{}", plan.r2_bits(), plan.r2_floor),
-                  "smallest r^2 an estimate divides by"});
+                  "smallest r^2 an estimate divides by", plan.r2_floor});
   LINE(epsilon_factor, "E: skip iff distance^2 * E > bound * 2^s");
   LINE(epsilon_shift, "s of the same");
   LINE(leaf_limit, "leaves visited per query at most, 0 for no limit");

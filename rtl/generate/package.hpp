@@ -15,6 +15,7 @@ struct PackageConstant {
   std::string type;  // "int unsigned" or "logic [N-1:0]"
   std::string value;
   std::string meaning;
+  uint64_t number;  // the value
 };
 
 std::vector<PackageConstant> package_constants(const Plan& plan);

@@ -1,0 +1,410 @@
+// SPDX-License-Identifier: Apache-2.0
+// The CDF sampler as an HLS kernel: headers, photons and requests in, directions with their
+// probability out (docs/cdf_sampler.md). Mirrors golden/unit/cdf_sampler.cpp.
+//
+//   collect --powers, power total------> weigh --prefix sums--> search --> samples
+//      |  |----normal--> cosine --cosines, cosine total--^         ^
+//      +----------------------tables, requests---------------------+
+//
+// Each process is one pipelined loop with an initiation interval of 1. The dependencies that allow
+// it: power_, read-add-write over 2 turns, with the last cell's sum forwarded; the running sum of
+// weights, one addition; the search, a memory for each level, so that requests follow each other.
+// What weigh needs first, the cosines' total, comes after the last cosine: `cosines` holds a table.
+#pragma once
+#include "hls_kernels/vocabulary.hpp"
+
+namespace photonloom_hls {
+
+// floor(28 * 16^a / |o|^4) of each cell's centre o: constants, a read-only memory.
+struct CellJacobians {
+  unsigned char value[1 << 2 * kCellBits];
+  constexpr CellJacobians() : value() {
+    const long long m = 1ll << kCellBits;
+    for (int cell = 0; cell < 1 << 2 * kCellBits; ++cell) {
+      long long x = 2 * (cell % m) + 1 - m, y = 2 * (cell / m) + 1 - m;
+      const long long ax = x < 0 ? -x : x, ay = y < 0 ? -y : y;
+      const long long z = m - ax - ay;
+      if (z < 0) {
+        x = m - ay;
+        y = m - ax;
+      }
+      const long long r2 = x * x + y * y + z * z;
+      value[cell] = static_cast<unsigned char>((28ll << 4 * kCellBits) / (r2 * r2));
+    }
+  }
+};
+
+// One level of the search: the sums that split the table into 2^(Level + 1) parts, and the levels
+// above it. A level is a memory of its own.
+template <class T, int Level>
+struct SearchLevels {
+  using Total = typename T::template uint<kTotalBits>;
+  using Part = typename T::template uint<Level + 1>;
+  static constexpr int kShift = kCellIndexBits - 1 - Level;
+
+  // `sum` stands before cell `cell`, 0 < cell < 4^a.
+  void load(const typename T::template uint<kCellIndexBits>& cell, const Total& sum) {
+    const unsigned below = index(cell) & ((1u << (kShift + 1)) - 1);
+    if (below == 1u << kShift)
+      split_[index(cell) >> (kShift + 1)] = sum;
+    else
+      above_.load(cell, sum);
+  }
+  // The part of the table that holds t, and the sums at its two ends.
+  Part find(const Total& t, Total& low, Total& high) const {
+    const auto part = above_.find(t, low, high);
+    const Total split = split_[index(part)];
+    Part result = part;
+    result = result << 1;
+    if (t >= split) {
+      low = split;
+      result |= Part(1);
+    } else {
+      high = split;
+    }
+    return result;
+  }
+
+ private:
+  SearchLevels<T, Level - 1> above_;
+  Total split_[1 << Level];
+};
+template <class T>
+struct SearchLevels<T, -1> {
+  using Total = typename T::template uint<kTotalBits>;
+  void load(const typename T::template uint<kCellIndexBits>&, const Total&) {}
+  typename T::template uint<1> find(const Total&, Total&, Total&) const { return 0; }
+};
+
+template <class T>
+class CdfSampler {
+  template <int W>
+  using uint = typename T::template uint<W>;
+  template <int W>
+  using sint = typename T::template sint<W>;
+  template <class E>
+  using stream = typename T::template stream<E>;
+  using Input = SamplerInput<T>;
+  using Output = Sample<T>;
+
+  static constexpr int kEdge = 1 << kCellBits;
+  static constexpr int kCells = 1 << 2 * kCellBits;
+  static constexpr bool kProduct = kCombine == 1;
+  static constexpr int kCellPowerBits = kPowerBits + clog2(kChannels) + clog2(kK);
+  static constexpr int kCosineBits = kCellBits + kNormalBits + 8;
+  static constexpr int kCosineTotalBits = 2 * kCellBits + kCosineBits;
+  static constexpr int kExactBits = kProduct ? kCellPowerBits + kCosineBits
+                                             : kCellPowerBits + kCosineTotalBits + 1;
+
+  using Cell = uint<kCellIndexBits>;
+  using Power = uint<kCellPowerBits>;  // of a cell, and of all cells
+  using Total = uint<kTotalBits>;
+  struct Normal {
+    uint<1> last;  // 1: no normal, the call ends
+    uint<kNormalBits> u, v;
+  };
+  struct PowerTotal {
+    uint<1> last;
+    Power power;
+  };
+  struct Cosine {
+    uint<kCosineBits> value;
+    uint<1> touches;  // the cell touches the open upper hemisphere
+  };
+  static constexpr int kTable = 0, kRequest = 1, kEnd = 2;
+  struct Command {
+    uint<2> kind;
+    uint<kPixelBits> pixel;
+    uint<kSampleBits> sample;
+    uint<kTagBits> tag;
+    uint<kUBits> u;
+    uint<kVBits> v[2];
+  };
+
+ public:
+  static constexpr unsigned kInterval = 1;
+
+  // As after reset.
+  CdfSampler() {
+    for (int cell = 0; cell < kCells; ++cell) power_[cell] = 0;
+    total_ = 0;
+  }
+
+  // Takes `packets` packets and gives a sample for each request among them.
+  void run(stream<Input>& in, stream<Output>& out, const uint<32>& packets) {
+    HLS_DATAFLOW;
+    HLS_STREAM(T, Normal, normals, 2);
+    HLS_STREAM(T, PowerTotal, power_totals, 2);
+    HLS_STREAM(T, Power, powers, kCells);
+    HLS_STREAM(T, uint<kCosineTotalBits>, cosine_totals, 2);
+    HLS_STREAM(T, Cosine, cosines, kCells);
+    HLS_STREAM(T, Total, sums, 2);
+    HLS_STREAM(T, Command, commands, 64);
+    HLS_PROCESS(collect, collect(in, normals, power_totals, powers, commands, packets));
+    HLS_PROCESS(cosine, cosine(normals, cosines, cosine_totals, packets));
+    HLS_PROCESS(weigh, weigh(power_totals, powers, cosine_totals, cosines, sums, packets));
+    HLS_PROCESS(search, search(commands, sums, out, packets));
+    HLS_DATAFLOW_END;
+  }
+
+ private:
+  // Adds photons up by cell. The first request of a table sends it on its way, a cell a turn, which
+  // clears it.
+  void collect(stream<Input>& in, stream<Normal>& normals, stream<PowerTotal>& power_totals,
+               stream<Power>& powers, stream<Command>& commands, const uint<32>& packets) {
+    uint<32> taken = 0;
+    bool sending = false, clearing = false, waiting = false;
+    Input request;
+    Cell cell = 0, last_cell = 0;
+    Power last_power = 0;
+    bool forward = false;  // last_power is newer than the memory
+    for (uint<48> turn = 0; turn < (packets + 1) * (kCells + 2); ++turn) {
+      HLS_PIPELINE(kInterval);
+      HLS_DISTANCE(power_, 2);
+      if (sending || clearing) {
+        Power power = power_[index(cell)];
+        if (forward && cell == last_cell) power = last_power;
+        if (sending) powers.write(power);
+        power_[index(cell)] = 0;
+        forward = false;  // a turn later the memory has the last photon too
+        if (cell == kCells - 1) {
+          sending = false;
+          clearing = false;
+          total_ = 0;
+        }
+        cell += 1;
+      } else if (waiting) {
+        send_request(request, commands);
+        waiting = false;
+      } else if (taken == packets) {
+        break;
+      } else {
+        const Input p = in.read();
+        taken += 1;
+        if (p.kind == 0) {
+          open_ = true;
+          closed_ = false;
+          header_ = p;
+          clearing = photons_ != 0;  // of a table that nobody asked
+          photons_ = 0;
+          cell = 0;
+        } else if (p.kind == 1 && open_ && !closed_ && photons_ < kK) {
+          uint<kMantissaBits + 2> mantissa = 0;
+          for (int c = 0; c < kChannels; ++c) {
+            HLS_UNROLL
+            mantissa = mantissa + p.mantissa[c];
+          }
+          const Power value = Power(mantissa) << index(p.exponent);
+          const Cell row = T::template slice<kCellBits>(p.direction[1], kDirectionBits - kCellBits);
+          const Cell column =
+              T::template slice<kCellBits>(p.direction[0], kDirectionBits - kCellBits);
+          const Cell at = row << kCellBits | column;
+          Power power = power_[index(at)];
+          if (forward && at == last_cell) power = last_power;
+          last_power = power + value;
+          last_cell = at;
+          forward = true;
+          power_[index(at)] = last_power;
+          total_ = total_ + value;
+          photons_ += 1;
+        } else if (p.kind == 2 && open_) {
+          if (closed_) {
+            send_request(p, commands);
+          } else {
+            normals.write(Normal{0, header_.normal[0], header_.normal[1]});
+            power_totals.write(PowerTotal{0, total_});
+            Command table = {};
+            table.kind = kTable;
+            commands.write(table);
+            request = p;
+            waiting = true;
+            sending = true;
+            closed_ = true;
+            photons_ = 0;
+            cell = 0;
+          }
+        }
+      }
+    }
+    normals.write(Normal{1, 0, 0});
+    power_totals.write(PowerTotal{1, 0});
+    Command end = {};
+    end.kind = kEnd;
+    commands.write(end);
+  }
+
+  void send_request(const Input& p, stream<Command>& commands) const {
+    Command command;
+    command.kind = kRequest;
+    command.pixel = header_.pixel;
+    command.sample = header_.sample;
+    command.tag = p.tag;
+    command.u = p.u;
+    command.v[0] = p.v[0];
+    command.v[1] = p.v[1];
+    commands.write(command);
+  }
+
+  // B(c) of every cell, and whether it touches the upper hemisphere; then their sum.
+  void cosine(stream<Normal>& normals, stream<Cosine>& cosines,
+              stream<uint<kCosineTotalBits>>& totals, const uint<32>& packets) {
+    Direction<T, kNormalBits> n = Direction<T, kNormalBits>::decode(0, 0);
+    uint<kCosineTotalBits> total = 0;
+    uint<kCellIndexBits + 1> cell = kCells;  // kCells: between two tables
+    for (uint<48> turn = 0; turn < (packets + 1) * (kCells + 1); ++turn) {
+      HLS_PIPELINE(kInterval);
+      if (cell == kCells) {
+        const Normal normal = normals.read();
+        if (normal.last == 1) break;
+        n = Direction<T, kNormalBits>::decode(normal.u, normal.v);
+        total = 0;
+        cell = 0;
+      } else {
+        const Cosine cosine = cosine_of(cell, n);
+        cosines.write(cosine);
+        total = total + cosine.value;
+        if (cell == kCells - 1) totals.write(total);
+        cell += 1;
+      }
+    }
+  }
+
+  static Cosine cosine_of(const Cell& cell, const Direction<T, kNormalBits>& n) {
+    static constexpr CellJacobians kJacobians{};
+    using Side = sint<kNormalBits + 4>;
+    const uint<kCellBits> column = T::template slice<kCellBits>(cell, 0);
+    const uint<kCellBits> row = T::template slice<kCellBits>(cell, kCellBits);
+    const Direction<T, kCellBits> centre = Direction<T, kCellBits>::decode(column, row);
+    const sint<kCellBits + kNormalBits + 2> above = dot<T, kCellBits, kNormalBits>(centre, n);
+    // How far the highest corner lies above the centre: a cell is flat, or folds over the equator.
+    Side a = n.x, b = n.y;
+    if (centre.x < 0) a = 0 - a;
+    if (centre.y < 0) b = 0 - b;
+    Side margin = 0;
+    if (centre.z > 0) {
+      margin = size(a - n.z) + size(b - n.z);
+    } else if (centre.z < 0) {
+      margin = size(a + n.z) + size(b + n.z);
+    } else {
+      margin = size(a - b);
+      const Side z = size(n.z);
+      const Side fold = z + z - a - b;
+      if (fold > margin) margin = fold;
+    }
+    Cosine result;
+    result.touches = above + margin > 0;
+    result.value = 0;
+    if (above > 0) {
+      const uint<kCellBits + kNormalBits + 1> height = above;
+      const uint<8> jacobian = kJacobians.value[index(cell)];
+      result.value = height * jacobian;
+    }
+    return result;
+  }
+
+  static sint<kNormalBits + 4> size(const sint<kNormalBits + 4>& x) {
+    sint<kNormalBits + 4> result = x;
+    if (x < 0) result = 0 - x;
+    return result;
+  }
+
+  // The narrowed weights, added up from the first cell on: F(c + 1) for each cell c.
+  void weigh(stream<PowerTotal>& power_totals, stream<Power>& powers,
+             stream<uint<kCosineTotalBits>>& cosine_totals, stream<Cosine>& cosines,
+             stream<Total>& sums, const uint<32>& packets) {
+    Power power_total = 0, power_factor = 0;
+    uint<kCosineTotalBits> cosine_total = 0;
+    uint<8> narrow = 0;
+    Total sum = 0;
+    uint<kCellIndexBits + 1> cell = kCells;
+    for (uint<48> turn = 0; turn < (packets + 1) * (kCells + 1); ++turn) {
+      HLS_PIPELINE(kInterval);
+      if (cell == kCells) {
+        const PowerTotal next = power_totals.read();
+        if (next.last == 1) break;
+        power_total = next.power;
+        cosine_total = cosine_totals.read();
+        power_factor = power_total;
+        if (power_total == 0) power_factor = 1;
+        const uint<8> power_width = bit_width<T, kCellPowerBits>(power_factor);
+        uint<8> bits = power_width + kCellBits + kNormalBits + 8;
+        if (!kProduct) bits = power_width + bit_width<T, kCosineTotalBits>(cosine_total) + 1;
+        narrow = 0;
+        if (bits > kProbabilityBits) narrow = bits - kProbabilityBits;
+        sum = 0;
+        cell = 0;
+      } else {
+        const Power power = powers.read();
+        const Cosine cosine = cosines.read();
+        uint<kExactBits> exact = 0;
+        if (!kProduct)
+          exact = power * cosine_total + cosine.value * power_factor;
+        else if (power_total == 0)
+          exact = cosine.value;
+        else
+          exact = power * cosine.value;
+        uint<kProbabilityBits> weight = exact >> index(narrow);
+        if (weight == 0) weight = 1;
+        if (cosine.touches == 0) weight = 0;
+        sum = sum + weight;
+        sums.write(sum);
+        cell += 1;
+      }
+    }
+  }
+
+  // Answers requests from the last table that came.
+  void search(stream<Command>& commands, stream<Total>& sums, stream<Output>& out,
+              const uint<32>& packets) {
+    uint<kCellIndexBits + 1> cell = kCells;  // kCells: no table is being loaded
+    for (uint<48> turn = 0; turn < (packets + 1) * (kCells + 2); ++turn) {
+      HLS_PIPELINE(kInterval);
+      if (cell != kCells) {
+        const Total sum = sums.read();
+        cell += 1;
+        if (cell == kCells)
+          table_total_ = sum;
+        else
+          levels_.load(cell, sum);
+      } else {
+        const Command command = commands.read();
+        if (command.kind == kEnd) break;
+        if (command.kind == kTable)
+          cell = 0;
+        else
+          out.write(answer(command));
+      }
+    }
+  }
+
+  Output answer(const Command& request) const {
+    const uint<kUBits + kTotalBits> scaled = request.u * table_total_;
+    const Total t = T::template slice<kTotalBits>(scaled, kUBits);
+    Total low = 0, high = table_total_;
+    const Cell cell = levels_.find(t, low, high);
+    const uint<kCellBits> column = T::template slice<kCellBits>(cell, 0);
+    const uint<kCellBits> row = T::template slice<kCellBits>(cell, kCellBits);
+    Output sample;
+    sample.clear();
+    sample.pixel = request.pixel;
+    sample.sample = request.sample;
+    sample.tag = request.tag;
+    sample.direction[0] = uint<kSampleDirectionBits>(column) << kVBits | request.v[0];
+    sample.direction[1] = uint<kSampleDirectionBits>(row) << kVBits | request.v[1];
+    sample.cell_index = cell;
+    sample.weight = high - low;
+    sample.total = table_total_;
+    return sample;
+  }
+
+  // of collect
+  Power power_[kCells], total_;
+  Input header_;
+  bool open_ = false, closed_ = false;  // a header has come; a request of its table too
+  uint<kCountBits> photons_ = 0;
+  // of search
+  SearchLevels<T, kCellIndexBits - 1> levels_;
+  Total table_total_ = 0;
+};
+
+}  // namespace photonloom_hls

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hls_kernels/native/toolset.hpp"
+#include "photonloom_hls.hpp"
+#include "hls_kernels/reorder_buffer/reorder_buffer.hpp"
+#include "hls_kernels/native/shell.hpp"
+
+namespace photonloom_hls {
+
+std::unique_ptr<Shell> make_shell(uint64_t seed) {
+  using Query = GatherQuery<Native>;
+  return std::make_unique<StreamShell<ReorderBuffer<Native>, Query, Query>>(seed);
+}
+
+}  // namespace photonloom_hls
+
+PHOTONLOOM_HLS_INTERFACE

@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: Apache-2.0
+// A kernel as a shared object: packed packets in and out by a C interface, around a native run. What
+// loads it is verilator_tb/hls_units.cpp.
+#pragma once
+#include <cstdint>
+#include <cstring>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "hls_kernels/native/toolset.hpp"
+
+namespace photonloom_hls {
+
+// Packets that came out of a stream, packed, each with the cycle in which it was written.
+struct Taken {
+  std::vector<uint32_t> words;
+  std::vector<uint64_t> cycles;
+};
+
+// The streams at a kernel's ports; the far end is always ready.
+constexpr unsigned kPortDepth = 2;
+
+template <class P>
+using Word = typename Native::bits<P::kBits>;
+
+// A process that feeds packed packets into a stream.
+template <class P>
+void add_source(Simulation& simulation, Stream<P>& stream, const uint32_t* words, size_t packets) {
+  simulation.add("source", [&stream, words, packets] {
+    for (size_t i = 0; i < packets; ++i) {
+      Word<P> word;
+      std::memcpy(word.words(), words + i * Word<P>::kWords, sizeof(uint32_t) * Word<P>::kWords);
+      P packet;
+      unpack<Native>(word, packet);
+      stream.write(packet);
+    }
+  });
+}
+
+// A process that takes whatever comes.
+template <class P>
+void add_taker(Simulation& simulation, Stream<P>& stream, Taken& taken) {
+  simulation.add(
+      "taker",
+      [&stream, &taken] {
+        for (;;) {
+          uint64_t cycle = 0;
+          const P packet = stream.read(cycle);
+          Word<P> word;
+          pack<Native>(packet, word);
+          taken.words.insert(taken.words.end(), word.words(), word.words() + Word<P>::kWords);
+          taken.cycles.push_back(cycle);
+        }
+      },
+      true);
+}
+
+class Shell {
+ public:
+  explicit Shell(uint64_t seed) : simulation_(seed) {}
+  virtual ~Shell() = default;
+  // Runs the kernel on packed packets; what stopped it, empty where nothing did.
+  const char* run(const uint32_t* words, size_t packets) {
+    for (Taken& t : taken_) t = {};
+    in_cycles_.clear();
+    problem_ = simulate(words, packets);
+    return problem_.c_str();
+  }
+  // One write of the unit's configuration port.
+  virtual void configure(uint32_t, uint64_t) {}
+  // The lines of a map, as bytes.
+  virtual void load_lines(int, const uint8_t*, size_t) {}
+
+  const Taken& taken(int stream) const { return taken_[stream]; }
+  const std::vector<uint64_t>& in_cycles() const { return in_cycles_; }
+  uint64_t cycles() const { return simulation_.cycle(); }
+
+ protected:
+  virtual std::string simulate(const uint32_t* words, size_t packets) = 0;
+
+  Simulation simulation_;
+  Taken taken_[2];
+  std::vector<uint64_t> in_cycles_;
+
+ private:
+  std::string problem_;
+};
+
+// A kernel of one stream in and one out.
+template <class Kernel, class In, class Out>
+class StreamShell final : public Shell {
+ public:
+  using Shell::Shell;
+
+ private:
+  std::string simulate(const uint32_t* words, size_t packets) override {
+    Stream<In> in("in", kPortDepth);
+    Stream<Out> out("out", kPortDepth);
+    in.watch_reads(&in_cycles_);
+    add_source(simulation_, in, words, packets);
+    simulation_.add("kernel", [&] { kernel_->run(in, out, packets); });
+    add_taker(simulation_, out, taken_[0]);
+    return simulation_.run();
+  }
+  std::unique_ptr<Kernel> kernel_ = std::make_unique<Kernel>();
+};
+
+// A new shell of the unit that this object holds.
+std::unique_ptr<Shell> make_shell(uint64_t seed);
+
+}  // namespace photonloom_hls
+
+#define PHOTONLOOM_HLS_EXPORT extern "C" __attribute__((visibility("default")))
+#define PHOTONLOOM_HLS_INTERFACE                                                                   \
+  PHOTONLOOM_HLS_EXPORT void* kernel_create(uint64_t seed) {                                       \
+    return photonloom_hls::make_shell(seed).release();                                             \
+  }                                                                                                \
+  PHOTONLOOM_HLS_EXPORT void kernel_destroy(void* shell) {                                         \
+    delete static_cast<photonloom_hls::Shell*>(shell);                                             \
+  }                                                                                                \
+  PHOTONLOOM_HLS_EXPORT const char* kernel_run(void* shell, const uint32_t* words,                 \
+                                               size_t packets) {                                   \
+    return static_cast<photonloom_hls::Shell*>(shell)->run(words, packets);                        \
+  }                                                                                                \
+  PHOTONLOOM_HLS_EXPORT void kernel_configure(void* shell, uint32_t address, uint64_t data) {      \
+    static_cast<photonloom_hls::Shell*>(shell)->configure(address, data);                          \
+  }                                                                                                \
+  PHOTONLOOM_HLS_EXPORT void kernel_load_lines(void* shell, int map, const uint8_t* bytes,         \
+                                               size_t size) {                                      \
+    static_cast<photonloom_hls::Shell*>(shell)->load_lines(map, bytes, size);                      \
+  }                                                                                                \
+  PHOTONLOOM_HLS_EXPORT size_t kernel_taken(void* shell, int stream, const uint32_t** words,       \
+                                            const uint64_t** cycles) {                             \
+    const auto& taken = static_cast<photonloom_hls::Shell*>(shell)->taken(stream);                 \
+    *words = taken.words.data();                                                                   \
+    *cycles = taken.cycles.data();                                                                 \
+    return taken.cycles.size();                                                                    \
+  }                                                                                                \
+  PHOTONLOOM_HLS_EXPORT size_t kernel_in_cycles(void* shell, const uint64_t** cycles) {            \
+    const auto& in_cycles = static_cast<photonloom_hls::Shell*>(shell)->in_cycles();               \
+    *cycles = in_cycles.data();                                                                    \
+    return in_cycles.size();                                                                       \
+  }                                                                                                \
+  PHOTONLOOM_HLS_EXPORT uint64_t kernel_cycles(void* shell) {                                      \
+    return static_cast<photonloom_hls::Shell*>(shell)->cycles();                                   \
+  }

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a kernel tells its tool beside C++, as macros: pragmas for Vitis HLS, instrumentation in native
+// runs, nothing elsewhere (Catapult and Bambu take the same from their scripts). Not run on a
+// vendor's tool.
+#pragma once
+
+#define PHOTONLOOM_HLS_TEXT(...) #__VA_ARGS__
+
+#if defined(PHOTONLOOM_HLS_NATIVE)
+
+// A loop whose turns start `interval` cycles apart.
+#define HLS_PIPELINE(interval) ::photonloom_hls::turn(interval)
+// All turns at once.
+#define HLS_UNROLL
+// Every element, or every element of dimension `dim`, is a register or memory of its own.
+#define HLS_PARTITION(array, dim)
+// A turn reads what a turn at least `distance` before wrote to `array`, nothing later.
+#define HLS_DISTANCE(array, distance)
+// A stream inside a kernel.
+#define HLS_STREAM(Toolset, Packet, name, depth) \
+  typename Toolset::template stream<Packet> name(#name, depth)
+// Processes beside each other.
+#define HLS_DATAFLOW ::photonloom_hls::Dataflow dataflow_
+#define HLS_PROCESS(name, ...) dataflow_.add(#name, [&] { __VA_ARGS__; })
+#define HLS_DATAFLOW_END dataflow_.run()
+
+#elif defined(PHOTONLOOM_HLS_VITIS)
+
+#define PHOTONLOOM_HLS_PRAGMA(...) _Pragma(PHOTONLOOM_HLS_TEXT(__VA_ARGS__))
+#define HLS_PIPELINE(interval) PHOTONLOOM_HLS_PRAGMA(HLS PIPELINE II = interval)
+#define HLS_UNROLL PHOTONLOOM_HLS_PRAGMA(HLS UNROLL)
+#define HLS_PARTITION(array, dimension) \
+  PHOTONLOOM_HLS_PRAGMA(HLS ARRAY_PARTITION variable = array type = complete dim = dimension)
+#define HLS_DISTANCE(array, turns) \
+  PHOTONLOOM_HLS_PRAGMA(HLS DEPENDENCE variable = array type = inter direction = RAW distance = turns true)
+#define HLS_STREAM(Toolset, Packet, name, places) \
+  typename Toolset::template stream<Packet> name(#name); \
+  PHOTONLOOM_HLS_PRAGMA(HLS STREAM variable = name depth = places)
+#define HLS_DATAFLOW PHOTONLOOM_HLS_PRAGMA(HLS DATAFLOW)
+#define HLS_PROCESS(name, ...) __VA_ARGS__
+#define HLS_DATAFLOW_END
+
+#else
+
+#define HLS_PIPELINE(interval)
+#define HLS_UNROLL
+#define HLS_PARTITION(array, dim)
+#define HLS_DISTANCE(array, distance)
+#define HLS_STREAM(Toolset, Packet, name, depth) static typename Toolset::template stream<Packet> name
+#define HLS_DATAFLOW
+#define HLS_PROCESS(name, ...) __VA_ARGS__
+#define HLS_DATAFLOW_END
+
+#endif
