@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a kernel tells its tool beside C++, as macros: pragmas for Vitis HLS, instrumentation in native
-// runs, nothing elsewhere (Catapult and Bambu take the same from their scripts). Not run on a
-// vendor's tool.
+// What a kernel tells its tool beside C++, as macros: pragmas for Vitis HLS, instrumentation in
+// native runs, nothing elsewhere (Catapult and Bambu take the same from their scripts). Not run on
+// a vendor's tool.
 #pragma once
 
 #define PHOTONLOOM_HLS_TEXT(...) #__VA_ARGS__
 
 #if defined(PHOTONLOOM_HLS_NATIVE)
+
+#include "hls_kernels/native/simulation.hpp"
 
 // A loop whose turns start `interval` cycles apart.
 #define HLS_PIPELINE(interval) ::photonloom_hls::turn(interval)
@@ -31,9 +33,10 @@
 #define HLS_UNROLL PHOTONLOOM_HLS_PRAGMA(HLS UNROLL)
 #define HLS_PARTITION(array, dimension) \
   PHOTONLOOM_HLS_PRAGMA(HLS ARRAY_PARTITION variable = array type = complete dim = dimension)
-#define HLS_DISTANCE(array, turns) \
-  PHOTONLOOM_HLS_PRAGMA(HLS DEPENDENCE variable = array type = inter direction = RAW distance = turns true)
-#define HLS_STREAM(Toolset, Packet, name, places) \
+#define HLS_DISTANCE(array, turns)                                                              \
+  PHOTONLOOM_HLS_PRAGMA(HLS DEPENDENCE variable = array type = inter direction = RAW distance = \
+                            turns true)
+#define HLS_STREAM(Toolset, Packet, name, places)        \
   typename Toolset::template stream<Packet> name(#name); \
   PHOTONLOOM_HLS_PRAGMA(HLS STREAM variable = name depth = places)
 #define HLS_DATAFLOW PHOTONLOOM_HLS_PRAGMA(HLS DATAFLOW)
@@ -46,7 +49,8 @@
 #define HLS_UNROLL
 #define HLS_PARTITION(array, dim)
 #define HLS_DISTANCE(array, distance)
-#define HLS_STREAM(Toolset, Packet, name, depth) static typename Toolset::template stream<Packet> name
+#define HLS_STREAM(Toolset, Packet, name, depth) \
+  static typename Toolset::template stream<Packet> name
 #define HLS_DATAFLOW
 #define HLS_PROCESS(name, ...) __VA_ARGS__
 #define HLS_DATAFLOW_END

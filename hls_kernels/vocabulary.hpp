@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// What kernels say beside C++ and the toolset's types. A kernel's source begins with a toolset
-// (hls_kernels/native/toolset.hpp or a vendor's), then the plan's photonloom_hls.hpp.
+// What kernels say beside C++: the plan's constants and packets, and small functions over any
+// toolset's types. Which toolset a kernel is compiled with is its template parameter.
 #pragma once
 #include "hls_kernels/pragmas.hpp"
+#include "photonloom_hls.hpp"
 
 namespace photonloom_hls {
 

@@ -93,8 +93,8 @@ class CdfSampler {
   static constexpr int kCellPowerBits = kPowerBits + clog2(kChannels) + clog2(kK);
   static constexpr int kCosineBits = kCellBits + kNormalBits + 8;
   static constexpr int kCosineTotalBits = 2 * kCellBits + kCosineBits;
-  static constexpr int kExactBits = kProduct ? kCellPowerBits + kCosineBits
-                                             : kCellPowerBits + kCosineTotalBits + 1;
+  static constexpr int kExactBits =
+      kProduct ? kCellPowerBits + kCosineBits : kCellPowerBits + kCosineTotalBits + 1;
 
   using Cell = uint<kCellIndexBits>;
   using Power = uint<kCellPowerBits>;  // of a cell, and of all cells

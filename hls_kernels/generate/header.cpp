@@ -21,8 +21,8 @@ std::string member_type(const FieldPlace& f) {
   return fmt::format("typename T::template uint<{}>", f.bits);
 }
 
-// Statements for every element of a field: `at` is its expression in the packet, `bit` its place in the
-// word.
+// Statements for every element of a field: `at` is its expression in the packet, `bit` its place in
+// the word.
 template <class F>
 std::string for_each_element(const PacketLayout& layout, F&& statement) {
   std::string text;
@@ -40,7 +40,8 @@ std::string packet_text(const Plan& plan) {
   const std::string name = upper_camel(P::kName);
   const auto word = fmt::format("typename T::template bits<{}>", layout.bits());
   std::string text = fmt::format(
-      "\n// {} bits; as a word the first field is in the most significant bits, element 0 of an array "
+      "\n// {} bits; as a word the first field is in the most significant bits, element 0 of an "
+      "array "
       "lowest.\ntemplate <class T>\nstruct {} {{\n  static constexpr int kBits = {};\n",
       layout.bits(), name, layout.bits());
   for (const FieldPlace& f : layout.fields()) {
@@ -53,12 +54,13 @@ std::string packet_text(const Plan& plan) {
   text += for_each_element(layout, [](const FieldPlace&, const std::string& at, int) {
     return fmt::format("    {} = 0;\n", at);
   });
-  text += fmt::format("  }}\n}};\ntemplate <class T>\nvoid pack(const {}<T>& p, {}& word) {{\n", name,
-                      word);
+  text += fmt::format("  }}\n}};\ntemplate <class T>\nvoid pack(const {}<T>& p, {}& word) {{\n",
+                      name, word);
   text += for_each_element(layout, [](const FieldPlace&, const std::string& at, int bit) {
     return fmt::format("  T::set_slice(word, {}, p.{});\n", bit, at);
   });
-  text += fmt::format("}}\ntemplate <class T>\nvoid unpack(const {}& word, {}<T>& p) {{\n", word, name);
+  text +=
+      fmt::format("}}\ntemplate <class T>\nvoid unpack(const {}& word, {}<T>& p) {{\n", word, name);
   text += for_each_element(layout, [](const FieldPlace& f, const std::string& at, int bit) {
     return fmt::format("  p.{} = T::template slice<{}>(word, {});\n", at, f.bits, bit);
   });
@@ -97,8 +99,7 @@ std::vector<std::string> hls_files(const std::string& hls_dir, const std::string
     std::istringstream in(read_file(hls_dir + "/" + files[i]));
     for (std::string line; std::getline(in, line);) {
       if (!line.starts_with(kInclude)) continue;
-      const std::string file =
-          line.substr(kInclude.size(), line.rfind('"') - kInclude.size());
+      const std::string file = line.substr(kInclude.size(), line.rfind('"') - kInclude.size());
       if (std::find(files.begin(), files.end(), file) == files.end()) files.push_back(file);
     }
   }

@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hls_kernels/native/toolset.hpp"
-#include "photonloom_hls.hpp"
 #include "hls_kernels/cdf_sampler/cdf_sampler.hpp"
 #include "hls_kernels/native/shell.hpp"
 
 namespace photonloom_hls {
 
 std::unique_ptr<Shell> make_shell(uint64_t seed) {
-  return std::make_unique<
-      StreamShell<CdfSampler<Native>, SamplerInput<Native>, Sample<Native>>>(seed);
+  return std::make_unique<StreamShell<CdfSampler<Native>, SamplerInput<Native>, Sample<Native>>>(
+      seed);
 }
 
 }  // namespace photonloom_hls

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Integers of stated width for native runs, with the semantics that ap_(u)int and ac_int share: sums,
-// differences and products are as wide as they must be, an assignment keeps the low bits, a shift
-// keeps the width of its left side. A fresh integer holds a pattern, not 0.
+// Integers of stated width for native runs, with the semantics that ap_(u)int and ac_int share:
+// sums, differences and products are as wide as they must be, an assignment keeps the low bits, a
+// shift keeps the width of its left side. A fresh integer holds a pattern, not 0.
 #pragma once
 #include <cstdint>
 #include <type_traits>
@@ -17,7 +17,8 @@ class Integer {
   static_assert(W >= 1 && W <= 128, "an integer has 1 to 128 bits; wider words are Bits");
 
  public:
-  using Raw = std::conditional_t<W <= 32, uint32_t, std::conditional_t<W <= 64, uint64_t, UnsignedWide>>;
+  using Raw =
+      std::conditional_t<W <= 32, uint32_t, std::conditional_t<W <= 64, uint64_t, UnsignedWide>>;
   using Value = std::conditional_t<
       !Signed, Raw,
       std::conditional_t<W <= 32, int32_t, std::conditional_t<W <= 64, int64_t, Wide>>>;
@@ -98,26 +99,26 @@ constexpr int common(int w1, bool s1, int w2, bool s2) {
   return larger(w1 + (s2 && !s1 ? 1 : 0), w2 + (s1 && !s2 ? 1 : 0));
 }
 template <class I>
-using Native = Integer<std::is_same_v<I, bool> ? 1 : static_cast<int>(8 * sizeof(I)),
-                       std::is_signed_v<I>>;
+using Native =
+    Integer<std::is_same_v<I, bool> ? 1 : static_cast<int>(8 * sizeof(I)), std::is_signed_v<I>>;
 
 }  // namespace integer_detail
 
 // The result of each operator, computed in its own storage.
-#define PHOTONLOOM_HLS_OPERATOR(op, width, is_signed)                                             \
-  template <int W1, bool S1, int W2, bool S2>                                                     \
-  constexpr auto operator op(const Integer<W1, S1>& a, const Integer<W2, S2>& b) {                \
-    using Result = Integer<(width), (is_signed)>;                                                 \
-    using Raw = typename Result::Raw;                                                             \
-    return Result::of(static_cast<Raw>(a.value()) op static_cast<Raw>(b.value()));                \
-  }                                                                                               \
-  template <int W1, bool S1, class I, std::enable_if_t<std::is_integral_v<I>, int> = 0>           \
-  constexpr auto operator op(const Integer<W1, S1>& a, I b) {                                     \
-    return a op integer_detail::Native<I>(b);                                                     \
-  }                                                                                               \
-  template <int W1, bool S1, class I, std::enable_if_t<std::is_integral_v<I>, int> = 0>           \
-  constexpr auto operator op(I a, const Integer<W1, S1>& b) {                                     \
-    return integer_detail::Native<I>(a) op b;                                                     \
+#define PHOTONLOOM_HLS_OPERATOR(op, width, is_signed)                                   \
+  template <int W1, bool S1, int W2, bool S2>                                           \
+  constexpr auto operator op(const Integer<W1, S1>& a, const Integer<W2, S2>& b) {      \
+    using Result = Integer<(width), (is_signed)>;                                       \
+    using Raw = typename Result::Raw;                                                   \
+    return Result::of(static_cast<Raw>(a.value()) op static_cast<Raw>(b.value()));      \
+  }                                                                                     \
+  template <int W1, bool S1, class I, std::enable_if_t<std::is_integral_v<I>, int> = 0> \
+  constexpr auto operator op(const Integer<W1, S1>& a, I b) {                           \
+    return a op integer_detail::Native<I>(b);                                           \
+  }                                                                                     \
+  template <int W1, bool S1, class I, std::enable_if_t<std::is_integral_v<I>, int> = 0> \
+  constexpr auto operator op(I a, const Integer<W1, S1>& b) {                           \
+    return integer_detail::Native<I>(a) op b;                                           \
   }
 PHOTONLOOM_HLS_OPERATOR(+, integer_detail::common(W1, S1, W2, S2) + 1, S1 || S2)
 PHOTONLOOM_HLS_OPERATOR(-, integer_detail::common(W1, S1, W2, S2) + 1, true)
@@ -127,15 +128,15 @@ PHOTONLOOM_HLS_OPERATOR(|, integer_detail::common(W1, S1, W2, S2), S1 || S2)
 PHOTONLOOM_HLS_OPERATOR(^, integer_detail::common(W1, S1, W2, S2), S1 || S2)
 #undef PHOTONLOOM_HLS_OPERATOR
 
-#define PHOTONLOOM_HLS_COMPARISON(op)                                                             \
-  template <int W1, bool S1, int W2, bool S2>                                                     \
-  constexpr bool operator op(const Integer<W1, S1>& a, const Integer<W2, S2>& b) {                \
-    using Common = typename Integer<integer_detail::common(W1, S1, W2, S2), S1 || S2>::Value;     \
-    return static_cast<Common>(a.value()) op static_cast<Common>(b.value());                      \
-  }                                                                                               \
-  template <int W1, bool S1, class I, std::enable_if_t<std::is_integral_v<I>, int> = 0>           \
-  constexpr bool operator op(const Integer<W1, S1>& a, I b) {                                     \
-    return a op integer_detail::Native<I>(b);                                                     \
+#define PHOTONLOOM_HLS_COMPARISON(op)                                                         \
+  template <int W1, bool S1, int W2, bool S2>                                                 \
+  constexpr bool operator op(const Integer<W1, S1>& a, const Integer<W2, S2>& b) {            \
+    using Common = typename Integer<integer_detail::common(W1, S1, W2, S2), S1 || S2>::Value; \
+    return static_cast<Common>(a.value()) op static_cast<Common>(b.value());                  \
+  }                                                                                           \
+  template <int W1, bool S1, class I, std::enable_if_t<std::is_integral_v<I>, int> = 0>       \
+  constexpr bool operator op(const Integer<W1, S1>& a, I b) {                                 \
+    return a op integer_detail::Native<I>(b);                                                 \
   }
 PHOTONLOOM_HLS_COMPARISON(==)
 PHOTONLOOM_HLS_COMPARISON(!=)
@@ -145,8 +146,8 @@ PHOTONLOOM_HLS_COMPARISON(>)
 PHOTONLOOM_HLS_COMPARISON(>=)
 #undef PHOTONLOOM_HLS_COMPARISON
 
-// A word of any width without arithmetic: packets and lines. Words of 32 bits, the least significant
-// first; unused bits are 0.
+// A word of any width without arithmetic: packets and lines. Words of 32 bits, the least
+// significant first; unused bits are 0.
 template <int W>
 class Bits {
   static_assert(W >= 1);

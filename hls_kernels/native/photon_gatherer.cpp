@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hls_kernels/native/toolset.hpp"
-#include "photonloom_hls.hpp"
 #include "hls_kernels/photon_gatherer/photon_gatherer.hpp"
 #include "hls_kernels/native/shell.hpp"
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A kernel as a shared object: packed packets in and out by a C interface, around a native run. What
-// loads it is verilator_tb/hls_units.cpp.
+// A kernel as a shared object: packed packets in and out by a C interface, around a native run.
+// What loads it is verilator_tb/hls_units.cpp.
 #pragma once
 #include <cstdint>
 #include <cstring>
@@ -112,36 +112,36 @@ std::unique_ptr<Shell> make_shell(uint64_t seed);
 }  // namespace photonloom_hls
 
 #define PHOTONLOOM_HLS_EXPORT extern "C" __attribute__((visibility("default")))
-#define PHOTONLOOM_HLS_INTERFACE                                                                   \
-  PHOTONLOOM_HLS_EXPORT void* kernel_create(uint64_t seed) {                                       \
-    return photonloom_hls::make_shell(seed).release();                                             \
-  }                                                                                                \
-  PHOTONLOOM_HLS_EXPORT void kernel_destroy(void* shell) {                                         \
-    delete static_cast<photonloom_hls::Shell*>(shell);                                             \
-  }                                                                                                \
-  PHOTONLOOM_HLS_EXPORT const char* kernel_run(void* shell, const uint32_t* words,                 \
-                                               size_t packets) {                                   \
-    return static_cast<photonloom_hls::Shell*>(shell)->run(words, packets);                        \
-  }                                                                                                \
-  PHOTONLOOM_HLS_EXPORT void kernel_configure(void* shell, uint32_t address, uint64_t data) {      \
-    static_cast<photonloom_hls::Shell*>(shell)->configure(address, data);                          \
-  }                                                                                                \
-  PHOTONLOOM_HLS_EXPORT void kernel_load_lines(void* shell, int map, const uint8_t* bytes,         \
-                                               size_t size) {                                      \
-    static_cast<photonloom_hls::Shell*>(shell)->load_lines(map, bytes, size);                      \
-  }                                                                                                \
-  PHOTONLOOM_HLS_EXPORT size_t kernel_taken(void* shell, int stream, const uint32_t** words,       \
-                                            const uint64_t** cycles) {                             \
-    const auto& taken = static_cast<photonloom_hls::Shell*>(shell)->taken(stream);                 \
-    *words = taken.words.data();                                                                   \
-    *cycles = taken.cycles.data();                                                                 \
-    return taken.cycles.size();                                                                    \
-  }                                                                                                \
-  PHOTONLOOM_HLS_EXPORT size_t kernel_in_cycles(void* shell, const uint64_t** cycles) {            \
-    const auto& in_cycles = static_cast<photonloom_hls::Shell*>(shell)->in_cycles();               \
-    *cycles = in_cycles.data();                                                                    \
-    return in_cycles.size();                                                                       \
-  }                                                                                                \
-  PHOTONLOOM_HLS_EXPORT uint64_t kernel_cycles(void* shell) {                                      \
-    return static_cast<photonloom_hls::Shell*>(shell)->cycles();                                   \
+#define PHOTONLOOM_HLS_INTERFACE                                                              \
+  PHOTONLOOM_HLS_EXPORT void* kernel_create(uint64_t seed) {                                  \
+    return photonloom_hls::make_shell(seed).release();                                        \
+  }                                                                                           \
+  PHOTONLOOM_HLS_EXPORT void kernel_destroy(void* shell) {                                    \
+    delete static_cast<photonloom_hls::Shell*>(shell);                                        \
+  }                                                                                           \
+  PHOTONLOOM_HLS_EXPORT const char* kernel_run(void* shell, const uint32_t* words,            \
+                                               size_t packets) {                              \
+    return static_cast<photonloom_hls::Shell*>(shell)->run(words, packets);                   \
+  }                                                                                           \
+  PHOTONLOOM_HLS_EXPORT void kernel_configure(void* shell, uint32_t address, uint64_t data) { \
+    static_cast<photonloom_hls::Shell*>(shell)->configure(address, data);                     \
+  }                                                                                           \
+  PHOTONLOOM_HLS_EXPORT void kernel_load_lines(void* shell, int map, const uint8_t* bytes,    \
+                                               size_t size) {                                 \
+    static_cast<photonloom_hls::Shell*>(shell)->load_lines(map, bytes, size);                 \
+  }                                                                                           \
+  PHOTONLOOM_HLS_EXPORT size_t kernel_taken(void* shell, int stream, const uint32_t** words,  \
+                                            const uint64_t** cycles) {                        \
+    const auto& taken = static_cast<photonloom_hls::Shell*>(shell)->taken(stream);            \
+    *words = taken.words.data();                                                              \
+    *cycles = taken.cycles.data();                                                            \
+    return taken.cycles.size();                                                               \
+  }                                                                                           \
+  PHOTONLOOM_HLS_EXPORT size_t kernel_in_cycles(void* shell, const uint64_t** cycles) {       \
+    const auto& in_cycles = static_cast<photonloom_hls::Shell*>(shell)->in_cycles();          \
+    *cycles = in_cycles.data();                                                               \
+    return in_cycles.size();                                                                  \
+  }                                                                                           \
+  PHOTONLOOM_HLS_EXPORT uint64_t kernel_cycles(void* shell) {                                 \
+    return static_cast<photonloom_hls::Shell*>(shell)->cycles();                              \
   }

@@ -19,8 +19,8 @@ class Simulation;
 struct Process {
   std::string name;
   std::function<void()> body;
-  uint64_t cycle = 0;       // of its own clock
-  bool serves = false;      // a far end of the kernel's ports, which waits forever when all is done
+  uint64_t cycle = 0;   // of its own clock
+  bool serves = false;  // a far end of the kernel's ports, which waits forever when all is done
   bool done = false;
   const std::string* stream = nullptr;  // what it waits for; nullptr: it can run
   const char* state = "";               // "empty" or "full"
@@ -75,8 +75,8 @@ class Simulation {
     std::string waiting;
     for (const auto& p : processes_)
       if (!p->done && !p->serves && p->stream)
-        waiting += (waiting.empty() ? "stuck: stream " : "; stream ") + *p->stream + " " + p->state +
-                   " (process " + p->name + ")";
+        waiting += (waiting.empty() ? "stuck: stream " : "; stream ") + *p->stream + " " +
+                   p->state + " (process " + p->name + ")";
     if (problem_.empty()) problem_ = waiting;
     // Whatever is left unwinds, children before those that wait for them.
     aborting_ = true;
@@ -170,8 +170,9 @@ class Simulation {
   std::string problem_;
 };
 
-// A stream with one writer and one reader that holds at most `depth` packets. A packet can be read in
-// the cycle after the one it was written in; a place can be written in the cycle after it was read.
+// A stream with one writer and one reader that holds at most `depth` packets. A packet can be read
+// in the cycle after the one it was written in; a place can be written in the cycle after it was
+// read.
 template <class E>
 class Stream {
  public:
@@ -181,7 +182,8 @@ class Stream {
   ~Stream() {
     Simulation* const simulation = Simulation::current();
     if (count_ > 0 && simulation && !simulation->aborting())
-      simulation->fail("stream " + name_ + ": " + std::to_string(count_) + " packets were never read");
+      simulation->fail("stream " + name_ + ": " + std::to_string(count_) +
+                       " packets were never read");
   }
 
   E read() {

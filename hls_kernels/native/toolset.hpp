@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// The native toolset: what kernels are compiled with where no vendor's tool is.
+// The native toolset: what kernels are compiled with where no vendor's tool is. The compiler is
+// told -DPHOTONLOOM_HLS_NATIVE, so that hls_kernels/pragmas.hpp instruments them.
 #pragma once
-#define PHOTONLOOM_HLS_NATIVE 1
+#ifndef PHOTONLOOM_HLS_NATIVE
+#error "the native toolset needs -DPHOTONLOOM_HLS_NATIVE"
+#endif
 
 #include "hls_kernels/native/integer.hpp"
 #include "hls_kernels/native/simulation.hpp"

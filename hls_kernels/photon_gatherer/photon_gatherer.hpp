@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // The photon gatherer as an HLS kernel: queries in, the k nearest photons' sum out, and on request
-// the photons (docs/photon_gatherer.md). Mirrors search_gather of golden/unit/photon_gatherer.cpp, with
-// equal counts of nodes, leaves and insertions.
+// the photons (docs/photon_gatherer.md). Mirrors search_gather of golden/unit/photon_gatherer.cpp,
+// with equal counts of nodes, leaves and insertions.
 //
 //   in -> search --raw results, in the order of the queries--> finish (reciprocal) -> result
 //           |  node memory, line memory                            photons ----------> photon
 //
 // search is one pipelined loop that serves kContexts queries by turns. A turn takes one step of one
 // query: an inner node, kLanes photons of a leaf and the nearest insertion among them, or one stack
-// entry. Beside it a turn reads one beat of a leaf line and gives one result or photon of the oldest
-// query. Its initiation interval follows from these dependencies:
+// entry. Beside it a turn reads one beat of a leaf line and gives one result or photon of the
+// oldest query. Its initiation interval follows from these dependencies:
 //
 //   a context's own state   read by its next step, kContexts turns later; a step takes kStepLatency
 //                           cycles, so the interval is at least kStepLatency / kContexts
@@ -17,8 +17,8 @@
 //   store_ and keys_        of a query whose photons leave: its next step is kFreeTurns turns later
 //
 // A power that falls out of the list is taken off the sum, so a query has its sum with its last
-// insertion. A result is written before its photons; whoever reads both has to take a query's photons
-// before he waits for the next result, or to have room for k of them.
+// insertion. A result is written before its photons; whoever reads both has to take a query's
+// photons before he waits for the next result, or to have room for k of them.
 #pragma once
 #include "hls_kernels/vocabulary.hpp"
 
@@ -50,13 +50,14 @@ class PhotonGatherer {
   static constexpr int kFreeTurns = 12;
   static constexpr unsigned kInterval = (kStepLatency + kContexts - 1) / kContexts;
 
-  // Node memory: word = {axis, split}; the node of the global map at its number, that of the caustic
-  // map kGlobalLines further.
+  // Node memory: word = {axis, split}; the node of the global map at its number, that of the
+  // caustic map kGlobalLines further.
   using Node = uint<kPositionBits + 2>;
   static constexpr int kGlobalLines = (kGlobalPhotons + kBucket - 1) / kBucket;
   static constexpr int kCausticLines = (kCausticPhotons + kBucket - 1) / kBucket;
   static constexpr int kNodeWords = at_least(2, kGlobalLines + kCausticLines);
-  // Line memory: the beats of each line one after the other, the caustic map's behind the global one's.
+  // Line memory: the beats of each line one after the other, the caustic map's behind the global
+  // one's.
   static constexpr int kLineBytes = kBucket * kPhotonBytes;
   static constexpr int kBeats = 8 * kLineBytes / kLineBeatBits;
   using Beat = typename T::template bits<kLineBeatBits>;
@@ -95,7 +96,8 @@ class PhotonGatherer {
   using Normal = Direction<T, kNormalBits>;
 
   // Where a context is.
-  static constexpr int kIdle = 0, kDescend = 1, kWait = 2, kLeaf = 3, kPop = 4, kFinish = 5, kLeave = 6;
+  static constexpr int kIdle = 0, kDescend = 1, kWait = 2, kLeaf = 3, kPop = 4, kFinish = 5,
+                       kLeave = 6;
 
   // What is stored of a photon beside its position.
   struct Load {
@@ -145,7 +147,8 @@ class PhotonGatherer {
     HLS_PARTITION(buffer_, 2);
     // A query visits each line once at most, a stack entry and an inner node each.
     constexpr unsigned long long kMostSteps =
-        (kGlobalLines + kCausticLines + 1ull) * (3 + kBucket + kBeats * kContexts + kLineTurns) + kK + kFreeTurns + 8;
+        (kGlobalLines + kCausticLines + 1ull) * (3 + kBucket + kBeats * kContexts + kLineTurns) +
+        kK + kFreeTurns + 8;
     Ticket started = 0, given = 0;
     uint<kSlots> ready = 0;  // results, by slot
     uint<kContexts> line_here = 0, freed = 0;
@@ -164,8 +167,8 @@ class PhotonGatherer {
     bool giving = false;
     Count place = 0;
 
-    for (uint<64> turn = 0; turn < uint<32>(packets + 1) * uint<32>(kContexts) * uint<48>(kMostSteps);
-         ++turn) {
+    for (uint<64> turn = 0;
+         turn < uint<32>(packets + 1) * uint<32>(kContexts) * uint<48>(kMostSteps); ++turn) {
       HLS_PIPELINE(kInterval);
       HLS_DISTANCE(buffer_, kLineTurns);
       HLS_DISTANCE(keys_, kContexts);
@@ -216,8 +219,7 @@ class PhotonGatherer {
         const LineRequest& request = queue[index(queue_first)];
         unsigned line = index(request.line);
         if (request.map == 1) line += kGlobalLines;
-        T::set_slice(line_bits, index(beat) * kLineBeatBits,
-                     lines[line * kBeats + index(beat)]);
+        T::set_slice(line_bits, index(beat) * kLineBeatBits, lines[line * kBeats + index(beat)]);
         beat += 1;
         if (beat == kBeats) {
           unpack_line(line_bits, buffer_[index(request.context)]);
@@ -258,9 +260,7 @@ class PhotonGatherer {
     for (int c = 0; c < kContexts; ++c) phase_[c] = kIdle;
   }
 
-  static unsigned map_of(const Query& query) {
-    return kMaps == 2 ? index(query.map) : 0;
-  }
+  static unsigned map_of(const Query& query) { return kMaps == 2 ? index(query.map) : 0; }
 
   void start(unsigned c, const Query& query, const Ticket& ticket, const GatherMaps<T>& maps,
              bool& ask) {
@@ -381,7 +381,8 @@ class PhotonGatherer {
       const unsigned slot = index(part_[c]) * kLanes + static_cast<unsigned>(l);
       const StoredPhoton& photon = buffer_[c][slot];
       const Distance d2 = distance(photon, query_[c]);
-      const Index number = Index(node_[c] - maps.lines[map_of(query_[c])]) << clog2(kBucket) | Index(slot);
+      const Index number =
+          Index(node_[c] - maps.lines[map_of(query_[c])]) << clog2(kBucket) | Index(slot);
       const bool nearer = !full || d2 < last.d2 || (d2 == last.d2 && number < last.index);
       if (l >= static_cast<int>(index(lane_[c])) && used(photon.load) && d2 <= r2_max && nearer &&
           faces(photon.load, c)) {
@@ -446,7 +447,8 @@ class PhotonGatherer {
     placed.place = place;
     for (int i = kK - 1; i >= 0; --i) {
       HLS_UNROLL
-      const bool here_after = i >= static_cast<int>(index(count_[c])) || !before(keys_[c][i], candidate);
+      const bool here_after =
+          i >= static_cast<int>(index(count_[c])) || !before(keys_[c][i], candidate);
       bool above_after = false;
       if (i > 0)
         above_after = i - 1 >= static_cast<int>(index(count_[c])) ||
@@ -564,8 +566,9 @@ class PhotonGatherer {
     return result;
   }
 
-  // The named operation reciprocal(r2), W bits (golden/numeric/reciprocal.hpp): r2 with its highest set
-  // bit e brought to the top and rounded half up to W + 1 bits, then floor(2^(2W) / m) bit by bit.
+  // The named operation reciprocal(r2), W bits (golden/numeric/reciprocal.hpp): r2 with its highest
+  // set bit e brought to the top and rounded half up to W + 1 bits, then floor(2^(2W) / m) bit by
+  // bit.
   template <class R>
   static void reciprocal(const Distance& r2, R& result) {
     constexpr int kW = kReciprocalBits;

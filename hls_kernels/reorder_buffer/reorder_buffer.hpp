@@ -3,8 +3,8 @@
 // (docs/reorder_buffer.md). A bin is a linked list through the pool. Mirrors
 // golden/unit/reorder_buffer.cpp.
 //
-// One pipelined loop. A turn takes a query and lets another leave, or lets one leave before a flush,
-// or looks at kLook bins for the fullest one. The initiation interval is 4 by the dependency
+// One pipelined loop. A turn takes a query and lets another leave, or lets one leave before a
+// flush, or looks at kLook bins for the fullest one. The initiation interval is 4 by the dependency
 // length_: whether the current bin is empty decides the bin (read 1, choose 1), whose length is
 // changed (read 1, write 1) before the next turn reads it. The list's own, head_ -> next_ -> head_,
 // takes 3.
@@ -23,7 +23,8 @@ class ReorderBuffer {
   static constexpr bool kPassThrough = kReorderKey == 0;
   static constexpr bool kFullest = kReorderDrain == 1;
   static constexpr int kBinBits = clog2(kReorderBins);
-  static constexpr int kWord = kReorderBins < 64 ? kReorderBins : 64;  // bins in a word of the bitmap
+  static constexpr int kWord =
+      kReorderBins < 64 ? kReorderBins : 64;  // bins in a word of the bitmap
   static constexpr int kWords = kReorderBins / kWord;
   static constexpr int kLook = kReorderBins < 8 ? kReorderBins : 8;
   static constexpr int kLooks = kReorderBins / kLook;

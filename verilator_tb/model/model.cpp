@@ -38,6 +38,7 @@ constexpr Builder kBuilders[] = {
      model_tools::build_netlist, "fst"},
     {"cxxrtl", "the RTL as Yosys' CXXRTL makes C++ of it", model_tools::cxxrtl_key,
      model_tools::build_cxxrtl, "vcd"},
+    {"hls", "its HLS kernel, compiled natively", nullptr, nullptr, ""},
 };
 
 }  // namespace

@@ -18,16 +18,17 @@ namespace photonloom {
 
 // What a library simulates: the RTL by Verilator; the ECP5 netlist that Yosys makes of it, by
 // Verilator with models of the part's cells (fpga/models and Yosys' own); the RTL by Yosys' CXXRTL.
-enum class ModelKind { kRtl, kNetlist, kCxxrtl };
+// kHls is no model of the RTL but the unit's HLS kernel (hls_units.hpp).
+enum class ModelKind { kRtl, kNetlist, kCxxrtl, kHls };
 
-// Their names, in this order: "rtl", "netlist", "cxxrtl". What each is stands beside it in the list
+// Their names, in this order: "rtl", "netlist", "cxxrtl", "hls". What each is stands beside it in the list
 // in model.cpp, of which messages and pages are made.
 std::vector<std::string> model_kind_names();
 std::string model_kinds_text();  // with commas between
 std::optional<ModelKind> model_kind(const std::string& name);
 std::string model_kind_name(ModelKind kind);
 std::string model_kind_meaning(ModelKind kind);  // a phrase
-// Of the waveforms it writes, "fst" or "vcd".
+// Of the waveforms it writes, "fst" or "vcd"; empty where it writes none.
 std::string waveform_extension(ModelKind kind);
 
 struct ModelSource {

@@ -3,6 +3,7 @@
 
 #include "verilator_tb/unit/comparing.hpp"
 #include "verilator_tb/unit/gatherer_unit.hpp"
+#include "verilator_tb/unit/hls_units.hpp"
 
 namespace photonloom {
 
@@ -69,6 +70,7 @@ std::unique_ptr<Comparing<PhotonGatherer>> compare_units(const Plan& plan,
 
 std::unique_ptr<ClockedPhotonGatherer> make_rtl_photon_gatherer(const Plan& plan,
                                                                 const RunOptions& options) {
+  if (options.kind == ModelKind::kHls) return make_hls_photon_gatherer(plan, options);
   return std::make_unique<RtlPhotonGatherer>(plan, options);
 }
 
