@@ -184,7 +184,7 @@ class Bits {
     }
   }
   template <int N>
-  void set(unsigned lo, const Bits<N>& value) {
+  void set_word(unsigned lo, const Bits<N>& value) {
     for (unsigned at = 0; at < static_cast<unsigned>(N); at += 32)
       set_low(lo + at, value.words()[at / 32], static_cast<unsigned>(N) - at);
   }

@@ -37,7 +37,7 @@ struct Native {
   }
   template <int N, int W>
   static void set_slice(Bits<W>& x, unsigned lo, const Bits<N>& value) {
-    x.template set<N>(lo, value);
+    x.set_word(lo, value);
   }
 };
 

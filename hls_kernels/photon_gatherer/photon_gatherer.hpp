@@ -44,7 +44,8 @@ class PhotonGatherer {
   using Photon = GatherPhoton<T>;
 
  public:
-  static constexpr int kContexts = at_least(4, photonloom_hls::kContexts);
+  // Queries in flight: the plan's, at least 4, rounded up to a power of two.
+  static constexpr int kContexts = 1 << clog2(at_least(4, photonloom_hls::kContexts));
   static constexpr int kStepLatency = 12;  // cycles; not run on a vendor's tool
   static constexpr int kLineTurns = 32;
   static constexpr int kFreeTurns = 12;
@@ -209,7 +210,8 @@ class PhotonGatherer {
         request.context = context;
         request.map = map_of(query_[c]);
         request.line = node_[c] - maps.lines[map_of(query_[c])];
-        queue[(index(queue_first) + index(queued)) % kContexts] = request;
+        const Context behind = queue_first + queued;
+        queue[index(behind)] = request;
         queued += 1;
       }
 
@@ -226,7 +228,7 @@ class PhotonGatherer {
           arrived = Token{true, request.context};
           beat = 0;
           queued -= 1;
-          queue_first = index(queue_first) + 1 == kContexts ? 0 : index(queue_first) + 1;
+          queue_first += 1;
         }
       }
       const Token here = arriving.push(arrived);
@@ -254,7 +256,7 @@ class PhotonGatherer {
       const Token free = freeing.push(leaving);
       if (free.valid) freed = with_bit(freed, index(free.context), true);
 
-      context = c + 1 == kContexts ? 0 : c + 1;
+      context += 1;
     }
     // A context that waited for its photons to leave is free with the last of them.
     for (int c = 0; c < kContexts; ++c) phase_[c] = kIdle;
