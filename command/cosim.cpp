@@ -210,7 +210,8 @@ void cosim(const CosimOptions& o) {
   std::set<std::string> units_with_waves;
   size_t netlists = 0;
   for (const auto& [unit, backend] : hardware) {
-    if (backend.kind.model) units_with_waves.insert(unit);
+    if (backend.kind.model && !waveform_extension(*backend.kind.model).empty())
+      units_with_waves.insert(unit);
     netlists += backend.kind.model == ModelKind::kNetlist;
   }
   o.rig.check_netlist(netlists);
@@ -263,10 +264,12 @@ void cosim(const CosimOptions& o) {
     hardware_image = render_frame(frame.input(Arithmetic::kGolden), units, counts, &progress);
     for (const Side& side : sides) reports.push_back(side.report());
   } catch (const RigError& error) {
+    const std::string extension = waveform_extension(*hardware.at(error.unit).kind.model);
+    if (extension.empty())
+      throw std::runtime_error(fmt::format("{}\n  again:\n    {}", error.what(), context.rerun));
     throw std::runtime_error(
         fmt::format("{}\n  again, with a waveform:\n    {} --wave {}.{} --wave-unit {}",
-                    error.what(), context.rerun, error.unit,
-                    waveform_extension(*hardware.at(error.unit).kind.model), error.unit));
+                    error.what(), context.rerun, error.unit, extension, error.unit));
   }
 
   describe_frame(golden_image, frame, request, "golden");

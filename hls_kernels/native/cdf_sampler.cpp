@@ -4,9 +4,9 @@
 
 namespace photonloom_hls {
 
-std::unique_ptr<Shell> make_shell(uint64_t seed) {
+std::unique_ptr<Shell> make_shell(uint64_t seed, const FarEnd& far_end) {
   return std::make_unique<StreamShell<CdfSampler<Native>, SamplerInput<Native>, Sample<Native>>>(
-      seed);
+      seed, far_end);
 }
 
 }  // namespace photonloom_hls

@@ -8,8 +8,8 @@ namespace {
 
 class GathererShell final : public Shell {
  public:
-  explicit GathererShell(uint64_t seed)
-      : Shell(seed), kernel_(std::make_unique<Kernel>()), nodes_(Kernel::kNodeWords) {
+  GathererShell(uint64_t seed, const FarEnd& far_end)
+      : Shell(seed, far_end), kernel_(std::make_unique<Kernel>()), nodes_(Kernel::kNodeWords) {
     for (int map = 0; map < 2; ++map) {
       maps_.lines[map] = 0;
       maps_.r2_max[map] = 0;
@@ -44,12 +44,12 @@ class GathererShell final : public Shell {
     Stream<GatherResult<Native>> result("result", kPortDepth);
     Stream<GatherPhoton<Native>> photon("photon", kPortDepth);
     in.watch_reads(&in_cycles_);
-    add_source(simulation_, in, words, packets);
+    add_source(simulation_, in, far_end_, words, packets);
     simulation_.add("kernel", [&] {
       kernel_->run(in, result, photon, nodes_.data(), lines_.data(), maps_, packets);
     });
-    add_taker(simulation_, result, taken_[0]);
-    add_taker(simulation_, photon, taken_[1]);
+    add_taker(simulation_, result, far_end_, 1, taken_[0]);
+    add_taker(simulation_, photon, far_end_, 2, taken_[1]);
     return simulation_.run();
   }
 
@@ -61,7 +61,9 @@ class GathererShell final : public Shell {
 
 }  // namespace
 
-std::unique_ptr<Shell> make_shell(uint64_t seed) { return std::make_unique<GathererShell>(seed); }
+std::unique_ptr<Shell> make_shell(uint64_t seed, const FarEnd& far_end) {
+  return std::make_unique<GathererShell>(seed, far_end);
+}
 
 }  // namespace photonloom_hls
 

@@ -4,9 +4,9 @@
 
 namespace photonloom_hls {
 
-std::unique_ptr<Shell> make_shell(uint64_t seed) {
+std::unique_ptr<Shell> make_shell(uint64_t seed, const FarEnd& far_end) {
   using Query = GatherQuery<Native>;
-  return std::make_unique<StreamShell<ReorderBuffer<Native>, Query, Query>>(seed);
+  return std::make_unique<StreamShell<ReorderBuffer<Native>, Query, Query>>(seed, far_end);
 }
 
 }  // namespace photonloom_hls

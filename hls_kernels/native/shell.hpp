@@ -18,21 +18,31 @@ struct Taken {
   std::vector<uint64_t> cycles;
 };
 
-// The streams at a kernel's ports; the far end is always ready.
+// The streams at a kernel's ports.
 constexpr unsigned kPortDepth = 2;
+
+// How many cycles the far end of port `port` lets pass before its next packet: 0 is the first port,
+// an input, those that follow are outputs.
+struct FarEnd {
+  uint64_t (*gap)(void* owner, int port);
+  void* owner;
+  void hold(int port) const { turn(gap(owner, port)); }
+};
 
 template <class P>
 using Word = typename Native::bits<P::kBits>;
 
 // A process that feeds packed packets into a stream.
 template <class P>
-void add_source(Simulation& simulation, Stream<P>& stream, const uint32_t* words, size_t packets) {
-  simulation.add("source", [&stream, words, packets] {
+void add_source(Simulation& simulation, Stream<P>& stream, const FarEnd& far_end,
+                const uint32_t* words, size_t packets) {
+  simulation.add("source", [&stream, &far_end, words, packets] {
     for (size_t i = 0; i < packets; ++i) {
       Word<P> word;
       std::memcpy(word.words(), words + i * Word<P>::kWords, sizeof(uint32_t) * Word<P>::kWords);
       P packet;
       unpack<Native>(word, packet);
+      far_end.hold(0);
       stream.write(packet);
     }
   });
@@ -40,10 +50,11 @@ void add_source(Simulation& simulation, Stream<P>& stream, const uint32_t* words
 
 // A process that takes whatever comes.
 template <class P>
-void add_taker(Simulation& simulation, Stream<P>& stream, Taken& taken) {
+void add_taker(Simulation& simulation, Stream<P>& stream, const FarEnd& far_end, int port,
+               Taken& taken) {
   simulation.add(
       "taker",
-      [&stream, &taken] {
+      [&stream, &far_end, &taken, port] {
         for (;;) {
           uint64_t cycle = 0;
           const P packet = stream.read(cycle);
@@ -51,6 +62,7 @@ void add_taker(Simulation& simulation, Stream<P>& stream, Taken& taken) {
           pack<Native>(packet, word);
           taken.words.insert(taken.words.end(), word.words(), word.words() + Word<P>::kWords);
           taken.cycles.push_back(cycle);
+          far_end.hold(port);
         }
       },
       true);
@@ -58,7 +70,7 @@ void add_taker(Simulation& simulation, Stream<P>& stream, Taken& taken) {
 
 class Shell {
  public:
-  explicit Shell(uint64_t seed) : simulation_(seed) {}
+  Shell(uint64_t seed, const FarEnd& far_end) : simulation_(seed), far_end_(far_end) {}
   virtual ~Shell() = default;
   // Runs the kernel on packed packets; what stopped it, empty where nothing did.
   const char* run(const uint32_t* words, size_t packets) {
@@ -80,6 +92,7 @@ class Shell {
   virtual std::string simulate(const uint32_t* words, size_t packets) = 0;
 
   Simulation simulation_;
+  FarEnd far_end_;
   Taken taken_[2];
   std::vector<uint64_t> in_cycles_;
 
@@ -98,23 +111,24 @@ class StreamShell final : public Shell {
     Stream<In> in("in", kPortDepth);
     Stream<Out> out("out", kPortDepth);
     in.watch_reads(&in_cycles_);
-    add_source(simulation_, in, words, packets);
+    add_source(simulation_, in, far_end_, words, packets);
     simulation_.add("kernel", [&] { kernel_->run(in, out, packets); });
-    add_taker(simulation_, out, taken_[0]);
+    add_taker(simulation_, out, far_end_, 1, taken_[0]);
     return simulation_.run();
   }
   std::unique_ptr<Kernel> kernel_ = std::make_unique<Kernel>();
 };
 
 // A new shell of the unit that this object holds.
-std::unique_ptr<Shell> make_shell(uint64_t seed);
+std::unique_ptr<Shell> make_shell(uint64_t seed, const FarEnd& far_end);
 
 }  // namespace photonloom_hls
 
 #define PHOTONLOOM_HLS_EXPORT extern "C" __attribute__((visibility("default")))
 #define PHOTONLOOM_HLS_INTERFACE                                                              \
-  PHOTONLOOM_HLS_EXPORT void* kernel_create(uint64_t seed) {                                  \
-    return photonloom_hls::make_shell(seed).release();                                        \
+  PHOTONLOOM_HLS_EXPORT void* kernel_create(uint64_t seed, uint64_t (*gap)(void*, int),       \
+                                            void* owner) {                                    \
+    return photonloom_hls::make_shell(seed, photonloom_hls::FarEnd{gap, owner}).release();    \
   }                                                                                           \
   PHOTONLOOM_HLS_EXPORT void kernel_destroy(void* shell) {                                    \
     delete static_cast<photonloom_hls::Shell*>(shell);                                        \

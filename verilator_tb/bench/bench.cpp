@@ -89,6 +89,9 @@ void run_cases(const std::string& program, const Bench& bench, const BenchPlan& 
       } catch (const ModelBuildError&) {
         throw;
       } catch (const std::exception& error) {
+        if (context.waveform.empty())
+          throw std::runtime_error(
+              fmt::format("{}\n  again:\n    {}", error.what(), context.rerun));
         throw std::runtime_error(fmt::format("{}\n  again, with a waveform:\n    {} --wave {}.{}",
                                              error.what(), context.rerun, unit, context.waveform));
       }
@@ -131,7 +134,7 @@ int bench_main(int argc, char** argv, const Bench& bench) {
                  "Cases of --list, with commas between. Default: all.")
       ->delimiter(',');
   app.add_option("--backend", command.backend,
-                 "What runs: " + model_kinds_text() + " (docs/netlist.md); default rtl.")
+                 "What runs: " + model_kinds_text() + " (docs/netlist.md, docs/hls.md); default rtl.")
       ->check(CLI::IsMember(model_kind_names()));
   app.add_option("--policy", command.policy, "Only this entry of the list of policies.")
       ->check(CLI::Range(0, static_cast<int>(std::size(kPolicies)) - 1));

@@ -4,6 +4,7 @@
 #include <dlfcn.h>
 #include <fmt/core.h>
 
+#include <array>
 #include <filesystem>
 
 #include "golden/numeric/output_file.hpp"
@@ -76,11 +77,17 @@ std::string build_kernel(const Plan& plan, const std::string& unit, const RunOpt
 // One instance of a kernel's shared object.
 class Kernel {
  public:
-  Kernel(const Plan& plan, const std::string& unit, const RunOptions& options) : unit_(unit) {
+  Kernel(const Plan& plan, const std::string& unit, const RunOptions& options)
+      : unit_(unit),
+        stalls_{Stall(options.stall_in, options.seed, unit + "/in"),
+                Stall(options.stall_out, options.seed, unit + "/out"),
+                Stall(options.stall_out, options.seed, unit + "/photon")} {
+    if (!options.waveform.empty())
+      throw ModelBuildError(fmt::format("{}: an HLS kernel writes no waveform", unit));
     const std::string path = build_kernel(plan, unit, options);
     library_ = dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
     if (!library_) throw std::runtime_error(fmt::format("{}: {}", path, dlerror()));
-    void* (*create)(uint64_t) = nullptr;
+    void* (*create)(uint64_t, uint64_t(*)(void*, int), void*) = nullptr;
     symbol(create, "kernel_create");
     symbol(destroy_, "kernel_destroy");
     symbol(run_, "kernel_run");
@@ -89,7 +96,7 @@ class Kernel {
     symbol(taken_, "kernel_taken");
     symbol(in_cycles_, "kernel_in_cycles");
     symbol(cycles_, "kernel_cycles");
-    shell_ = create(mix64(options.seed ^ mix64(options.initial_seed)));
+    shell_ = create(mix64(options.seed ^ mix64(options.initial_seed)), gap, this);
   }
   // The library stays loaded: another instance may use it.
   ~Kernel() { destroy_(shell_); }
@@ -139,7 +146,16 @@ class Kernel {
     if (!f) throw std::runtime_error(fmt::format("HLS kernel {}: has no {}", unit_, name));
   }
 
+  // Cycles for which the policy of a port holds back its next packet.
+  static uint64_t gap(void* self, int port) {
+    Stall& stall = static_cast<Kernel*>(self)->stalls_[static_cast<size_t>(port)];
+    uint64_t cycles = 0;
+    while (port == 0 ? stall.holds_source(true) : stall.holds_taker(true)) ++cycles;
+    return cycles;
+  }
+
   std::string unit_;
+  std::array<Stall, 3> stalls_;
   void* library_ = nullptr;
   void* shell_ = nullptr;
   void (*destroy_)(void*) = nullptr;

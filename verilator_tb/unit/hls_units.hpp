@@ -9,7 +9,8 @@
 namespace photonloom {
 
 // RunOptions::seed and initial_seed choose the order in which a kernel's processes run, which must
-// not matter; stalls and latencies mean nothing. A kernel that waits forever is a RigError, one
+// not matter, and what the stall policies of its streams do to its clock. The line memory has no
+// latency but the kernel's own. A kernel that waits forever is a RigError, one
 // that cannot be compiled a ModelBuildError.
 std::unique_ptr<ClockedPhotonGatherer> make_hls_photon_gatherer(const Plan& plan,
                                                                 const RunOptions& options);
