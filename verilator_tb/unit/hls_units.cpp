@@ -181,7 +181,7 @@ class HlsUnit : public Base {
     return kernel_.out_cycles(stream);
   }
   void finish() final {}
-  Counters counters() const final { return {{"packets in", packets_}, {"cycles", cycles()}}; }
+  Counters counters() const override { return {{"packets in", packets_}, {"cycles", cycles()}}; }
 
  protected:
   Plan plan_;
@@ -223,13 +223,28 @@ class HlsPhotonGatherer final : public HlsUnit<ClockedPhotonGatherer> {
   void process(std::span<const GatherQuery> in, std::vector<GatherResult>& results,
                std::vector<GatherPhoton>& photons) override {
     kernel_.run(query_, in);
+    const size_t first = results.size();
     kernel_.take(0, result_, results);
     kernel_.take(1, photon_, photons);
     packets_ += in.size();
+    for (size_t i = first; i < results.size(); ++i) {
+      nodes_ += results[i].nodes;
+      leaves_ += results[i].leaves;
+      insertions_ += results[i].insertions;
+    }
+  }
+  Counters counters() const override {
+    Counters c = HlsUnit::counters();
+    c["nodes"] = nodes_;
+    c["leaves"] = leaves_;
+    c["insertions"] = insertions_;
+    c["bytes read"] = leaves_ * static_cast<uint64_t>(plan_.line_bytes());
+    return c;
   }
 
  private:
   PacketLayout query_, result_, photon_;
+  uint64_t nodes_ = 0, leaves_ = 0, insertions_ = 0;  // of all results
 };
 
 }  // namespace
