@@ -8,6 +8,8 @@ set(share ${CMAKE_INSTALL_DATADIR}/photonloom)
 set(programs PATTERN "*.cpp" EXCLUDE PATTERN "*.hpp" EXCLUDE PATTERN "*.py" EXCLUDE PATTERN "__pycache__" EXCLUDE
   PATTERN "CMakeLists.txt" EXCLUDE)
 install(DIRECTORY rtl fpga DESTINATION ${share} ${programs})
+# Kernels are sources that are compiled per plan.
+install(DIRECTORY hls_kernels DESTINATION ${share} PATTERN "generate" EXCLUDE)
 install(DIRECTORY scenes DESTINATION ${share} FILES_MATCHING PATTERN "*.xml" PATTERN "*.obj" PATTERN "*.ply"
   PATTERN "references" EXCLUDE)
 install(FILES LICENSE DESTINATION ${share})

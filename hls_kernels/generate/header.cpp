@@ -11,6 +11,7 @@
 
 #include "golden/numeric/output_file.hpp"
 #include "golden/packet/layout.hpp"
+#include "rtl/generate/data_files.hpp"
 #include "rtl/generate/package.hpp"
 
 namespace photonloom {
@@ -87,7 +88,7 @@ std::string write_hls_header(const Plan& plan, uint64_t plan_hash) {
 
 std::string default_hls_dir() {
   const char* chosen = std::getenv("PHOTONLOOM_HLS");
-  return chosen && *chosen ? chosen : PHOTONLOOM_SOURCE_DIR "/hls_kernels";
+  return chosen && *chosen ? chosen : data_dir() + "/hls_kernels";
 }
 
 std::vector<std::string> hls_files(const std::string& hls_dir, const std::string& unit) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A kernel as a shared object: packed packets in and out by a C interface, around a native run.
-// What loads it is verilator_tb/hls_units.cpp.
+// What loads it is verilator_tb/unit/hls_unit.cpp.
 #pragma once
 #include <cstdint>
 #include <cstring>

@@ -6,9 +6,8 @@
 
 #include "tests/catch.hpp"
 #include "tests/command/run.hpp"
-#include "verilator_tb/backends.hpp"
-#include "verilator_tb/compare.hpp"
-#include "verilator_tb/hls_units.hpp"
+#include "verilator_tb/unit/backends.hpp"
+#include "verilator_tb/unit/compare_units.hpp"
 
 using namespace photonloom;
 using namespace photonloom::test;
@@ -60,6 +59,7 @@ std::vector<SamplerInput> tables() {
 
 RunOptions options() {
   RunOptions o;
+  o.kind = ModelKind::kHls;
   o.work_dir = "cosim";
   return o;
 }
@@ -78,7 +78,7 @@ std::string problem_of(CdfSampler& sampler) {
 
 TEST_CASE("the sampler's streams are as deep as they must be") {
   const Plan plan = sampler_plan();
-  const auto kernel = make_hls_cdf_sampler(plan, options());
+  const auto kernel = make_rtl_cdf_sampler(plan, options());
   const auto golden = make_golden_cdf_sampler(plan);
   std::vector<Sample> out, expected;
   kernel->process(tables(), out);
@@ -94,7 +94,7 @@ TEST_CASE("a depth one too small is found and named") {
   for (uint64_t seed = 1; seed < 6; ++seed) {
     RunOptions o = options();
     o.seed = seed;
-    const auto kernel = make_hls_cdf_sampler(sampler_plan(), o);
+    const auto kernel = make_rtl_cdf_sampler(sampler_plan(), o);
     const std::string problem = problem_of(*kernel);
     INFO(problem);
     CHECK_THAT(problem, ContainsSubstring("unit cdf_sampler: stuck: stream ") &&
@@ -106,7 +106,7 @@ TEST_CASE("a depth one too small is found and named") {
 TEST_CASE("a packet that nobody reads is found") {
   const Planted planted("cdf_sampler/cdf_sampler.hpp", "commands.write(end);",
                         "commands.write(end);\n    commands.write(end);");
-  const auto kernel = make_hls_cdf_sampler(sampler_plan(), options());
+  const auto kernel = make_rtl_cdf_sampler(sampler_plan(), options());
   CHECK_THAT(problem_of(*kernel), ContainsSubstring("stream commands: ") &&
                                       ContainsSubstring("1 packets were never read"));
 }
@@ -116,7 +116,7 @@ TEST_CASE("a planted fault diverges, and the report says where") {
                         "sample.weight = high - low + 1;");
   const Plan plan = sampler_plan();
   const auto golden = make_golden_cdf_sampler(plan);
-  const auto kernel = make_hls_cdf_sampler(plan, options());
+  const auto kernel = make_rtl_cdf_sampler(plan, options());
   CompareContext context;
   context.unit = "cdf_sampler";
   context.backend = "hls";

@@ -44,6 +44,7 @@ printf '%s\n' "$report" | grep -qF 'says that offences=' && { echo "style report
 expect "rtl/odd: there is no golden/unit/odd.cpp"
 expect "rtl/odd: there is no docs/odd.md"
 expect "rtl/odd: is not in golden/plan/units.hpp"
+expect "rtl/odd: there is no hls_kernels/odd/odd.hpp"
 expect "golden/plan/units.hpp: there is no rtl/even_unit"
 expect "host/name.cpp:6: the even_unit (a unit's name in a string"
 expect "host/raw.cpp:2: one"

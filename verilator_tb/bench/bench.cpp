@@ -133,8 +133,9 @@ int bench_main(int argc, char** argv, const Bench& bench) {
   app.add_option("--case", command.only_cases,
                  "Cases of --list, with commas between. Default: all.")
       ->delimiter(',');
-  app.add_option("--backend", command.backend,
-                 "What runs: " + model_kinds_text() + " (docs/netlist.md, docs/hls.md); default rtl.")
+  app.add_option(
+         "--backend", command.backend,
+         "What runs: " + model_kinds_text() + " (docs/netlist.md, docs/hls.md); default rtl.")
       ->check(CLI::IsMember(model_kind_names()));
   app.add_option("--policy", command.policy, "Only this entry of the list of policies.")
       ->check(CLI::Range(0, static_cast<int>(std::size(kPolicies)) - 1));

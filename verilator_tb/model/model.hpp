@@ -18,11 +18,11 @@ namespace photonloom {
 
 // What a library simulates: the RTL by Verilator; the ECP5 netlist that Yosys makes of it, by
 // Verilator with models of the part's cells (fpga/models and Yosys' own); the RTL by Yosys' CXXRTL.
-// kHls is no model of the RTL but the unit's HLS kernel (hls_units.hpp).
+// kHls is no model of the RTL but the unit's HLS kernel (model/hls.hpp).
 enum class ModelKind { kRtl, kNetlist, kCxxrtl, kHls };
 
-// Their names, in this order: "rtl", "netlist", "cxxrtl", "hls". What each is stands beside it in the list
-// in model.cpp, of which messages and pages are made.
+// Their names, in this order: "rtl", "netlist", "cxxrtl", "hls". What each is stands beside it in
+// the list in model.cpp, of which messages and pages are made.
 std::vector<std::string> model_kind_names();
 std::string model_kinds_text();  // with commas between
 std::optional<ModelKind> model_kind(const std::string& name);

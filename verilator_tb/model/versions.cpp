@@ -7,6 +7,7 @@ namespace photonloom {
 std::map<std::string, std::string> tool_versions(ModelKind kind, const std::string& yosys) {
   using namespace model_tools;
   std::map<std::string, std::string> versions = {{"compiler", compiler().version}};
+  if (kind == ModelKind::kHls) return versions;
   if (kind != ModelKind::kCxxrtl) versions["verilator"] = verilator_version();
   if (kind != ModelKind::kRtl) versions["yosys"] = model_tools::yosys(yosys).version;
   return versions;

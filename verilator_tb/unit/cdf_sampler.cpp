@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "verilator_tb/unit/comparing.hpp"
-#include "verilator_tb/unit/hls_units.hpp"
+#include "verilator_tb/unit/hls_unit.hpp"
 #include "verilator_tb/unit/stream_unit.hpp"
 
 namespace photonloom {
@@ -53,7 +53,8 @@ std::unique_ptr<Comparing<CdfSampler>> compare_units(const Plan& plan,
 
 std::unique_ptr<ClockedCdfSampler> make_rtl_cdf_sampler(const Plan& plan,
                                                         const RunOptions& options) {
-  if (options.kind == ModelKind::kHls) return make_hls_cdf_sampler(plan, options);
+  if (options.kind == ModelKind::kHls)
+    return std::make_unique<HlsStreamUnit<CdfSampler>>(plan, options);
   return std::make_unique<RtlCdfSampler>(plan, options);
 }
 

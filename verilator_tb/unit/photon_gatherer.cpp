@@ -3,7 +3,7 @@
 
 #include "verilator_tb/unit/comparing.hpp"
 #include "verilator_tb/unit/gatherer_unit.hpp"
-#include "verilator_tb/unit/hls_units.hpp"
+#include "verilator_tb/unit/hls_unit.hpp"
 
 namespace photonloom {
 
@@ -31,6 +31,46 @@ class RtlPhotonGatherer final : public GathererUnit {
 
   LineMemory& memory_;
   PhotonGathererImage image_;  // of which memory_ reads the lines
+};
+
+class HlsPhotonGatherer final : public HlsUnit<PhotonGatherer> {
+ public:
+  HlsPhotonGatherer(const Plan& plan, const RunOptions& options)
+      : HlsUnit(plan, options),
+        query_(PacketLayout::of<GatherQuery>(plan)),
+        result_(PacketLayout::of<GatherResult>(plan)),
+        photon_(PacketLayout::of<GatherPhoton>(plan)) {}
+
+  void load(const PhotonMap& global, const PhotonMap& caustic) override {
+    const PhotonGathererImage image = photon_gatherer_image(plan_, global, caustic);
+    for (const CfgWrite& w : image.cfg) kernel_.configure(w.address, w.data);
+    for (const int map : {0, 1}) kernel_.load_lines(map, image.lines[static_cast<size_t>(map)]);
+  }
+  void process(std::span<const GatherQuery> in, std::vector<GatherResult>& results,
+               std::vector<GatherPhoton>& photons) override {
+    kernel_.run(query_, in);
+    const size_t first = results.size();
+    kernel_.take(0, result_, results);
+    kernel_.take(1, photon_, photons);
+    packets_ += in.size();
+    for (size_t i = first; i < results.size(); ++i) {
+      nodes_ += results[i].nodes;
+      leaves_ += results[i].leaves;
+      insertions_ += results[i].insertions;
+    }
+  }
+  Counters counters() const override {
+    Counters c = HlsUnit::counters();
+    c["nodes"] = nodes_;
+    c["leaves"] = leaves_;
+    c["insertions"] = insertions_;
+    c["bytes read"] = leaves_ * static_cast<uint64_t>(plan_.line_bytes());
+    return c;
+  }
+
+ private:
+  PacketLayout query_, result_, photon_;
+  uint64_t nodes_ = 0, leaves_ = 0, insertions_ = 0;  // of all results
 };
 
 class ComparingPhotonGatherer final
@@ -70,7 +110,7 @@ std::unique_ptr<Comparing<PhotonGatherer>> compare_units(const Plan& plan,
 
 std::unique_ptr<ClockedPhotonGatherer> make_rtl_photon_gatherer(const Plan& plan,
                                                                 const RunOptions& options) {
-  if (options.kind == ModelKind::kHls) return make_hls_photon_gatherer(plan, options);
+  if (options.kind == ModelKind::kHls) return std::make_unique<HlsPhotonGatherer>(plan, options);
   return std::make_unique<RtlPhotonGatherer>(plan, options);
 }
 

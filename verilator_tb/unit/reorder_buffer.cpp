@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "verilator_tb/unit/comparing.hpp"
-#include "verilator_tb/unit/hls_units.hpp"
+#include "verilator_tb/unit/hls_unit.hpp"
 #include "verilator_tb/unit/stream_unit.hpp"
 
 namespace photonloom {
@@ -82,7 +82,8 @@ std::unique_ptr<Comparing<ReorderBuffer>> compare_units(const Plan& plan,
 
 std::unique_ptr<ClockedReorderBuffer> make_rtl_reorder_buffer(const Plan& plan,
                                                               const RunOptions& options) {
-  if (options.kind == ModelKind::kHls) return make_hls_reorder_buffer(plan, options);
+  if (options.kind == ModelKind::kHls)
+    return std::make_unique<HlsStreamUnit<ReorderBuffer>>(plan, options);
   return std::make_unique<RtlReorderBuffer>(plan, options);
 }
 
