@@ -11,6 +11,7 @@
 #include "golden/numeric/output_file.hpp"
 #include "golden/planner/resources.hpp"
 #include "golden/unit/photon_gatherer_image.hpp"
+#include "hls_kernels/generate/kernel_package.hpp"
 #include "rtl/generate/board_file.hpp"
 #include "rtl/generate/hardware.hpp"
 #include "rtl/generate/sources.hpp"
@@ -22,7 +23,7 @@ struct GenerateOptions {
   FrameOptions frame;
   std::string output, unit, board, boards, rtl;
   double clock_mhz = 0;
-  bool check = false;
+  bool check = false, hls = false;
 };
 
 // The scene's photon maps as the hardware takes them, in hexadecimal: configuration words as
@@ -57,16 +58,31 @@ void warn_of_block_ram(const std::string& source, const Plan& plan, const BoardD
         source, blocks, board.name, has->second)});
 }
 
+// Throws where the package in `dir` has kernels that are not what its plan and the sources give.
+void check_kernels(const std::string& dir) {
+  namespace fs = std::filesystem;
+  if (!fs::is_directory(dir + "/hls")) return;
+  for (const auto& [name, text] : write_kernel_package(read_plan(dir + "/plan.toml"))) {
+    const std::string path = dir + "/hls/" + name;
+    if (!fs::is_regular_file(path) || read_file(path) != text)
+      throw std::runtime_error(
+          path +
+          ": is stale, differs from what its plan and the HLS sources give; generate it again");
+  }
+}
+
 void generate(const GenerateOptions& o) {
   const FrameRequest asked = o.frame.request();
   const std::string& source = asked.scene_file;
   if (o.check) {
-    if (!o.output.empty() || !o.unit.empty() || !o.board.empty() || o.clock_mhz != 0)
+    if (!o.output.empty() || !o.unit.empty() || !o.board.empty() || o.clock_mhz != 0 || o.hls)
       throw UsageError(
-          "--check looks at the package in a folder; -o, --unit, --board and --clock do not go "
+          "--check looks at the package in a folder; -o, --unit, --board, --clock and --hls do not "
+          "go "
           "with "
           "it");
     check_hardware(source, o.rtl.empty() ? default_rtl_dir() : o.rtl, o.boards);
+    check_kernels(source);
     fmt::print("{}: is what its plan and the RTL sources give\n", source);
     return;
   }
@@ -97,6 +113,8 @@ void generate(const GenerateOptions& o) {
   }
   if (!o.board.empty() && o.unit.empty())
     warn_of_block_ram(source, request.plan, read_board(o.board, o.boards));
+  if (o.hls)
+    for (auto& [name, text] : write_kernel_package(request.plan)) files["hls/" + name] = text;
   OutputFolder folder(o.output, "package.json");
   for (const auto& [name, text] : files) {
     const std::filesystem::path path = std::filesystem::path(folder.temporary()) / name;
@@ -126,6 +144,7 @@ void add_generate(CLI::App& app) {
       "  photonloom generate scenes/cornell.xml --photons 50000 --k 16 -o hw\n"
       "  photonloom generate plan.toml -o gatherer --unit {}\n"
       "  photonloom generate plan.toml -o ulx3s --board ulx3s-85f\n"
+      "  photonloom generate plan.toml -o hw --hls\n"
       "  photonloom generate --check hw",
       unit_name<PhotonGatherer>));
   o->frame.add_to(*c);
@@ -146,6 +165,8 @@ void add_generate(CLI::App& app) {
   c->add_option("--clock", o->clock_mhz, "The board's clock, if not its default")
       ->type_name("MHZ")
       ->check(number_range(1, 400));
+  c->add_flag("--hls", o->hls,
+              "Add the units as HLS C++ with testbenches and scripts (docs/hls.md)");
   c->add_flag("--check", o->check, "Only tell whether the package in a folder is stale");
   c->add_option("--rtl", o->rtl, "Folder of the RTL sources, if not those of this build")
       ->type_name("DIR");

@@ -5,6 +5,7 @@
 #pragma once
 
 #define PHOTONLOOM_HLS_TEXT(...) #__VA_ARGS__
+#define PHOTONLOOM_HLS_PRAGMA(...) _Pragma(PHOTONLOOM_HLS_TEXT(__VA_ARGS__))
 
 #if defined(PHOTONLOOM_HLS_NATIVE)
 
@@ -25,10 +26,17 @@
 #define HLS_DATAFLOW ::photonloom_hls::Dataflow dataflow_
 #define HLS_PROCESS(name, ...) dataflow_.add(#name, [&] { __VA_ARGS__; })
 #define HLS_DATAFLOW_END dataflow_.run()
+// A stream of a testbench.
+#define HLS_CHANNEL(Toolset, Packet, name, depth) Toolset::stream<Packet> name(#name, depth)
+// A top function and its ports.
+#define HLS_TOP
+#define HLS_PORT_STREAM(name)
+#define HLS_PORT_MEMORY(name, words)
+#define HLS_PORT_REGISTER(name)
+#define HLS_PORT_CONTROL
 
 #elif defined(PHOTONLOOM_HLS_VITIS)
 
-#define PHOTONLOOM_HLS_PRAGMA(...) _Pragma(PHOTONLOOM_HLS_TEXT(__VA_ARGS__))
 #define HLS_PIPELINE(interval) PHOTONLOOM_HLS_PRAGMA(HLS PIPELINE II = interval)
 #define HLS_UNROLL PHOTONLOOM_HLS_PRAGMA(HLS UNROLL)
 #define HLS_PARTITION(array, dimension) \
@@ -42,6 +50,14 @@
 #define HLS_DATAFLOW PHOTONLOOM_HLS_PRAGMA(HLS DATAFLOW)
 #define HLS_PROCESS(name, ...) __VA_ARGS__
 #define HLS_DATAFLOW_END
+#define HLS_CHANNEL(Toolset, Packet, name, depth) Toolset::stream<Packet> name(#name)
+#define HLS_TOP
+#define HLS_PORT_STREAM(name) PHOTONLOOM_HLS_PRAGMA(HLS INTERFACE mode = axis port = name)
+#define HLS_PORT_MEMORY(name, words) \
+  PHOTONLOOM_HLS_PRAGMA(HLS INTERFACE mode = m_axi port = name bundle = name depth = words)
+#define HLS_PORT_REGISTER(name) PHOTONLOOM_HLS_PRAGMA(HLS INTERFACE mode = s_axilite port = name)
+#define HLS_PORT_CONTROL \
+  PHOTONLOOM_HLS_PRAGMA(HLS INTERFACE mode = s_axilite port = return)
 
 #else
 
@@ -54,5 +70,11 @@
 #define HLS_DATAFLOW
 #define HLS_PROCESS(name, ...) __VA_ARGS__
 #define HLS_DATAFLOW_END
+#define HLS_CHANNEL(Toolset, Packet, name, depth) Toolset::stream<Packet> name
+#define HLS_TOP PHOTONLOOM_HLS_PRAGMA(hls_design top)
+#define HLS_PORT_STREAM(name)
+#define HLS_PORT_MEMORY(name, words)
+#define HLS_PORT_REGISTER(name)
+#define HLS_PORT_CONTROL
 
 #endif

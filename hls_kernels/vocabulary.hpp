@@ -10,7 +10,8 @@ namespace photonloom_hls {
 // Bits that address n things; 0 for n <= 1.
 constexpr int clog2(unsigned long long n) {
   int bits = 0;
-  while (bits < 64 && (1ull << bits) < n) ++bits;
+  for (int b = 0; b < 64; ++b)
+    if (1ull << b < n) bits = b + 1;
   return bits;
 }
 constexpr int at_least(int least, int x) { return x < least ? least : x; }

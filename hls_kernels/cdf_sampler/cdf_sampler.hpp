@@ -58,7 +58,7 @@ struct SearchLevels {
     result = result << 1;
     if (t >= split) {
       low = split;
-      result |= Part(1);
+      result = result | Part(1);
     } else {
       high = split;
     }

@@ -91,10 +91,7 @@ std::string default_hls_dir() {
   return chosen && *chosen ? chosen : data_dir() + "/hls_kernels";
 }
 
-std::vector<std::string> hls_files(const std::string& hls_dir, const std::string& unit) {
-  std::vector<std::string> files{"native/" + unit + ".cpp"};
-  if (!std::filesystem::exists(hls_dir + "/" + files[0]))
-    throw std::runtime_error(fmt::format("{}: has no kernel {}", hls_dir, unit));
+std::vector<std::string> hls_files(const std::string& hls_dir, std::vector<std::string> files) {
   constexpr std::string_view kInclude = "#include \"hls_kernels/";
   for (size_t i = 0; i < files.size(); ++i) {
     std::istringstream in(read_file(hls_dir + "/" + files[i]));

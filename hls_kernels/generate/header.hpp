@@ -16,9 +16,8 @@ std::string write_hls_header(const Plan& plan, uint64_t plan_hash);
 // The folder hls_kernels/ of the sources: PHOTONLOOM_HLS of the environment, or that of the build.
 std::string default_hls_dir();
 
-// What a native shared object of `unit` is compiled from, hls_kernels/native/UNIT.cpp first and
-// then all that it includes from hls_kernels/; paths relative to `hls_dir`. An unknown unit is an
-// error.
-std::vector<std::string> hls_files(const std::string& hls_dir, const std::string& unit);
+// These files and all that they include from hls_kernels/; paths relative to `hls_dir`. A file that
+// is not there is an error.
+std::vector<std::string> hls_files(const std::string& hls_dir, std::vector<std::string> files);
 
 }  // namespace photonloom

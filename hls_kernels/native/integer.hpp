@@ -63,18 +63,6 @@ class Integer {
   constexpr Integer& operator-=(const N& n) {
     return *this = Integer(*this - n);
   }
-  template <class N>
-  constexpr Integer& operator|=(const N& n) {
-    return *this = Integer(*this | n);
-  }
-  template <class N>
-  constexpr Integer& operator^=(const N& n) {
-    return *this = Integer(*this ^ n);
-  }
-  template <class N>
-  constexpr Integer& operator&=(const N& n) {
-    return *this = Integer(*this & n);
-  }
   constexpr Integer& operator++() { return *this += 1; }
 
  private:

@@ -11,4 +11,4 @@ std::unique_ptr<Shell> make_shell(uint64_t seed, const FarEnd& far_end) {
 
 }  // namespace photonloom_hls
 
-PHOTONLOOM_HLS_INTERFACE
+PHOTONLOOM_HLS_INTERFACE(ReorderBuffer)

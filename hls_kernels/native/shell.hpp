@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "hls_kernels/native/sizes.hpp"
 #include "hls_kernels/native/toolset.hpp"
 
 namespace photonloom_hls {
@@ -125,7 +126,10 @@ std::unique_ptr<Shell> make_shell(uint64_t seed, const FarEnd& far_end);
 }  // namespace photonloom_hls
 
 #define PHOTONLOOM_HLS_EXPORT extern "C" __attribute__((visibility("default")))
-#define PHOTONLOOM_HLS_INTERFACE                                                              \
+#define PHOTONLOOM_HLS_INTERFACE(Kernel)                                                      \
+  PHOTONLOOM_HLS_EXPORT uint64_t kernel_state_bits() {                                        \
+    return sizeof(photonloom_hls::Kernel<photonloom_hls::Sizes>);                             \
+  }                                                                                           \
   PHOTONLOOM_HLS_EXPORT void* kernel_create(uint64_t seed, uint64_t (*gap)(void*, int),       \
                                             void* owner) {                                    \
     return photonloom_hls::make_shell(seed, photonloom_hls::FarEnd{gap, owner}).release();    \

@@ -504,7 +504,7 @@ class PhotonGatherer {
 
   // Fields from bit 0: position, direction, mantissas, exponent; slots kPhotonBytes apart.
   static void unpack_line(const typename T::template bits<8 * kLineBytes>& line,
-                          StoredPhoton photons[kBucket]) {
+                          StoredPhoton (&photons)[kBucket]) {
     for (int slot = 0; slot < kBucket; ++slot) {
       HLS_UNROLL
       unsigned at = 8u * kPhotonBytes * static_cast<unsigned>(slot);
@@ -590,7 +590,7 @@ class PhotonGatherer {
       quotient = quotient << 1;
       if (rest >= m) {
         rest = rest - m;
-        quotient |= uint<1>(1);
+        quotient = quotient | uint<1>(1);
       }
       rest = rest << 1;
     }

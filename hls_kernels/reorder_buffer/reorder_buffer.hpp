@@ -186,7 +186,7 @@ class ReorderBuffer {
   }
 
   // The Hilbert index of a cell (golden/numeric/hilbert.hpp), level by level.
-  static uint<3 * kReorderCellBits> hilbert(uint<kReorderCellBits> x[3]) {
+  static uint<3 * kReorderCellBits> hilbert(uint<kReorderCellBits> (&x)[3]) {
     using Cell = uint<kReorderCellBits>;
     for (int level = kReorderCellBits - 1; level > 0; --level) {
       HLS_UNROLL

@@ -32,7 +32,7 @@ const std::string& flags() {
 std::string find_or_build(const Plan& plan, const std::string& unit, const std::string& work_dir) {
   using namespace model_tools;
   const std::string dir = default_hls_dir();
-  const std::vector<std::string> files = hls_files(dir, unit);
+  const std::vector<std::string> files = hls_files(dir, {"native/" + unit + ".cpp"});
   const std::string header = write_hls_header(plan, 0);  // plans that differ elsewhere share it
   uint64_t key = text_hash(compiler().version + flags() + header, 1);
   for (const std::string& file : files) key = text_hash(read_file(dir + "/" + file), key);

@@ -36,6 +36,7 @@ HlsKernel::HlsKernel(const Plan& plan, const std::string& unit, const RunOptions
   symbol(taken_, "kernel_taken");
   symbol(in_cycles_, "kernel_in_cycles");
   symbol(cycles_, "kernel_cycles");
+  symbol(state_bits_, "kernel_state_bits");
   shell_ = create(mix64(options.seed ^ mix64(options.initial_seed)), gap, this);
 }
 uint64_t HlsKernel::gap(void* self, int port) {

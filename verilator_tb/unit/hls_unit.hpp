@@ -62,6 +62,8 @@ class HlsKernel {
     return {cycles, n};
   }
   uint64_t cycles() const { return cycles_(shell_); }
+  // Of the kernel itself, without its streams.
+  uint64_t state_bits() const { return state_bits_(); }
 
  private:
   template <class F>
@@ -80,6 +82,7 @@ class HlsKernel {
   size_t (*taken_)(void*, int, const uint32_t**, const uint64_t**) = nullptr;
   size_t (*in_cycles_)(void*, const uint64_t**) = nullptr;
   uint64_t (*cycles_)(void*) = nullptr;
+  uint64_t (*state_bits_)() = nullptr;
   std::vector<uint32_t> words_;
 };
 
@@ -96,7 +99,10 @@ class HlsUnit : public ClockedUnit<Unit> {
     return kernel_.out_cycles(stream);
   }
   void finish() final {}
-  Counters counters() const override { return {{"packets in", packets_}, {"cycles", cycles()}}; }
+  Counters counters() const override {
+    return {
+        {"packets in", packets_}, {"cycles", cycles()}, {"bits of state", kernel_.state_bits()}};
+  }
 
  protected:
   Plan plan_;

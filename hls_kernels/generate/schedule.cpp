@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hls_kernels/generate/schedule.hpp"
+
+#include <algorithm>
+#include <bit>
+
+namespace photonloom {
+
+namespace {
+
+// As in the gatherer's kernel.
+constexpr int kStepLatency = 12, kLineTurns = 32, kFreeTurns = 12;
+
+int ceil_of(int a, int b) { return (a + b - 1) / b; }
+
+}  // namespace
+
+int KernelLoop::interval() const {
+  int least = 1;
+  for (const LoopDependency& d : dependencies)
+    least = std::max(least, ceil_of(d.latency, d.distance));
+  return least;
+}
+
+int kernel_contexts(const Plan& plan) {
+  return static_cast<int>(std::bit_ceil(static_cast<unsigned>(std::max(4, plan.contexts))));
+}
+
+std::vector<KernelLoop> kernel_loops(std::type_identity<PhotonGatherer>, const Plan& plan) {
+  return {
+      {"search",
+       {{"state of a context", kStepLatency, kernel_contexts(plan),
+         "a step reads what the context's last step wrote; the others take their steps between"},
+        {"buffer_", kStepLatency, kLineTurns,
+         "a leaf line, read that many turns after its last "
+         "beat was asked for"},
+        {"store_, keys_ of a query that leaves", kStepLatency, kFreeTurns,
+         "the context starts again that many turns later"}}},
+      {"finish", {{"none", 1, 1, "a result needs nothing of the one before"}}}};
+}
+
+std::vector<KernelLoop> kernel_loops(std::type_identity<ReorderBuffer>, const Plan& plan) {
+  if (plan.reorder_key == ReorderKey::kNone)
+    return {{"run", {{"none", 1, 1, "packets pass through"}}}};
+  return {{"run",
+           {{"length_", 4, 1,
+             "whether the current bin is empty decides the bin (read 1, choose 1) whose length is "
+             "changed (read 1, write 1)"},
+            {"head_", 3, 1, "head_ to next_ to head_: read 1, read 1, write 1"}}}};
+}
+
+std::vector<KernelLoop> kernel_loops(std::type_identity<CdfSampler>, const Plan&) {
+  return {{"collect", {{"power_", 2, 2, "read-add-write over two turns, the last sum forwarded"}}},
+          {"cosine", {{"total", 1, 1, "one addition"}}},
+          {"weigh", {{"sum", 1, 1, "one addition, after the weight is known"}}},
+          {"search", {{"none", 1, 1, "a memory for each level: requests follow each other"}}}};
+}
+
+TripCounts trip_counts(const Plan& plan, std::span<const GatherQuery> in,
+                       std::span<const GatherResult> out) {
+  const int contexts = kernel_contexts(plan);
+  const int beats = 8 * plan.line_bytes() / plan.beat_bits;
+  // From the step that asks for a line to the step that reads it, in steps of the context.
+  const double wait = ceil_of(beats + kLineTurns + 1, contexts);
+  const double parts = static_cast<double>(plan.bucket) / plan.lanes;
+  // About half the lanes of a part face the query: so many insertions come in one part, each a
+  // step, of which the part itself counts one.
+  const double together = std::max(1.0, plan.lanes / 2.0);
+  double steps = 0, lines = 0, given = 0, longest = 0;
+  for (size_t i = 0; i < out.size(); ++i) {
+    double own = 2;  // start and finish
+    if (out[i].leaves > 0) {
+      own += out[i].nodes;      // down
+      own += out[i].nodes + 1;  // up: what was stacked, and that nothing is left
+      own += out[i].leaves * (wait - 1 + parts);
+      own += out[i].insertions * (1 - 1 / together);
+    }
+    if (in[i].want_photons && !in[i].flush && out[i].count > 0) {
+      own += ceil_of(static_cast<int>(out[i].count) + kFreeTurns, contexts);
+      given += out[i].count;
+    }
+    given += 1;
+    steps += own;
+    lines += out[i].leaves;
+    longest = std::max(longest, own);
+  }
+  // A turn is one step of one context, one beat and one packet out.
+  const double turns = std::max({steps, lines * beats, given});
+  return {{turns, static_cast<double>(out.size())},
+          longest * contexts * ceil_of(kStepLatency, contexts) / 2};
+}
+
+TripCounts trip_counts(const Plan& plan, std::span<const GatherQuery> in) {
+  const bool fullest = plan.reorder_drain == ReorderDrain::kFullest;
+  if (plan.reorder_key == ReorderKey::kNone) return {{static_cast<double>(in.size())}, 0};
+  const auto capacity = static_cast<size_t>(plan.reorder_packets);
+  // The fullest bin is looked for 8 bins a turn. How often is a matter of the bins' lengths; as
+  // many packets leave between as a bin holds, on average.
+  const double looks = fullest ? std::max(1, plan.reorder_bins / 8) + 1 : 0;
+  double turns = 0, left = 0;
+  size_t held = 0;
+  for (const GatherQuery& q : in) {
+    turns += 1;
+    if (q.flush) {
+      turns += static_cast<double>(held);  // one of them leaves in the flush's own turn
+      left += static_cast<double>(held);
+      held = 0;
+    } else if (held + 1 == capacity) {
+      left += 1;
+    } else {
+      ++held;
+    }
+  }
+  const double in_bin =
+      std::max(1.0, 2.0 * static_cast<double>(capacity) / static_cast<double>(plan.reorder_bins));
+  return {{turns + looks * left / in_bin}, 0};
+}
+
+TripCounts trip_counts(const Plan& plan, std::span<const SamplerInput> in) {
+  const double cells = std::size_t{1} << (2 * plan.cell_bits);
+  double tables = 0, requests = 0, collect = 0;
+  bool open = false, closed = false, photons = false;
+  for (const SamplerInput& p : in) {
+    collect += 1;
+    if (p.kind == 0) {
+      if (open && !closed && photons) collect += cells;  // a table that nobody asked is cleared
+      open = true;
+      closed = photons = false;
+    } else if (p.kind == 1) {
+      photons = true;
+    } else if (open) {
+      requests += 1;
+      if (!closed) {
+        tables += 1;
+        collect += cells + 1;
+      }
+      closed = true;
+    }
+  }
+  // The last table's weights follow its cosines.
+  return {{collect, tables * (cells + 1), tables * (cells + 1), tables * (cells + 1) + requests},
+          cells};
+}
+
+double modelled_cycles(const std::vector<KernelLoop>& loops, const TripCounts& trips) {
+  double most = 0;
+  for (size_t i = 0; i < loops.size(); ++i)
+    most = std::max(most, trips.turns.at(i) * loops[i].interval());
+  return most + trips.fill;
+}
+
+}  // namespace photonloom

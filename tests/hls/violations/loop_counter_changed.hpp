@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+// expected: a loop whose body changes its counter or bound
+#pragma once
+#include "hls_kernels/vocabulary.hpp"
+
+namespace photonloom_hls {
+
+template <class T>
+class LoopCounterChanged {
+  using Word = typename T::template uint<16>;
+
+ public:
+  void run(typename T::template stream<Word>& in, typename T::template stream<Word>& out,
+           const Word* memory, const Word& packets) {
+    for (Word i = 0; i < packets; ++i) {
+      HLS_PIPELINE(1);
+      out.write(step(in.read(), memory));
+    }
+  }
+
+ private:
+  Word step(const Word& x, [[maybe_unused]] const Word* memory) {
+    Word y = x;
+    for (int i = 0; i < 9; ++i) {
+      if (y < 5) i = 0;
+      y = y + 1;
+    }
+    return y;
+  }
+};
+
+}  // namespace photonloom_hls
