@@ -3,7 +3,7 @@
 JOBS := $(shell nproc)
 PREFIX ?= /usr/local
 .DEFAULT_GOAL := build
-.PHONY: help build install demo test test-full gallery precision mutate bench bench-rtl asan fuzz format clean references mutate-golden fpga-tools fpga board-sim headline fpga-plans area-check
+.PHONY: help build install demo test test-full gallery precision mutate bench bench-rtl asan fuzz format clean references mutate-golden fpga-tools fpga board-sim headline fpga-plans area-check tradeoffs sweep-search slurm-test cycle-fit
 
 help: ## this list
 	@sed -n 's/^\([a-z-]*\):[^#]*## \(.*\)/  make \1\t\2/p' Makefile | expand -t 24
@@ -97,6 +97,22 @@ fpga-plans: build ## what several plans cost, and the fit that predicts it: docs
 	@scripts/setup fpga-plans
 	@scripts/fpga-tools
 	@scripts/fpga-plans
+
+tradeoffs: build ## a hundred plans on three scenes, error against cycles, LUTs and bytes: docs/tradeoffs.md (20 minutes)
+	@scripts/setup tradeoffs
+	@scripts/tradeoffs
+
+cycle-fit: build ## plans through the RTL, and the fit that predicts cycles a gather: study/cycle_fit.hpp
+	@scripts/setup cycle-fit
+	@build/photonloom sweep studies/cycles.toml -o build/cycles
+	@scripts/cycle-fit build/cycles/results.csv
+
+sweep-search: ## what the strategy `search` of a study needs: Optuna
+	@scripts/setup sweep-search
+
+slurm-test: build ## a sweep on a Slurm of one node, started on the loopback device
+	@scripts/setup slurm-test
+	@PHOTONLOOM=build/photonloom tests/slurm/one_node.sh
 
 area-check: build ## whether the units grew since fpga/baseline.json
 	@scripts/setup area-check

@@ -98,6 +98,11 @@ int samples_per_pixel(const FrameRequest& request, const Scene& scene) {
   return scene.sample_count > 0 ? scene.sample_count : 16;
 }
 
+int gather_rays_per_sample(const FrameRequest& request, int spp) {
+  return request.gather_rays.value_or(
+      std::max(1, static_cast<int>(std::lround(static_cast<double>(kRaysPerPixel) / spp))));
+}
+
 std::unique_ptr<World> load_world(const FrameRequest& request) {
   Scene scene = load_scene(request.scene_file, request.parameters);
   if (request.size) {
@@ -147,8 +152,7 @@ PreparedFrame prepare_frame(std::unique_ptr<World> world, const FrameRequest& re
 
   PlanRequest plan_request;
   plan_request.spp = samples_per_pixel(request, scene);
-  plan_request.gather_rays = request.gather_rays.value_or(std::max(
-      1, static_cast<int>(std::lround(static_cast<double>(kRaysPerPixel) / plan_request.spp))));
+  plan_request.gather_rays = gather_rays_per_sample(request, plan_request.spp);
   plan_request.photons = request.photons.value_or(plan_request.photons);
   plan_request.caustic_photons = request.caustic_photons.value_or(plan_request.caustic_photons);
   plan_request.k = request.k.value_or(plan_request.k);

@@ -33,6 +33,8 @@ struct FrameRequest {
 
 // spp: as asked for, else the scene's sampleCount, else 16.
 int samples_per_pixel(const FrameRequest& request, const Scene& scene);
+// Final gather rays of a sample: as asked for, else so many that a pixel has 256.
+int gather_rays_per_sample(const FrameRequest& request, int spp);
 
 // The scene with the film of the request. Throws SceneError.
 std::unique_ptr<World> load_world(const FrameRequest& request);

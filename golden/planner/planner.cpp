@@ -19,9 +19,6 @@ namespace {
 constexpr double kThroughput = 256;
 // Maps up to this size are cached whole: the cache then costs less than a pool that reorders.
 constexpr uint64_t kCachedMapBytes = 65536;
-// Photon lines that a board keeps in block RAM: 18 Kibit blocks of an LFE5U-85F, of which the
-// gatherers need some too.
-constexpr uint64_t kBoardBlockRamBytes = 262144;
 // Samples of a batch, some 350 bytes each on the host.
 constexpr uint64_t kBatchSamples = uint64_t{1} << 20;
 

@@ -37,6 +37,10 @@ MapsNeeded maps_needed(const World& world, int gather_rays);
 inline constexpr double kGlobalShare = 1.0, kCausticShare = 0.25;
 double default_radius(double share, int k, double area, uint64_t photons);
 
+// Photon lines that a board keeps in block RAM: 18 Kibit blocks of an LFE5U-85F, of which the
+// gatherers need some too. Larger maps go to an SDRAM.
+inline constexpr uint64_t kBoardBlockRamBytes = 262144;
+
 struct PlannedFrame {
   Plan plan;
   PlanReasons reasons;

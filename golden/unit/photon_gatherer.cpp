@@ -25,14 +25,15 @@ uint64_t square_distance(const UVec3& a, const UVec3& b) {
 class Search {
  public:
   Search(const Plan& plan, const PhotonMap& map, const GatherQuery& query,
-         std::vector<Neighbour>& found)
+         std::vector<Neighbour>& found, std::vector<uint32_t>* lines)
       : plan_(plan),
         map_(map),
         query_(query),
         normal_(oct_decode({query.normal[0], query.normal[1]}, plan.normal_bits)),
         k_(static_cast<size_t>(plan.k)),
         bound_(plan.map(query.map != 0).r2_max),
-        found_(found) {}
+        found_(found),
+        lines_(lines) {}
 
   SearchCounts run() {
     found_.clear();
@@ -73,6 +74,7 @@ class Search {
 
   void visit_leaf(uint32_t line) {
     ++counts_.leaves;
+    if (lines_) lines_->push_back(line);
     const uint64_t begin = uint64_t{line} * static_cast<uint64_t>(map_.bucket);
     const uint64_t end = std::min(begin + static_cast<uint64_t>(map_.bucket), map_.count);
     for (uint64_t index = begin; index < end; ++index) {
@@ -100,6 +102,7 @@ class Search {
   size_t k_;
   uint64_t bound_;
   std::vector<Neighbour>& found_;
+  std::vector<uint32_t>* lines_;
   SearchCounts counts_;
 };
 
@@ -328,8 +331,8 @@ std::vector<Neighbour> brute_force_gather(const Plan& plan, const PhotonMap& map
 }
 
 SearchCounts search_gather(const Plan& plan, const PhotonMap& map, const GatherQuery& query,
-                           std::vector<Neighbour>& found) {
-  return Search(plan, map, query, found).run();
+                           std::vector<Neighbour>& found, std::vector<uint32_t>* lines) {
+  return Search(plan, map, query, found, lines).run();
 }
 
 GatherResult make_gather_result(const Plan& plan, const PhotonMap& map, const GatherQuery& query,

@@ -39,9 +39,10 @@ std::vector<Neighbour> brute_force_gather(const Plan& plan, const PhotonMap& map
                                           const GatherQuery& query);
 
 // The search of the tree, one step at a time, in the order that hardware follows. `found` becomes
-// the result, smallest (d2, index) first.
+// the result, smallest (d2, index) first. The lines of the leaves that it visits, in their order,
+// are appended to `lines` where that is not null.
 SearchCounts search_gather(const Plan& plan, const PhotonMap& map, const GatherQuery& query,
-                           std::vector<Neighbour>& found);
+                           std::vector<Neighbour>& found, std::vector<uint32_t>* lines = nullptr);
 
 // The result packet of a query (not of a flush) whose photons are known.
 GatherResult make_gather_result(const Plan& plan, const PhotonMap& map, const GatherQuery& query,

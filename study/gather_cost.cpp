@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "study/gather_cost.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "golden/numeric/sha256.hpp"
+#include "golden/plan/plan_file.hpp"
+#include "golden/unit/photon_gatherer.hpp"
+#include "study/cycle_fit.hpp"
+#include "verilator_tb/unit/backends.hpp"
+
+namespace photonloom {
+namespace {
+
+constexpr size_t kRuns = 4;  // of neighbouring queries
+
+// Lines that the leaf cache fetches when as many queries as the unit has contexts take turns, a
+// leaf each. The cache's victim is the next way in turn.
+double cache_misses(const Plan& plan, const std::vector<std::vector<uint32_t>>& visits) {
+  const auto ways = static_cast<size_t>(plan.cache_ways);
+  const size_t sets = static_cast<size_t>(plan.cache_bytes) /
+                      (static_cast<size_t>(plan.line_bytes()) * ways);
+  std::vector<uint32_t> tags(sets * ways, ~0u);
+  std::vector<size_t> turn(sets, 0);
+  const size_t contexts = static_cast<size_t>(plan.contexts);
+  struct Flight {
+    size_t query, leaf;
+  };
+  std::vector<Flight> flights;
+  size_t next = 0;
+  uint64_t misses = 0;
+  for (;;) {
+    while (flights.size() < contexts && next < visits.size()) flights.push_back({next++, 0});
+    if (flights.empty()) break;
+    for (Flight& f : flights) {
+      if (f.leaf == visits[f.query].size()) continue;
+      const uint32_t line = visits[f.query][f.leaf++];
+      const size_t set = line % sets;
+      const auto begin = tags.begin() + static_cast<std::ptrdiff_t>(set * ways);
+      if (std::find(begin, begin + static_cast<std::ptrdiff_t>(ways), line) !=
+          begin + static_cast<std::ptrdiff_t>(ways))
+        continue;
+      ++misses;
+      tags[set * ways + turn[set]] = line;
+      turn[set] = (turn[set] + 1) % ways;
+    }
+    std::erase_if(flights, [&](const Flight& f) { return f.leaf == visits[f.query].size(); });
+  }
+  return static_cast<double>(misses) / static_cast<double>(visits.size());
+}
+
+}  // namespace
+
+WatchedGatherer::WatchedGatherer(const Plan& plan, size_t queries)
+    : golden_(make_golden_photon_gatherer(plan)), caustic_(!plan.global.present) {
+  // Some rays leave the scene, so the places are within the first half of what may come.
+  const size_t most = static_cast<size_t>(plan.width) * static_cast<size_t>(plan.height) *
+                      static_cast<size_t>(plan.spp) *
+                      static_cast<size_t>(caustic_ ? 1 : std::max(1, plan.gather_rays));
+  run_ = std::max<size_t>(1, queries / kRuns);
+  stride_ = std::max(run_, most / 2 / kRuns);
+}
+
+void WatchedGatherer::load(const PhotonMap& global, const PhotonMap& caustic) {
+  golden_->load(global, caustic);
+}
+
+bool WatchedGatherer::counts(const GatherQuery& query) const {
+  return !query.flush && !query.want_photons && (query.map != 0) == caustic_;
+}
+
+void WatchedGatherer::process(std::span<const GatherQuery> in, std::vector<GatherResult>& results,
+                              std::vector<GatherPhoton>& photons) {
+  for (const GatherQuery& query : in) {
+    if (!counts(query)) continue;
+    const size_t place = seen_++;
+    if (place / stride_ < kRuns && place % stride_ < run_) kept_.push_back(query);
+  }
+  golden_->process(in, results, photons);
+}
+
+GatherCost gather_cost_rtl(const Plan& plan, const PhotonMap& global, const PhotonMap& caustic,
+                           std::span<const GatherQuery> queries, int latency,
+                           const std::string& work_dir) {
+  GatherCost cost = gather_cost_model(plan, global, caustic, queries, latency);
+  RunOptions options;
+  options.latency = latency;
+  options.work_dir = work_dir;
+  const auto rtl = make_rtl_photon_gatherer(plan, options);
+  const auto golden = make_golden_photon_gatherer(plan);
+  std::vector<GatherResult> results, expected;
+  std::vector<GatherPhoton> photons;
+  golden->load(global, caustic);
+  golden->process(queries, expected, photons);
+  rtl->load(global, caustic);
+  const Counters before = rtl->counters();
+  const uint64_t first = rtl->cycles();
+  rtl->process(queries, results, photons);
+  if (results != expected)
+    throw std::runtime_error(
+        fmt::format("plan {}: the RTL's gathers are not golden's", plan_hash_text(plan)));
+  const auto per_query = [&](double n) { return n / static_cast<double>(queries.size()); };
+  const Counters after = rtl->counters();
+  cost.from_rtl = true;
+  cost.cycles = per_query(static_cast<double>(rtl->cycles() - first));
+  cost.bytes =
+      per_query(static_cast<double>(after.at("bytes read") - before.at("bytes read")));
+  cost.load.misses = cost.bytes / plan.line_bytes();
+  return cost;
+}
+
+GatherCost gather_cost_model(const Plan& plan, const PhotonMap& global, const PhotonMap& caustic,
+                             std::span<const GatherQuery> queries, int latency) {
+  GatherCost cost;
+  if (queries.empty()) return cost;
+  std::vector<std::vector<uint32_t>> visits(queries.size());
+  std::vector<Neighbour> found;
+  for (size_t i = 0; i < queries.size(); ++i) {
+    const SearchCounts counts =
+        search_gather(plan, queries[i].map ? caustic : global, queries[i], found, &visits[i]);
+    cost.load.nodes += counts.nodes;
+    cost.load.leaves += counts.leaves;
+    cost.load.insertions += counts.insertions;
+  }
+  for (double* sum : {&cost.load.nodes, &cost.load.leaves, &cost.load.insertions})
+    *sum /= static_cast<double>(queries.size());
+  cost.load.misses = cache_misses(plan, visits);
+  cost.bytes = cost.load.misses * plan.line_bytes();
+  cost.cycles = modelled_cycles(plan, cost.load, latency);
+  return cost;
+}
+
+double modelled_cycles(const Plan& plan, const GatherLoad& load, int latency) {
+  const CycleFit& f = kCycleFit;
+  const double parts = static_cast<double>(plan.bucket) / plan.lanes;
+  const double beats = 8.0 * plan.line_bytes() / plan.beat_bits;
+  // What one query waits for when it is alone.
+  const double alone = 3 * load.nodes + 1.5 * (load.nodes + 1) + 27 * load.leaves +
+                       load.insertions + load.misses * (latency + beats) + plan.k;
+  const double bounds[] = {f.nodes * load.nodes, f.lanes * parts * load.leaves,
+                           f.insertions * load.insertions, f.memory * beats * load.misses,
+                           f.latency * alone / plan.contexts};
+  double sum = 0;
+  for (const double b : bounds) sum += std::pow(b, f.power);
+  return f.fixed + std::pow(sum, 1 / f.power);
+}
+
+std::string cycle_fit_signature() {
+  const CycleFit& f = kCycleFit;
+  Sha256 sum;
+  sum.add(fmt::format("{} {} {} {} {} {} {}", f.power, f.fixed, f.nodes, f.lanes, f.insertions,
+                      f.memory, f.latency));
+  return sum.hex().substr(0, 16);
+}
+
+double sampler_cycles(const Plan& plan, double photons, double rays) {
+  const double cells = static_cast<double>(1 << (2 * plan.cell_bits));
+  const int edge = 1 << plan.cell_bits;
+  const double steps = (edge / 2 + 1 + 1) / 2;
+  const double build = std::max(photons, steps - 1) + cells + 12;
+  return std::max(build, 1 + photons + rays);
+}
+
+}  // namespace photonloom

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+// What gathers cost in hardware: run through the RTL, or predicted from what golden counts.
+#pragma once
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "golden/unit/backend.hpp"
+
+namespace photonloom {
+
+// Means over queries. `bytes` are read at the line port.
+struct GatherLoad {
+  double nodes = 0, leaves = 0, insertions = 0;
+  double misses = 0;  // leaf lines that the cache had to fetch
+};
+struct GatherCost {
+  double cycles = 0, bytes = 0;
+  bool from_rtl = false;
+  GatherLoad load;
+};
+
+// A window on a frame's gathers: passes everything on to golden and keeps some final-gather
+// queries (caustic ones where the plan has no global map), in the order in which they come, as
+// several runs of neighbours from different places of the stream.
+class WatchedGatherer final : public PhotonGatherer {
+ public:
+  WatchedGatherer(const Plan& plan, size_t queries);
+  void load(const PhotonMap& global, const PhotonMap& caustic) override;
+  void process(std::span<const GatherQuery> in, std::vector<GatherResult>& results,
+               std::vector<GatherPhoton>& photons) override;
+  Counters counters() const override { return golden_->counters(); }
+  const std::vector<GatherQuery>& kept() const { return kept_; }
+
+ private:
+  bool counts(const GatherQuery& query) const;
+
+  std::unique_ptr<PhotonGatherer> golden_;
+  bool caustic_;
+  size_t run_, stride_, runs_ = 0;
+  size_t seen_ = 0;
+  std::vector<GatherQuery> kept_;
+};
+
+// The RTL, with a line memory of this latency, from an idle unit to an idle unit; its results are
+// compared with golden's, and a difference is a std::runtime_error. Builds a model where `work_dir`
+// has none.
+GatherCost gather_cost_rtl(const Plan& plan, const PhotonMap& global, const PhotonMap& caustic,
+                           std::span<const GatherQuery> queries, int latency,
+                           const std::string& work_dir);
+
+// The same from golden's counts, a model of the cache, and the fit of study/cycle_fit.hpp.
+GatherCost gather_cost_model(const Plan& plan, const PhotonMap& global, const PhotonMap& caustic,
+                             std::span<const GatherQuery> queries, int latency);
+
+// Cycles of a gather as the fit has it. docs/sweep.md has the formula.
+double modelled_cycles(const Plan& plan, const GatherLoad& load, int latency);
+// Of the fit's numbers; results made with another are made again.
+std::string cycle_fit_signature();
+
+// Cycles of cdf_sampler for a table of `photons` photons and `rays` requests, as
+// docs/cdf_sampler.md states its rates.
+double sampler_cycles(const Plan& plan, double photons, double rays);
+
+}  // namespace photonloom

@@ -1,0 +1,286 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "study/measures.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+#include "golden/planner/resources.hpp"
+#include "golden/unit/cdf_sampler.hpp"
+#include "rtl/generate/hardware.hpp"
+
+namespace photonloom {
+
+PointRun::PointRun(StudyScene& scene, const Study& study, const Plan& plan, uint64_t seed,
+                   std::string work_dir)
+    : scene_(scene), study_(study), plan_(plan), seed_(seed), work_dir_(std::move(work_dir)) {}
+
+void PointRun::prepare() {
+  if (prepared_) return;
+  for (const bool is_caustic : {false, true}) {
+    const MapPlan& map = plan_.map(is_caustic);
+    auto& pass = passes_[is_caustic];
+    pass = std::make_shared<const PhotonPass>();
+    if (map.present) {
+      // The path that fills a map is stored whole, and another seed's may be longer than the plan's
+      // addresses reach.
+      const uint64_t room =
+          (uint64_t{1} << plan_.line_bits()) * static_cast<uint64_t>(plan_.bucket);
+      for (uint64_t stored = map.photons;;) {
+        pass = scene_.photons(is_caustic, stored, seed_);
+        if (pass->photons.size() <= room) break;
+        stored -= std::min(stored - 1, pass->photons.size() - room);
+      }
+    }
+    PackCounts counts;
+    maps_[is_caustic] =
+        build_photon_map(pack_photons(pass->photons, plan_, map, &counts), plan_);
+    packed_.zeroed += counts.zeroed;
+    packed_.saturated += counts.saturated;
+  }
+  prepared_ = true;
+}
+
+Image PointRun::render(Arithmetic arithmetic, FrameUnits& units, FrameCounts& counts) {
+  prepare();
+  std::unique_ptr<ReferenceGather> exact[2];
+  if (arithmetic == Arithmetic::kReference)
+    for (const bool is_caustic : {false, true})
+      exact[is_caustic] = std::make_unique<ReferenceGather>(
+          in_map_order(passes_[is_caustic]->photons, maps_[is_caustic]));
+  const FrameInput input{.world = scene_.world(),
+                         .caster = scene_.caster(),
+                         .plan = plan_,
+                         .global = maps_[0],
+                         .caustic = maps_[1],
+                         .reference_global = exact[0].get(),
+                         .reference_caustic = exact[1].get(),
+                         .seed = seed_,
+                         .arithmetic = arithmetic};
+  return render_frame(input, units, counts);
+}
+
+const Planes& PointRun::golden() {
+  if (!golden_) {
+    FrameUnits units = make_golden_units(plan_);
+    auto watched = std::make_unique<WatchedGatherer>(
+        plan_, static_cast<size_t>(study_.gather_queries));
+    WatchedGatherer& window = *watched;
+    units.photon_gatherer = std::move(watched);
+    golden_ = std::make_unique<Planes>(
+        planes_of(render(Arithmetic::kGolden, units, counts_), "", "the golden frame"));
+    gather_counters_ = window.counters();
+    watched_ = window.kept();
+  }
+  return *golden_;
+}
+
+const Planes& PointRun::reference() {
+  if (!reference_) {
+    FrameUnits units = make_golden_units(plan_);
+    FrameCounts counts;
+    reference_ = std::make_unique<Planes>(planes_of(render(Arithmetic::kReference, units, counts),
+                                                    "", "the frame in reference arithmetic"));
+  }
+  return *reference_;
+}
+
+const FrameCounts& PointRun::counts() { return golden(), counts_; }
+const Counters& PointRun::gather_counters() { return golden(), gather_counters_; }
+const std::vector<GatherQuery>& PointRun::watched_queries() { return golden(), watched_; }
+const PhotonMap& PointRun::map(bool is_caustic) { return prepare(), maps_[is_caustic]; }
+const PackCounts& PointRun::packed() { return prepare(), packed_; }
+
+namespace {
+
+// The unit whose resources stand apart.
+constexpr const char* kGatherer = "photon_gatherer";
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+
+// Image columns: relmse, flip, bias, worst of `a` against b1 and b2, which may be the same.
+Measurement image_errors(const Planes& a, const Planes& b1, const Planes& b2, const Planes& mean) {
+  const size_t pixels = a.c[0].size();
+  const auto width = static_cast<size_t>(a.width), height = static_cast<size_t>(a.height);
+  const double n = 3.0 * static_cast<double>(pixels);
+  const std::vector<double> flips = hdr_flip(a, mean);
+  Blocks relmse(kBlocks, 0.0), flip(kBlocks, 0.0), bias(kBlocks, 0.0);
+  double sum = 0, worst = 0;
+  for (size_t c = 0; c < 3; ++c)
+    for (size_t p = 0; p < pixels; ++p) sum += mean.c[c][p];
+  for (size_t p = 0; p < pixels; ++p) {
+    const size_t block = p / width * kBlockEdge / height * kBlockEdge + p % width * kBlockEdge / width;
+    flip[block] += flips[p] / static_cast<double>(pixels);
+    for (size_t c = 0; c < 3; ++c) {
+      const double v = a.c[c][p], b = mean.c[c][p];
+      relmse[block] += (v - b1.c[c][p]) * (v - b2.c[c][p]) / (b * b + 0.01) / n;
+      bias[block] += (v - b) / sum;
+      worst = std::max(worst, std::fabs(v - b));
+    }
+  }
+  const auto total = [](const Blocks& blocks) {
+    double t = 0;
+    for (const double b : blocks) t += b;
+    return t;
+  };
+  Measurement m;
+  m.values = {total(relmse), total(flip), total(bias), worst / (sum / n)};
+  m.blocks = {{"relmse", relmse}, {"flip", flip}, {"bias", bias}};
+  return m;
+}
+
+Measurement measure_visible(PointRun& run) {
+  const SceneReferences& r = run.scene().references();
+  return image_errors(run.golden(), r.b1, r.b2, r.mean);
+}
+
+Measurement measure_formats(PointRun& run) {
+  const Planes& c = run.reference();
+  Measurement m = image_errors(run.golden(), c, c, c);
+  m.values.push_back(static_cast<double>(run.packed().zeroed));
+  m.values.push_back(static_cast<double>(run.packed().saturated));
+  return m;
+}
+
+Measurement measure_gather(PointRun& run) {
+  const Counters& counted = run.gather_counters();
+  const auto queries = static_cast<double>(counted.at("queries"));
+  Measurement m;
+  if (queries == 0 || run.watched_queries().empty()) {
+    m.values.assign(measure("gather").columns.size(), kNone);
+    return m;
+  }
+  const Plan& plan = run.plan();
+  const GatherCost cost =
+      run.study().rtl_cycles
+          ? gather_cost_rtl(plan, run.map(false), run.map(true), run.watched_queries(),
+                            run.study().latency, run.work_dir())
+          : gather_cost_model(plan, run.map(false), run.map(true), run.watched_queries(),
+                              run.study().latency);
+  const auto per_query = [&](const char* name) {
+    return static_cast<double>(counted.at(name)) / queries;
+  };
+  const FrameCounts& frame = run.counts();
+  const auto tables = static_cast<double>(frame.table_gathers);
+  const double sample =
+      tables == 0 ? 0
+                  : sampler_cycles(plan, static_cast<double>(counted.at("photons out")) / tables,
+                                   plan.gather_rays);
+  const double before = tables + static_cast<double>(frame.caustic_queries);
+  const double frame_cycles = std::max(before * cost.cycles, tables * sample) +
+                              static_cast<double>(frame.final_gathers) * cost.cycles;
+  m.values = {cost.cycles,
+              cost.from_rtl ? 1.0 : 0.0,
+              cost.bytes,
+              per_query("nodes"),
+              per_query("leaves"),
+              per_query("insertions"),
+              per_query("full"),
+              cost.load.nodes,
+              cost.load.leaves,
+              cost.load.insertions,
+              cost.load.misses,
+              sample,
+              frame_cycles};
+  return m;
+}
+
+Measurement measure_resources(PointRun& run) {
+  const Plan& plan = run.plan();
+  UnitResources all, gatherer;
+  for (const std::string& unit : units_present(plan)) {
+    const UnitResources r = estimate_resources(plan, unit);
+    all.lut += r.lut;
+    all.ff += r.ff;
+    all.dsp += r.dsp;
+    all.ebr += r.ebr;
+    if (unit == kGatherer) gatherer = r;
+  }
+  const double bytes =
+      static_cast<double>(plan.lines(plan.global) + plan.lines(plan.caustic)) * plan.line_bytes();
+  Measurement m;
+  m.values = {gatherer.lut, gatherer.ff, gatherer.dsp, gatherer.ebr,
+              all.lut,      all.ff,      all.dsp,      all.ebr,
+              static_cast<double>(plan.photon_bits()), bytes};
+  return m;
+}
+
+std::string no_settings(const Study&, const StudyScene&) { return "1"; }
+
+}  // namespace
+
+const std::vector<Measure>& measures() {
+  static const std::vector<Measure> all = {
+      {"visible",
+       "error against path tracing",
+       {{"relmse", "", "mean (a - b1)(a - b2) / (b^2 + 0.01)"},
+        {"flip", "", "mean HDR-FLIP"},
+        {"bias", "", "ratio of the means, minus 1"},
+        {"worst", "", "largest difference of a pixel's channel over the mean"}},
+       measure_visible,
+       [](const Study&, const StudyScene& s) { return "references " + s.references().signature; }},
+      {"formats",
+       "error against reference arithmetic on the same photons",
+       {{"relmse", "", "mean (a - c)^2 / (c^2 + 0.01)"},
+        {"flip", "", "mean HDR-FLIP"},
+        {"bias", "", "ratio of the means, minus 1"},
+        {"worst", "", "largest difference of a pixel's channel over the mean"},
+        {"zeroed", "photons", "whose power became 0"},
+        {"saturated", "photons", "whose power was clipped"}},
+       measure_formats,
+       no_settings},
+      {"gather",
+       "cycles and bytes",
+       {{"cycles", "cycles", "a final gather"},
+        {"source", "", "1: from the RTL; 0: from the model fitted to it"},
+        {"bytes", "bytes", "read at the line port a final gather"},
+        {"nodes", "", "inner nodes a gather, all of the frame"},
+        {"leaves", "", "leaves a gather, all of the frame"},
+        {"insertions", "", "candidates that entered the list a gather, all of the frame"},
+        {"found", "", "part of the gathers that found k"},
+        {"sample_nodes", "", "inner nodes, of the queries that cycles are of"},
+        {"sample_leaves", "", "their leaves"},
+        {"sample_insertions", "", "their insertions"},
+        {"sample_misses", "", "their lines that the cache had not"},
+        {"table_cycles", "cycles", "a camera sample's table and directions"},
+        {"frame_cycles", "cycles", "a frame"}},
+       measure_gather,
+       [](const Study& s, const StudyScene&) {
+         return fmt::format("{} queries {} latency {} fit {}", s.rtl_cycles ? "rtl" : "model",
+                            s.gather_queries, s.latency, cycle_fit_signature());
+       }},
+      {"resources",
+       "logic and memory, predicted",
+       {{"gatherer_lut", "LUT-equivalents", "the gatherer"},
+        {"gatherer_ff", "flip-flops", "the gatherer"},
+        {"gatherer_dsp", "multipliers", "the gatherer"},
+        {"gatherer_ebr", "block RAMs", "the gatherer"},
+        {"lut", "LUT-equivalents", "all units"},
+        {"ff", "flip-flops", "all units"},
+        {"dsp", "multipliers", "all units"},
+        {"ebr", "block RAMs", "all units"},
+        {"photon_bits", "bits", "of a photon"},
+        {"map_bytes", "bytes", "lines of both maps"}},
+       measure_resources,
+       no_settings}};
+  return all;
+}
+
+const Measure& measure(const std::string& name) {
+  for (const Measure& m : measures())
+    if (name == m.name) return m;
+  throw std::logic_error("no measure " + name);
+}
+
+std::vector<std::pair<std::string, std::vector<std::string>>> measure_names() {
+  std::vector<std::pair<std::string, std::vector<std::string>>> names;
+  for (const Measure& m : measures()) {
+    names.emplace_back(m.name, std::vector<std::string>{});
+    for (const Column& c : m.columns) names.back().second.emplace_back(c.name);
+  }
+  return names;
+}
+
+}  // namespace photonloom

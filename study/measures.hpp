@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+// What can be measured of a plan in a scene with a seed, by name. A further study adds a function
+// and a line to the list in measures.cpp; store, tables and files follow.
+#pragma once
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "golden/pipeline/frame.hpp"
+#include "golden/unit/pack_photons.hpp"
+#include "study/gather_cost.hpp"
+#include "study/study_scene.hpp"
+
+namespace photonloom {
+
+// A figure of a measure.
+struct Column {
+  const char* name;
+  const char* unit;  // "" for a number
+  const char* meaning;
+};
+
+// Sums of blocks of the image that add up to a column's value; kBlocks of them.
+using Blocks = std::vector<double>;
+inline constexpr int kBlockEdge = 4;  // blocks across and down
+inline constexpr int kBlocks = kBlockEdge * kBlockEdge;
+
+struct Measurement {
+  std::vector<double> values;            // a column each; NaN where there is none
+  std::map<std::string, Blocks> blocks;  // by column, of those that are sums over the image
+};
+
+// One plan in one scene with one seed. What several measures need is made once.
+class PointRun {
+ public:
+  PointRun(StudyScene& scene, const Study& study, const Plan& plan, uint64_t seed,
+           std::string work_dir);
+
+  const Plan& plan() const { return plan_; }
+  const Study& study() const { return study_; }
+  const StudyScene& scene() const { return scene_; }
+  const std::string& work_dir() const { return work_dir_; }
+
+  const Planes& golden();     // the frame in golden arithmetic
+  const Planes& reference();  // in reference arithmetic: the same photons, queries and directions
+  const FrameCounts& counts();
+  const Counters& gather_counters();
+  const std::vector<GatherQuery>& watched_queries();
+  const PhotonMap& map(bool is_caustic);
+  const PackCounts& packed();  // of both maps
+
+ private:
+  void prepare();
+  Image render(Arithmetic arithmetic, FrameUnits& units, FrameCounts& counts);
+
+  StudyScene& scene_;
+  const Study& study_;
+  const Plan& plan_;
+  uint64_t seed_;
+  std::string work_dir_;
+  bool prepared_ = false;
+  std::shared_ptr<const PhotonPass> passes_[2];
+  PhotonMap maps_[2];
+  PackCounts packed_;
+  std::unique_ptr<Planes> golden_, reference_;
+  FrameCounts counts_;
+  Counters gather_counters_;
+  std::vector<GatherQuery> watched_;
+};
+
+struct Measure {
+  const char* name;
+  const char* meaning;
+  std::vector<Column> columns;
+  Measurement (*run)(PointRun&);
+  // What else the figures depend on than plan, scene and seed; results made with another are made
+  // again.
+  std::string (*settings)(const Study&, const StudyScene&);
+};
+
+const std::vector<Measure>& measures();
+const Measure& measure(const std::string& name);
+// As parse_study wants them.
+std::vector<std::pair<std::string, std::vector<std::string>>> measure_names();
+
+}  // namespace photonloom

@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "study/point_plan.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <optional>
+#include <sstream>
+
+#include "golden/pipeline/prepare.hpp"
+#include "golden/planner/planner.hpp"
+
+namespace photonloom {
+namespace {
+
+template <class T>
+T number(const std::string& text) {
+  T value{};
+  std::from_chars(text.data(), text.data() + text.size(), value);
+  return value;
+}
+
+// The smallest stride that holds a photon and fills lines of whole 16 bytes.
+int smallest_stride(const Plan& plan) {
+  int bytes = std::max(4, (plan.photon_bits() + 7) / 8);
+  while (bytes * plan.bucket % 16 != 0) ++bytes;
+  return bytes;
+}
+
+// Beats of at least 128 bits; before an SDRAM whole photons, which an SDRAM sends.
+int beat_bits(const Plan& plan, int stride) {
+  if (plan.photon_memory == PhotonMemory::kBlockRam) return 128;
+  int bits = 8 * stride;
+  while (bits < 128) bits *= 2;
+  return bits;
+}
+
+}  // namespace
+
+LineValues joined_lines(const LineValues& base, const LineValues& lines) {
+  LineValues all;
+  for (const LineValues* from : {&base, &lines})
+    for (const auto& [names, value] : *from) {
+      std::istringstream stream(names);
+      for (std::string name; std::getline(stream, name, '+');) {
+        const auto old = std::find_if(all.begin(), all.end(),
+                                      [&](const auto& line) { return line.first == name; });
+        if (old == all.end())
+          all.emplace_back(name, value);
+        else
+          old->second = value;
+      }
+    }
+  return all;
+}
+
+PointPlan plan_of_point(StudyScene& scene, const Study& study, const LineValues& lines) {
+  FrameRequest frame;  // for what it takes as not asked for
+  PlanRequest request;
+  double radius_scale = 1;
+  bool packed = false;
+  std::optional<int> rays;
+  for (const auto& [name, value] : joined_lines(study.base, lines)) {
+    if (name == "photons")
+      frame.photons = number<uint64_t>(value);
+    else if (name == "caustic_photons")
+      frame.caustic_photons = number<uint64_t>(value);
+    else if (name == "radius_scale")
+      radius_scale = number<double>(value);
+    else if (name == "packed")
+      packed = value == "true";
+    else if (name == "frame.spp")
+      frame.spp = number<int>(value);
+    else if (name == "frame.gather_rays")
+      rays = number<int>(value);
+    else if (name == "gather.k")
+      frame.k = number<int>(value);
+    else
+      request.set.push_back(name + "=" + value);
+  }
+  const World& world = scene.world();
+  request.spp = samples_per_pixel(frame, world.scene());
+  request.gather_rays = rays.value_or(gather_rays_per_sample(frame, request.spp));
+  request.photons = frame.photons.value_or(request.photons);
+  request.caustic_photons = frame.caustic_photons.value_or(request.caustic_photons);
+  request.k = frame.k.value_or(request.k);
+
+  const MapsNeeded needed = maps_needed(world, request.gather_rays);
+  const PhotonPass none;
+  std::shared_ptr<const PhotonPass> passes[2];
+  for (const bool is_caustic : {false, true})
+    if (is_caustic ? needed.caustic : needed.global)
+      passes[is_caustic] = scene.photons(
+          is_caustic, is_caustic ? request.caustic_photons : request.photons, study.seeds[0]);
+  const auto make = [&] {
+    return make_plan(world, request, passes[0] ? *passes[0] : none, passes[1] ? *passes[1] : none);
+  };
+  if (radius_scale != 1 || packed) {
+    // What these two ask for depends on the plan without them, whose stride always has room.
+    PlanRequest loose = request;
+    const Plan plan =
+        make_plan(world, loose, passes[0] ? *passes[0] : none, passes[1] ? *passes[1] : none).plan;
+    if (radius_scale != 1)
+      for (const bool is_caustic : {false, true})
+        if (plan.map(is_caustic).present)
+          request.set.push_back(fmt::format("{}.radius={}", is_caustic ? "caustic" : "global",
+                                            radius_scale * plan.map(is_caustic).radius));
+    if (packed) {
+      const int stride = smallest_stride(plan);
+      request.set.push_back(fmt::format("photon.photon_bytes={}", stride));
+      Plan narrow = plan;
+      narrow.photon_bytes = stride;
+      const uint64_t bytes = (plan.lines(plan.global) + plan.lines(plan.caustic)) *
+                             static_cast<uint64_t>(narrow.line_bytes());
+      // The planner moves smaller maps into block RAM.
+      const bool is_sdram = plan.photon_memory == PhotonMemory::kSdram && bytes > kBoardBlockRamBytes;
+      narrow.photon_memory = is_sdram ? PhotonMemory::kSdram : PhotonMemory::kBlockRam;
+      request.set.push_back(fmt::format("gatherer.beat_bits={}", beat_bits(narrow, stride)));
+    }
+  }
+  PlannedFrame planned = make();
+  PointPlan result{std::move(planned.plan), std::move(planned.reasons), {}};
+  result.command = fmt::format(
+      "photonloom plan {} -o plan.toml --size {}x{} --seed {} --spp {} --gather-rays {} --photons "
+      "{} --caustic-photons {} --k {}",
+      scene.file(), study.width, study.height, study.seeds[0], request.spp, request.gather_rays,
+      request.photons, request.caustic_photons, request.k);
+  for (const std::string& line : request.set) result.command += " --set " + line;
+  return result;
+}
+
+}  // namespace photonloom

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "study/slurm.hpp"
+
+#include <fmt/core.h>
+#include <sys/wait.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <filesystem>
+#include <stdexcept>
+#include <thread>
+
+#include "golden/numeric/output_file.hpp"
+
+namespace photonloom {
+namespace {
+
+constexpr size_t kTasks = 1000;  // of an array: Slurm's own default limit is 1001
+
+std::string quoted(const std::string& text) {
+  std::string out = "'";
+  for (const char c : text) out += c == '\'' ? "'\\''" : std::string(1, c);
+  return out + "'";
+}
+
+// What a command printed, and its status.
+std::pair<int, std::string> output_of(const std::string& command) {
+  FILE* pipe = popen((command + " 2>&1").c_str(), "r");
+  if (!pipe) throw std::runtime_error("no process can be started");
+  std::string text;
+  char buffer[4096];
+  while (const size_t n = fread(buffer, 1, sizeof buffer, pipe)) text.append(buffer, n);
+  const int status = pclose(pipe);
+  while (!text.empty() && text.back() == '\n') text.pop_back();
+  return {WIFEXITED(status) ? WEXITSTATUS(status) : 128, text};
+}
+
+}  // namespace
+
+void run_on_slurm(const SlurmWork& work, const std::function<void()>& alive) {
+  const std::string folder = std::filesystem::absolute(work.folder).string() + "/slurm";
+  std::filesystem::create_directories(folder);
+  const size_t each = (work.points.size() + kTasks - 1) / kTasks;
+  std::string lists;
+  size_t tasks = 0;
+  for (size_t i = 0; i < work.points.size(); i += each, ++tasks) {
+    for (size_t j = i; j < std::min(work.points.size(), i + each); ++j)
+      lists += fmt::format("{}{}", j == i ? "" : ",", work.points[j]);
+    lists += '\n';
+  }
+  write_file(folder + "/points", lists);
+  const std::string here = std::filesystem::current_path().string();
+  write_file(
+      folder + "/job.sh",
+      fmt::format("#!/bin/sh\ncd {} || exit 1\npoints=$(sed -n \"$((SLURM_ARRAY_TASK_ID + 1))p\" {})\n"
+                  "exec {} sweep {} -o {} --work {} --points \"$points\" --task --threads "
+                  "\"${{SLURM_CPUS_PER_TASK:-1}}\"\n",
+                  quoted(here), quoted(folder + "/points"), quoted(work.program),
+                  quoted(work.study_file), quoted(work.folder), quoted(work.work_dir)));
+  const auto [status, job] = output_of(fmt::format(
+      "sbatch --parsable --job-name=photonloom-sweep --array=0-{} --output={} {}", tasks - 1,
+      quoted(folder + "/%A_%a.log"), quoted(folder + "/job.sh")));
+  if (status != 0)
+    throw std::runtime_error(fmt::format("sbatch: {}", job.empty() ? "failed" : job));
+  const std::string number = job.substr(0, job.find(';'));
+  for (;;) {
+    const auto [state, queued] =
+        output_of(fmt::format("squeue --noheader --jobs={} --format=%i", quoted(number)));
+    // squeue refuses the number of a job that it has forgotten.
+    if (queued.empty() || (state != 0 && queued.find("nvalid job") != std::string::npos)) return;
+    if (state != 0) throw std::runtime_error(fmt::format("squeue: {}", queued));
+    alive();
+    std::this_thread::sleep_for(std::chrono::milliseconds(500));
+  }
+}
+
+}  // namespace photonloom

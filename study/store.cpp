@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "study/store.hpp"
+
+#include <fcntl.h>
+#include <fmt/core.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+#include "golden/numeric/output_file.hpp"
+
+namespace photonloom {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// The last line is the checksum of all before it.
+constexpr const char* kCheck = "check ";
+
+uint64_t fnv1a(const std::string& bytes) {
+  uint64_t h = 0xcbf29ce484222325ull;
+  for (const char c : bytes) h = (h ^ static_cast<unsigned char>(c)) * 0x100000001b3ull;
+  return h;
+}
+
+Json numbers(const std::vector<double>& values) {
+  Json array = Json::array();
+  for (const double v : values) array.push_back(std::isfinite(v) ? Json(v) : Json());
+  return array;
+}
+
+std::vector<double> numbers_of(const Json& array) {
+  std::vector<double> values;
+  for (const Json& v : array)
+    values.push_back(v.is_null() ? std::numeric_limits<double>::quiet_NaN() : v.get<double>());
+  return values;
+}
+
+}  // namespace
+
+std::string result_text(const Result& r) {
+  Json j;
+  j["scene"] = r.key.scene;
+  j["plan"] = r.key.plan;
+  j["seed"] = r.key.seed;
+  if (!r.failure.empty()) j["failure"] = r.failure;
+  j["seconds"] = r.seconds;
+  j["measures"] = Json::object();
+  for (const auto& [name, taken] : r.measures) {
+    Json& m = j["measures"][name];
+    m["settings"] = taken.settings;
+    m["values"] = numbers(taken.figures.values);
+    for (const auto& [column, blocks] : taken.figures.blocks)
+      m["blocks"][column] = numbers(blocks);
+  }
+  const std::string body = j.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
+  return body + kCheck + fmt::format("{:016x}\n", fnv1a(body));
+}
+
+Result parse_result(const std::string& text) {
+  const size_t line = text.find('\n');
+  if (line == std::string::npos) throw std::runtime_error("is cut short");
+  const std::string body = text.substr(0, line + 1);
+  if (text.substr(line + 1) != kCheck + fmt::format("{:016x}\n", fnv1a(body)))
+    throw std::runtime_error("is damaged: its checksum does not fit");
+  try {
+    const Json j = Json::parse(body);
+    Result r;
+    r.key = {j.at("scene"), j.at("plan"), j.at("seed")};
+    r.failure = j.value("failure", "");
+    r.seconds = j.at("seconds");
+    for (const auto& [name, m] : j.at("measures").items()) {
+      Result::Taken& taken = r.measures[name];
+      taken.settings = m.at("settings");
+      taken.figures.values = numbers_of(m.at("values"));
+      if (m.contains("blocks"))
+        for (const auto& [column, blocks] : m.at("blocks").items())
+          taken.figures.blocks[column] = numbers_of(blocks);
+    }
+    return r;
+  } catch (const Json::exception& error) {
+    throw std::runtime_error(fmt::format("is no result: {}", error.what()));
+  }
+}
+
+ResultStore::ResultStore(std::string folder) : folder_(std::move(folder)) {
+  std::error_code error;
+  std::filesystem::create_directories(folder_ + "/results", error);
+  if (error)
+    throw std::runtime_error(
+        fmt::format("{}: cannot be made a sweep's folder: {}", folder_, error.message()));
+}
+
+std::string ResultStore::path(const ResultKey& key) const {
+  return fmt::format("{}/results/{}/{}-{}-{}.json", folder_, key.plan.substr(0, 2), key.scene,
+                     key.plan, key.seed);
+}
+
+std::optional<Result> ResultStore::find(const ResultKey& key) const {
+  const std::string file = path(key);
+  if (!std::filesystem::exists(file)) return {};
+  try {
+    Result r = parse_result(read_file(file));
+    if (r.key != key) throw std::runtime_error("is another result than its name says");
+    return r;
+  } catch (const std::runtime_error& error) {
+    throw std::runtime_error(fmt::format("{}: {}", file, error.what()));
+  }
+}
+
+void ResultStore::put(const Result& result) const {
+  const std::string file = path(result.key);
+  std::error_code error;
+  std::filesystem::create_directories(std::filesystem::path(file).parent_path(), error);
+  if (error)
+    throw std::runtime_error(fmt::format("{}: cannot be created: {}", file, error.message()));
+  write_file(file, result_text(result));
+}
+
+void ResultStore::remove_unfinished() const {
+  std::error_code ignored;
+  std::vector<std::filesystem::path> found;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder_, ignored))
+    if (entry.is_regular_file() &&
+        entry.path().filename().string().find(".partial-") != std::string::npos)
+      found.push_back(entry.path());
+  for (const auto& path : found) std::filesystem::remove(path, ignored);
+}
+
+FolderLock::FolderLock(const std::string& folder, bool wait) {
+  const std::string path = folder + "/lock";
+  descriptor_ = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+  if (descriptor_ < 0)
+    throw std::runtime_error(
+        fmt::format("{}: cannot be opened: {}", path, std::strerror(errno)));
+  int locked;
+  do {
+    locked = flock(descriptor_, LOCK_EX | (wait ? 0 : LOCK_NB));
+  } while (locked != 0 && errno == EINTR);
+  if (locked != 0) {
+    char holder[32] = {};
+    const ssize_t n = read(descriptor_, holder, sizeof holder - 1);
+    close(descriptor_);
+    throw std::runtime_error(fmt::format(
+        "{}: another sweep is at work in this folder{}; wait for it, with --wait, or take another "
+        "folder",
+        folder, n > 0 ? fmt::format(" (process {})", std::string(holder, strcspn(holder, "\n"))) : ""));
+  }
+  const std::string own = fmt::format("{}\n", getpid());
+  // Only for the sentence above: a full disk does not matter here.
+  if (ftruncate(descriptor_, 0) == 0 && pwrite(descriptor_, own.data(), own.size(), 0) < 0) return;
+}
+
+FolderLock::~FolderLock() { close(descriptor_); }
+
+}  // namespace photonloom

@@ -1,0 +1,431 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "study/study_file.hpp"
+
+#include <fmt/core.h>
+#include <toml++/toml.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <filesystem>
+#include <set>
+#include <sstream>
+
+#include "golden/plan/plan_file.hpp"
+
+namespace photonloom {
+namespace {
+
+using Measures = std::vector<std::pair<std::string, std::vector<std::string>>>;
+
+template <class Names>
+std::string listed(const Names& names) {
+  std::string list;
+  for (const auto& name : names) list += (list.empty() ? "" : ", ") + std::string(name);
+  return list;
+}
+
+std::string value_text(const toml::node& node) {
+  if (const auto* s = node.as_string()) return s->get();
+  if (const auto* b = node.as_boolean()) return b->get() ? "true" : "false";
+  if (const auto* i = node.as_integer()) return fmt::format("{}", i->get());
+  if (const auto* f = node.as_floating_point()) {
+    std::string text = fmt::format("{}", f->get());
+    if (text.find_first_of(".en") == std::string::npos) text += ".0";
+    return text;
+  }
+  std::ostringstream shown;
+  node.visit([&](const auto& n) { shown << n; });
+  return shown.str();
+}
+
+std::vector<std::string> split(const std::string& names) {
+  std::vector<std::string> parts;
+  std::istringstream stream(names);
+  for (std::string part; std::getline(stream, part, '+');) parts.push_back(part);
+  return parts;
+}
+
+class Parser {
+ public:
+  Parser(const std::string& file, const Measures& measures) : file_(file), measures_(measures) {}
+
+  Study parse(const std::string& text) {
+    toml::table root;
+    try {
+      root = toml::parse(text, file_);
+    } catch (const toml::parse_error& error) {
+      throw StudyError(fmt::format("{}:{}: {}", file_, error.source().begin.line,
+                                   std::string(error.description())));
+    }
+    expect_keys(root, "", {"study", "references", "gather", "base", "points"});
+    study_.file = file_;
+    study_.text = text;
+    study_section(section(root, "study", true));
+    if (const toml::table* t = section(root, "references", false)) references(*t);
+    if (const toml::table* t = section(root, "gather", false)) gather(*t);
+    if (const toml::table* t = section(root, "base", false)) study_.base = line_values(*t);
+    if (const toml::node* points = root.get("points")) {
+      const toml::array* sets = points->as_array();
+      if (!sets) fail(*points, "points is no array of tables, expected [[points]]");
+      for (const toml::node& set : *sets) {
+        if (!set.is_table()) fail(set, "points holds a value, expected [[points]] tables");
+        study_.sets.push_back(point_set(*set.as_table()));
+      }
+    }
+    if (std::find(study_.measures.begin(), study_.measures.end(), "visible") !=
+            study_.measures.end() &&
+        study_.reference_spp == 0 && study_.reference_files.empty())
+      throw StudyError(
+          fmt::format("{}: measure visible needs [references], with spp or files", file_));
+    return std::move(study_);
+  }
+
+ private:
+  [[noreturn]] void fail(const toml::node& at, const std::string& what) const {
+    throw StudyError(fmt::format("{}:{}: {}", file_, at.source().begin.line, what));
+  }
+
+  void expect_keys(const toml::table& table, const std::string& name,
+                   const std::vector<std::string>& keys) const {
+    for (const auto& [key, node] : table)
+      if (std::find(keys.begin(), keys.end(), std::string(key.str())) == keys.end())
+        throw StudyError(fmt::format("{}:{}: unknown {} {}{}, expected one of {}", file_,
+                                     key.source().begin.line, name.empty() ? "section" : "key",
+                                     name.empty() ? "" : name + ".", std::string(key.str()),
+                                     listed(keys)));
+  }
+
+  const toml::table* section(const toml::table& root, const char* name, bool needed) const {
+    const toml::node* node = root.get(name);
+    if (node && !node->is_table()) fail(*node, fmt::format("{} is no section [{}]", name, name));
+    if (!node && needed) throw StudyError(fmt::format("{}: section [{}] is missing", file_, name));
+    return node ? node->as_table() : nullptr;
+  }
+
+  const toml::node& needed(const toml::table& table, const std::string& name, const char* key,
+                           const char* expected) const {
+    const toml::node* node = table.get(key);
+    if (!node)
+      fail(table, fmt::format("{}.{} is missing, expected {}", name, key, expected));
+    return *node;
+  }
+
+  int64_t integer(const toml::node& node, const std::string& name, int64_t low,
+                  int64_t high) const {
+    const auto* value = node.as_integer();
+    if (!value || value->get() < low || value->get() > high)
+      fail(node, fmt::format("{} is {}, expected an integer from {} to {}", name,
+                             value_text(node), low, high));
+    return value->get();
+  }
+
+  std::string text(const toml::node& node, const std::string& name) const {
+    const auto* value = node.as_string();
+    if (!value || value->get().empty())
+      fail(node, fmt::format("{} is {}, expected a text", name, value_text(node)));
+    return value->get();
+  }
+
+  const toml::array& array(const toml::node& node, const std::string& name,
+                           const char* expected) const {
+    const toml::array* values = node.as_array();
+    if (!values || values->empty())
+      fail(node, fmt::format("{} is {}, expected {}", name, value_text(node), expected));
+    return *values;
+  }
+
+  // A path that the study names stands beside the study file.
+  std::string beside(const std::string& path) const {
+    const std::filesystem::path p(path);
+    return p.is_absolute() ? path
+                           : (std::filesystem::path(file_).parent_path() / p)
+                                 .lexically_normal()
+                                 .string();
+  }
+
+  void study_section(const toml::table* t) {
+    expect_keys(*t, "study", {"name", "scenes", "seeds", "size", "measure"});
+    study_.name = text(needed(*t, "study", "name", "a text"), "study.name");
+    std::set<std::string> stems;
+    const char* scenes = "an array of scene files";
+    for (const toml::node& n :
+         array(needed(*t, "study", "scenes", scenes), "study.scenes", scenes)) {
+      study_.scenes.push_back(beside(text(n, "study.scenes")));
+      if (!stems.insert(std::filesystem::path(study_.scenes.back()).stem().string()).second)
+        fail(n, fmt::format("study.scenes has two scenes of the name {}",
+                            std::filesystem::path(study_.scenes.back()).stem().string()));
+    }
+    const char* seeds = "an array of different integers of at least 0";
+    for (const toml::node& n : array(needed(*t, "study", "seeds", seeds), "study.seeds", seeds)) {
+      study_.seeds.push_back(static_cast<uint64_t>(integer(n, "study.seeds", 0, INT64_MAX)));
+      if (std::count(study_.seeds.begin(), study_.seeds.end(), study_.seeds.back()) > 1)
+        fail(n, fmt::format("study.seeds has {} twice", study_.seeds.back()));
+    }
+    const toml::node& size = needed(*t, "study", "size", "\"WIDTHxHEIGHT\"");
+    const std::string pixels = text(size, "study.size");
+    char x = 0, more = 0;
+    if (std::sscanf(pixels.c_str(), "%d%c%d%c", &study_.width, &x, &study_.height, &more) != 3 ||
+        x != 'x' || study_.width < 1 || study_.height < 1 || study_.width > 4096 ||
+        study_.height > 4096)
+      fail(size, fmt::format("study.size is {}, expected \"WIDTHxHEIGHT\" of 1 to 4096 pixels each",
+                             pixels));
+    std::vector<std::string> names;
+    for (const auto& [name, columns] : measures_) names.push_back(name);
+    const std::string measures = "an array of " + listed(names);
+    for (const toml::node& n : array(needed(*t, "study", "measure", measures.c_str()),
+                                     "study.measure", measures.c_str())) {
+      const std::string name = text(n, "study.measure");
+      if (std::find(names.begin(), names.end(), name) == names.end())
+        fail(n, fmt::format("study.measure has {}, expected one of {}", name, listed(names)));
+      if (std::count(study_.measures.begin(), study_.measures.end(), name))
+        fail(n, fmt::format("study.measure has {} twice", name));
+      study_.measures.push_back(name);
+    }
+  }
+
+  void references(const toml::table& t) {
+    expect_keys(t, "references", {"spp", "files"});
+    if (const toml::node* n = t.get("spp"))
+      study_.reference_spp = static_cast<int>(integer(*n, "references.spp", 1, 1 << 24));
+    if (const toml::node* n = t.get("files")) {
+      study_.reference_files = beside(text(*n, "references.files"));
+      for (const char* mark : {"{scene}", "{n}"})
+        if (study_.reference_files.find(mark) == std::string::npos)
+          fail(*n, fmt::format("references.files is {}, expected a path with {{scene}} and {{n}}",
+                               value_text(*n)));
+    }
+  }
+
+  void gather(const toml::table& t) {
+    expect_keys(t, "gather", {"cycles", "queries", "latency"});
+    if (const toml::node* n = t.get("cycles")) {
+      const std::string source = text(*n, "gather.cycles");
+      if (source != "rtl" && source != "model")
+        fail(*n, fmt::format("gather.cycles is {}, expected rtl or model", source));
+      study_.rtl_cycles = source == "rtl";
+    }
+    if (const toml::node* n = t.get("queries"))
+      study_.gather_queries = static_cast<int>(integer(*n, "gather.queries", 1, 1 << 20));
+    if (const toml::node* n = t.get("latency"))
+      study_.latency = static_cast<int>(integer(*n, "gather.latency", 1, 10000));
+  }
+
+  // A value that a line cannot take is refused where it stands; what goes with what is the plan's.
+  void check_value(const toml::node& at, const std::string& names, const std::string& value) const {
+    for (const std::string& line : split(names)) {
+      const auto whole = [&](int64_t low, int64_t high) {
+        int64_t x = 0;
+        const auto r = std::from_chars(value.data(), value.data() + value.size(), x);
+        if (r.ec != std::errc() || r.ptr != value.data() + value.size() || x < low || x > high)
+          fail(at, fmt::format("{} is {}, expected an integer from {} to {}", line, value, low,
+                               high));
+      };
+      if (line == "photons" || line == "caustic_photons") {
+        whole(1, int64_t{1} << 28);
+      } else if (line == "radius_scale") {
+        double x = 0;
+        const auto r = std::from_chars(value.data(), value.data() + value.size(), x);
+        if (r.ec != std::errc() || r.ptr != value.data() + value.size() || !(x > 0) || x > 1000)
+          fail(at, fmt::format("{} is {}, expected a number above 0, at most 1000", line, value));
+      } else if (line == "packed") {
+        if (value != "true" && value != "false")
+          fail(at, fmt::format("packed is {}, expected true or false", value));
+      } else if (line == "frame.width" || line == "frame.height") {
+        fail(at, fmt::format("{} is decided by study.size", line));
+      } else if (line.find('.') == std::string::npos) {
+        fail(at, fmt::format("unknown line {}, expected section.key of the plan or one of {}", line,
+                             listed(kStudyLines)));
+      } else {
+        try {
+          Plan plan;
+          set_plan_line(plan, line + "=" + value);
+        } catch (const PlanError& error) {
+          fail(at, error.what());
+        }
+      }
+    }
+  }
+
+  // The lines of a table, sections as TOML nests them, in the order of the file.
+  template <class Take>
+  void each_line(const toml::table& table, const std::string& prefix, Take&& take) const {
+    std::vector<std::pair<const toml::key*, const toml::node*>> entries;
+    for (const auto& [key, node] : table) entries.emplace_back(&key, &node);
+    std::sort(entries.begin(), entries.end(), [](const auto& a, const auto& b) {
+      const auto place = [](const toml::key& k) {
+        return std::make_pair(k.source().begin.line, k.source().begin.column);
+      };
+      return place(*a.first) < place(*b.first);
+    });
+    for (const auto& [key, node] : entries) {
+      const std::string name = prefix + std::string(key->str());
+      const toml::table* inner = node->as_table();
+      if (inner && !inner->contains("from"))
+        each_line(*inner, name + ".", take);
+      else
+        take(name, *node);
+    }
+  }
+
+  LineValues line_values(const toml::table& table) const {
+    LineValues values;
+    each_line(table, "", [&](const std::string& name, const toml::node& node) {
+      if (node.is_array() || node.is_table())
+        fail(node, fmt::format("{} has several values, expected one", name));
+      check_value(node, name, value_text(node));
+      values.emplace_back(name, value_text(node));
+    });
+    return values;
+  }
+
+  LineChoice choice(const std::string& name, const toml::node& node) const {
+    LineChoice c;
+    c.line = name;
+    if (const toml::array* values = node.as_array()) {
+      if (values->empty()) fail(node, fmt::format("{} is [], expected values", name));
+      for (const toml::node& v : *values) {
+        check_value(v, name, value_text(v));
+        c.values.push_back(value_text(v));
+      }
+      return c;
+    }
+    const toml::table* range = node.as_table();
+    if (!range) {
+      check_value(node, name, value_text(node));
+      c.values.push_back(value_text(node));
+      return c;
+    }
+    expect_keys(*range, name, {"from", "to", "log"});
+    const auto bound = [&](const char* key) {
+      const toml::node& n = needed(*range, name, key, "a number");
+      if (!n.is_number())
+        fail(n, fmt::format("{}.{} is {}, expected a number", name, key, value_text(n)));
+      check_value(n, name, value_text(n));
+      c.whole &= n.is_integer();
+      return n.is_integer() ? static_cast<double>(n.as_integer()->get())
+                            : n.as_floating_point()->get();
+    };
+    c.from = bound("from");
+    c.to = bound("to");
+    if (!(c.from <= c.to))
+      fail(node, fmt::format("{} goes from {} to {}, expected the smaller first", name, c.from,
+                             c.to));
+    if (const toml::node* log = range->get("log")) {
+      if (!log->is_boolean())
+        fail(*log, fmt::format("{}.log is {}, expected true or false", name, value_text(*log)));
+      c.logarithmic = log->as_boolean()->get();
+      if (c.logarithmic && !(c.from > 0))
+        fail(*log, fmt::format("{} begins at {}, expected more than 0 where log is true", name,
+                               c.from));
+    }
+    return c;
+  }
+
+  PointSet point_set(const toml::table& t) const {
+    PointSet set;
+    set.line = static_cast<int>(t.source().begin.line);
+    const toml::node& strategy =
+        needed(t, "points", "strategy", "list, grid, latin_hypercube or search");
+    const std::string name = text(strategy, "points.strategy");
+    if (name == "list") {
+      expect_keys(t, "points", {"strategy", "lines"});
+      const char* expected = "an array of { line = value } tables";
+      for (const toml::node& n :
+           array(needed(t, "points", "lines", expected), "points.lines", expected)) {
+        if (!n.is_table())
+          fail(n, fmt::format("points.lines has {}, expected {{ line = value }}", value_text(n)));
+        set.list.push_back(line_values(*n.as_table()));
+      }
+      return set;
+    }
+    if (name == "grid") {
+      set.strategy = Strategy::kGrid;
+      expect_keys(t, "points", {"strategy", "lines"});
+    } else if (name == "latin_hypercube") {
+      set.strategy = Strategy::kLatinHypercube;
+      expect_keys(t, "points", {"strategy", "count", "seed", "lines"});
+      set.count = static_cast<int>(integer(
+          needed(t, "points", "count", "a number of points"), "points.count", 1, 1000000));
+    } else if (name == "search") {
+      set.strategy = Strategy::kSearch;
+      expect_keys(t, "points",
+                  {"strategy", "population", "generations", "seed", "objectives", "lines"});
+      set.population = static_cast<int>(integer(
+          needed(t, "points", "population", "points a generation"), "points.population", 2, 10000));
+      set.generations = static_cast<int>(
+          integer(needed(t, "points", "generations", "a number of generations"),
+                  "points.generations", 1, 10000));
+      const char* expected = "an array of measure.column";
+      for (const toml::node& n :
+           array(needed(t, "points", "objectives", expected), "points.objectives", expected))
+        set.objectives.push_back(objective(n));
+    } else {
+      fail(strategy, fmt::format("points.strategy is {}, expected list, grid, latin_hypercube or "
+                                 "search",
+                                 name));
+    }
+    if (const toml::node* seed = t.get("seed"))
+      set.seed = static_cast<uint64_t>(integer(*seed, "points.seed", 0, INT64_MAX));
+    const toml::node& lines = needed(t, "points", "lines", "a table of lines");
+    if (!lines.is_table() || lines.as_table()->empty())
+      fail(lines, "points.lines is no table, expected lines with values");
+    each_line(*lines.as_table(), "", [&](const std::string& line, const toml::node& node) {
+      set.choices.push_back(choice(line, node));
+      if (set.strategy == Strategy::kGrid && set.choices.back().values.empty())
+        fail(node, fmt::format("{} is a range, expected an array of values in a grid", line));
+    });
+    return set;
+  }
+
+  std::string objective(const toml::node& node) const {
+    const std::string name = text(node, "points.objectives");
+    std::string known;
+    for (const auto& [measure, columns] : measures_) {
+      const bool is_asked = std::find(study_.measures.begin(), study_.measures.end(), measure) !=
+                            study_.measures.end();
+      for (const std::string& column : columns) {
+        if (!is_asked) continue;
+        if (name == measure + "." + column) return name;
+        known += (known.empty() ? "" : ", ") + measure + "." + column;
+      }
+    }
+    fail(node, fmt::format("points.objectives has {}, expected one of {}", name, known));
+  }
+
+  std::string file_;
+  const Measures& measures_;
+  Study study_;
+};
+
+}  // namespace
+
+Study parse_study(const std::string& text, const std::string& file, const Measures& measures) {
+  return Parser(file, measures).parse(text);
+}
+
+std::vector<uint32_t> parse_numbers(const std::string& text, const std::string& option) {
+  std::set<uint32_t> numbers;
+  std::istringstream stream(text);
+  const auto bad = [&](const std::string& part) {
+    throw StudyError(
+        fmt::format("{}: '{}', expected numbers of points as 17,23-30", option, part));
+  };
+  if (text.empty() || text.back() == ',') bad(text);
+  for (std::string part; std::getline(stream, part, ',');) {
+    uint32_t first = 0, last = 0;
+    const char* end = part.data() + part.size();
+    const auto a = std::from_chars(part.data(), end, first);
+    if (a.ec != std::errc()) bad(part);
+    last = first;
+    if (a.ptr != end) {
+      if (*a.ptr != '-') bad(part);
+      const auto b = std::from_chars(a.ptr + 1, end, last);
+      if (b.ec != std::errc() || b.ptr != end || last < first || last - first > 10000000) bad(part);
+    }
+    for (uint32_t i = first; i <= last; ++i) numbers.insert(i);
+  }
+  return {numbers.begin(), numbers.end()};
+}
+
+}  // namespace photonloom

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+// The study file: which plans of which scenes are measured, how, and with which seeds. Its format
+// stands in docs/sweep.md.
+#pragma once
+#include <cstdint>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace photonloom {
+
+// What is wrong with a study: one sentence with file, line, key, and what was expected.
+struct StudyError : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+// Lines set in a point, (name, value as in a plan file), in the file's order. A name is
+// section.key of the plan, several of them joined by '+', or one of the study's own (kStudyLines).
+using LineValues = std::vector<std::pair<std::string, std::string>>;
+
+// What a study sets beside the plan's lines.
+inline constexpr const char* kStudyLines[] = {"photons", "caustic_photons", "radius_scale",
+                                              "packed"};
+
+// Values that a line may take: those of a list, or numbers of a range.
+struct LineChoice {
+  std::string line;
+  std::vector<std::string> values;  // empty: a range
+  double from = 0, to = 0;          // inclusive
+  bool whole = true;                // integers alone
+  bool logarithmic = false;
+};
+
+enum class Strategy { kList, kGrid, kLatinHypercube, kSearch };
+
+// One [[points]] of the file.
+struct PointSet {
+  Strategy strategy = Strategy::kList;
+  int line = 0;                  // of the file
+  std::vector<LineValues> list;  // of kList
+  std::vector<LineChoice> choices;
+  int count = 0;      // of kLatinHypercube
+  uint64_t seed = 1;  // of kLatinHypercube and kSearch
+  int population = 0, generations = 0;  // of kSearch
+  std::vector<std::string> objectives;  // "measure.column", all minimised
+};
+
+struct Study {
+  std::string file, name;
+  std::string text;                 // of the file
+  std::vector<std::string> scenes;  // paths
+  std::vector<uint64_t> seeds;
+  int width = 64, height = 64;
+  std::vector<std::string> measures;
+  int reference_spp = 0;        // of each of two references that no file gives; 0: none is made
+  std::string reference_files;  // path with {scene} and {n}; empty: none
+  bool rtl_cycles = false;
+  int gather_queries = 2048, latency = 60;
+  LineValues base;
+  std::vector<PointSet> sets;
+};
+
+// Throws StudyError. `measures` are the names that [study] measure may hold, each with the columns
+// that an objective may name.
+Study parse_study(const std::string& text, const std::string& file,
+                  const std::vector<std::pair<std::string, std::vector<std::string>>>& measures);
+
+// "17,23-30" as numbers, ascending. Throws StudyError; `option` is what it calls the text.
+std::vector<uint32_t> parse_numbers(const std::string& text, const std::string& option);
+
+}  // namespace photonloom

@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "study/study_scene.hpp"
+
+#include <fmt/core.h>
+
+#include <array>
+#include <filesystem>
+
+#include "golden/image/image.hpp"
+#include "golden/numeric/sha256.hpp"
+#include "golden/transport/path.hpp"
+
+namespace photonloom {
+namespace {
+
+constexpr size_t kPassesKept = 8;
+// Seeds of references, of no study's.
+constexpr std::array<uint64_t, 2> kReferenceSeeds{1000001, 1000002};
+
+std::string replaced(std::string text, const std::string& mark, const std::string& by) {
+  for (size_t at; (at = text.find(mark)) != std::string::npos;) text.replace(at, mark.size(), by);
+  return text;
+}
+
+// Whether the image was made of this scene; with metadata only.
+void check_reference(const Image& image, const std::string& path, const Study& study,
+                     const std::string& scene_hash) {
+  if (image.width != study.width || image.height != study.height)
+    throw std::runtime_error(fmt::format("{}: has {}x{} pixels, expected {}x{} of study.size", path,
+                                         image.width, image.height, study.width, study.height));
+  const auto hash = image.metadata.find("sceneHash");
+  if (hash == image.metadata.end() || hash->second != scene_hash)
+    throw std::runtime_error(
+        fmt::format("{}: is no reference of this scene (hash {}), expected {}; make references "
+                    "makes it again",
+                    path, hash == image.metadata.end() ? "missing" : hash->second, scene_hash));
+}
+
+}  // namespace
+
+StudyScene::StudyScene(const std::string& file, const Study& study)
+    : file_(file), name_(std::filesystem::path(file).stem().string()) {
+  Scene scene = load_scene(file);
+  scene.film.width = study.width;
+  scene.film.height = study.height;
+  world_ = std::make_unique<World>(std::move(scene));
+  caster_ = make_double_bvh(*world_);
+}
+
+std::string StudyScene::hash_text() const { return fmt::format("{:016x}", world_->scene().hash); }
+
+std::shared_ptr<const PhotonPass> StudyScene::photons(bool is_caustic, uint64_t stored,
+                                                      uint64_t seed) {
+  const PhotonKey key{is_caustic, stored, seed};
+  std::promise<std::shared_ptr<const PhotonPass>> promise;
+  {
+    std::unique_lock lock(mutex_);
+    for (const auto& [kept, future] : kept_)
+      if (kept == key) {
+        const PhotonFuture found = future;
+        lock.unlock();
+        return found.get();
+      }
+    kept_.emplace_back(key, promise.get_future().share());
+    if (kept_.size() > kPassesKept) kept_.pop_front();
+  }
+  try {
+    auto pass = std::make_shared<const PhotonPass>(
+        is_caustic ? trace_caustic_photons(*world_, *caster_, stored, seed)
+                   : trace_global_photons(*world_, *caster_, stored, seed));
+    promise.set_value(pass);
+    return pass;
+  } catch (...) {
+    promise.set_exception(std::current_exception());
+    throw;
+  }
+}
+
+void StudyScene::load_references(const Study& study, const std::string& folder,
+                                 Progress* progress) {
+  Planes* const planes[2] = {&references_.b1, &references_.b2};
+  for (size_t n = 0; n < 2; ++n) {
+    std::string path;
+    if (!study.reference_files.empty())
+      path = replaced(replaced(study.reference_files, "{scene}", name_), "{n}",
+                      fmt::format("{}", n + 1));
+    if (path.empty() || (study.reference_spp > 0 && !std::filesystem::exists(path))) {
+      path = fmt::format("{}/{}-{}x{}-{}-{}.exr", folder, hash_text(), study.width, study.height,
+                         study.reference_spp, n + 1);
+      if (!std::filesystem::exists(path)) {
+        const std::unique_ptr<RayCaster> embree = make_embree(*world_);
+        Image image = render_path(
+            *world_, *embree,
+            {.spp = study.reference_spp, .seed = kReferenceSeeds[n], .progress = progress});
+        std::erase_if(image.channels, [](const Channel& c) { return c.name.size() > 1; });
+        image.metadata["sceneHash"] = hash_text();
+        image.metadata["seed"] = fmt::format("{}", kReferenceSeeds[n]);
+        image.metadata["spp"] = fmt::format("{}", study.reference_spp);
+        std::filesystem::create_directories(folder);
+        write_exr(image, path);
+      }
+    }
+    const Image image = read_exr(path);
+    check_reference(image, path, study, hash_text());
+    *planes[n] = planes_of(image, "", path);
+  }
+  const Planes &b1 = references_.b1, &b2 = references_.b2;
+  references_.mean = b1;
+  Sha256 sum;
+  double own = 0;
+  for (size_t c = 0; c < 3; ++c)
+    for (size_t p = 0; p < b1.c[c].size(); ++p) {
+      const double b = (b1.c[c][p] + b2.c[c][p]) / 2, d = b1.c[c][p] - b2.c[c][p];
+      references_.mean.c[c][p] = b;
+      own += d * d / 4 / (b * b + 0.01);
+      sum.add(fmt::format("{},{};", b1.c[c][p], b2.c[c][p]));
+    }
+  references_.own_relmse = own / (3.0 * static_cast<double>(b1.c[0].size()));
+  references_.signature = sum.hex().substr(0, 16);
+  if (b1.c == b2.c)
+    throw std::runtime_error(fmt::format(
+        "{}: both references are the same image, expected two of different seeds", name_));
+}
+
+}  // namespace photonloom

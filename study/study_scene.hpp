@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the points of one scene share: world, ray caster, photons by seed, references.
+#pragma once
+#include <cstdint>
+#include <deque>
+#include <future>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <tuple>
+
+#include "golden/image/metrics.hpp"
+#include "golden/numeric/progress.hpp"
+#include "golden/transport/world.hpp"
+#include "study/study_file.hpp"
+
+namespace photonloom {
+
+// Two path-traced images of the scene with seeds of their own, and their mean.
+struct SceneReferences {
+  Planes b1, b2, mean;
+  double own_relmse = 0;  // of the mean: mean (b1 - b2)^2 / (4 (b^2 + 0.01))
+  std::string signature;  // 16 hexadecimal digits of their pixels
+};
+
+// May be asked by several threads at once.
+class StudyScene {
+ public:
+  // Throws SceneError and whatever reading the file throws.
+  StudyScene(const std::string& file, const Study& study);
+
+  const std::string& file() const { return file_; }
+  const std::string& name() const { return name_; }  // the file's, without folder and extension
+  std::string hash_text() const;                     // 16 hexadecimal digits
+  const World& world() const { return *world_; }
+  const RayCaster& caster() const { return *caster_; }
+
+  // As trace_global_photons and trace_caustic_photons; the last few are kept.
+  std::shared_ptr<const PhotonPass> photons(bool is_caustic, uint64_t stored, uint64_t seed);
+
+  // From the study's files, else from `folder`, else path traced into it. Call it once, before
+  // references() is asked.
+  void load_references(const Study& study, const std::string& folder, Progress* progress);
+  const SceneReferences& references() const { return references_; }
+
+ private:
+  using PhotonKey = std::tuple<bool, uint64_t, uint64_t>;
+  using PhotonFuture = std::shared_future<std::shared_ptr<const PhotonPass>>;
+
+  std::string file_, name_;
+  std::unique_ptr<World> world_;
+  std::unique_ptr<RayCaster> caster_;
+  std::mutex mutex_;
+  std::deque<std::pair<PhotonKey, PhotonFuture>> kept_;  // the oldest first
+  SceneReferences references_;
+};
+
+}  // namespace photonloom

@@ -1,0 +1,283 @@
+// SPDX-License-Identifier: Apache-2.0
+// Sweeps as a user runs them: killed and gone on with, two on a folder, damaged results, bad
+// studies, a full disk.
+#include <signal.h>
+#include <sys/file.h>
+#include <sys/mount.h>
+#include <sys/wait.h>
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <fstream>
+#include <thread>
+#include <vector>
+
+#include "golden/numeric/random.hpp"
+#include "tests/catch.hpp"
+#include "tests/command/run.hpp"
+
+using namespace photonloom;
+using photonloom::test::run;
+using photonloom::test::Scratch;
+
+namespace {
+
+// A few points that take a moment each.
+std::string small_study(const std::string& scenes, const std::string& more = "") {
+  return "[study]\nname = \"small\"\nscenes = [" + scenes +
+         "]\nseeds = [1, 2]\nsize = \"12x12\"\n"
+         "measure = [\"visible\", \"formats\", \"gather\", \"resources\"]\n"
+         "[references]\nspp = 4\n[gather]\nqueries = 64\n"
+         "[base]\nphotons = 2000\ncaustic_photons = 2000\nframe.spp = 2\nframe.gather_rays = 4\n" +
+         more;
+}
+std::string cornell() { return "\"" + photonloom::test::source("scenes/cornell.xml") + "\""; }
+const char* const kPoints =
+    "[[points]]\nstrategy = \"grid\"\n"
+    "lines = { gather.k = [4, 8, 16], photon.position_bits = [8, 12, 16] }\n"
+    "[[points]]\nstrategy = \"latin_hypercube\"\ncount = 4\nseed = 7\n"
+    "lines = { gather.k = { from = 3, to = 40, log = true }, photon.mantissa_bits = { from = 4, to = 9 },\n"
+    "          radius_scale = { from = 0.5, to = 2.0 } }\n";
+
+std::vector<std::string> tables(const std::string& folder) {
+  std::vector<std::string> all;
+  for (const char* name : {"results.sqlite", "results.csv", "summary.json"})
+    all.push_back(read_file(folder + "/" + name));
+  return all;
+}
+
+std::vector<std::string> result_files(const std::string& folder) {
+  std::vector<std::string> files;
+  for (const auto& e : std::filesystem::recursive_directory_iterator(folder + "/results"))
+    if (e.is_regular_file()) files.push_back(e.path().string());
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+std::string command(const std::string& study, const std::string& folder) {
+  return "sweep '" + study + "' -o '" + folder + "'";
+}
+
+}  // namespace
+
+TEST_CASE("a sweep that was killed at random moments ends with an uninterrupted one's tables") {
+  const Scratch s;
+  write_file(s / "study.toml", small_study(cornell(), kPoints));
+  const auto whole = run(command(s / "study.toml", s / "whole"));
+  INFO(whole.err);
+  REQUIRE(whole.status == 0);
+  int killed = 0;
+  for (uint64_t round = 0; round < 10; ++round) {
+    const pid_t child = fork();
+    if (child == 0) {
+      if (!freopen("/dev/null", "w", stdout) || !freopen("/dev/null", "w", stderr)) _exit(1);
+      const std::string program = photonloom::test::environment("PHOTONLOOM"),
+                        study = s / "study.toml", folder = s / "killed";
+      execl(program.c_str(), "photonloom", "sweep", study.c_str(), "-o", folder.c_str(),
+            static_cast<char*>(nullptr));
+      _exit(127);
+    }
+    const auto wait = static_cast<int>(30 + 370 * to_unit(hash_bits(1, round, 0, 0)));
+    std::this_thread::sleep_for(std::chrono::milliseconds(wait));
+    kill(child, SIGKILL);
+    int status = 0;
+    REQUIRE(waitpid(child, &status, 0) == child);
+    killed += WIFSIGNALED(status);
+  }
+  CHECK(killed > 0);
+  const auto rest = run(command(s / "study.toml", s / "killed"));
+  INFO(rest.err);
+  REQUIRE(rest.status == 0);
+  CHECK(tables(s / "killed") == tables(s / "whole"));
+  CHECK(result_files(s / "killed").size() == result_files(s / "whole").size());
+  for (const std::string& f : result_files(s / "killed"))
+    CHECK(f.find(".partial-") == std::string::npos);
+}
+
+TEST_CASE("points by hand, then the rest") {
+  const Scratch s;
+  write_file(s / "study.toml", small_study(cornell(), kPoints));
+  const auto some = run(command(s / "study.toml", s / "a") + " --points 3,5-6");
+  INFO(some.err);
+  REQUIRE(some.status == 0);
+  CHECK(result_files(s / "a").size() == 6);
+  CHECK(some.out.find("11 missing") != std::string::npos);
+  REQUIRE(run(command(s / "study.toml", s / "a")).status == 0);
+  REQUIRE(run(command(s / "study.toml", s / "b")).status == 0);
+  CHECK(tables(s / "a") == tables(s / "b"));
+  const auto beyond = run(command(s / "study.toml", s / "a") + " --points 14");
+  CHECK(beyond.status == 1);
+  CHECK(beyond.err.find("expected 0 to 13") != std::string::npos);
+}
+
+TEST_CASE("a Latin hypercube's points follow from its printed seed") {
+  const Scratch s;
+  write_file(s / "study.toml", small_study(cornell(), kPoints));
+  REQUIRE(run(command(s / "study.toml", s / "a") + " --points 0").status == 0);
+  REQUIRE(run(command(s / "study.toml", s / "b") + " --points 0").status == 0);
+  const std::string points = read_file(s / "a/points.json");
+  CHECK(points == read_file(s / "b/points.json"));
+  CHECK(points.find("latin_hypercube seed 7") != std::string::npos);
+}
+
+TEST_CASE("a second sweep on a folder is refused with a sentence, or waits") {
+  const Scratch s;
+  write_file(s / "study.toml", small_study(cornell()));
+  std::filesystem::create_directories(s / "a");
+  const std::string lock = s / "a/lock";
+  const int held = open(lock.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+  REQUIRE(flock(held, LOCK_EX) == 0);
+  const auto second = run(command(s / "study.toml", s / "a"));
+  CHECK(second.status == 1);
+  CHECK(second.one_error_line());
+  CHECK(second.err.find("another sweep is at work in this folder") != std::string::npos);
+  std::thread release([held] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(300));
+    close(held);
+  });
+  CHECK(run(command(s / "study.toml", s / "a") + " --wait").status == 0);
+  release.join();
+}
+
+TEST_CASE("a damaged result is computed again, and that is said") {
+  const Scratch s;
+  write_file(s / "study.toml", small_study(cornell(), kPoints));
+  REQUIRE(run(command(s / "study.toml", s / "a")).status == 0);
+  const auto before = tables(s / "a");
+  const auto files = result_files(s / "a");
+  REQUIRE(files.size() > 3);
+  const std::string text = read_file(files[0]);
+  std::ofstream(files[0]) << text.substr(0, text.size() / 2);
+  std::ofstream(files[1]) << "";
+  std::string flipped = read_file(files[2]);
+  flipped[flipped.size() / 3] ^= 1;
+  std::ofstream(files[2]) << flipped;
+  const auto again = run(command(s / "study.toml", s / "a"));
+  CHECK(again.status == 0);
+  for (size_t i = 0; i < 3; ++i) {
+    INFO(again.err);
+    CHECK(again.err.find(files[i] + ": is ") != std::string::npos);
+  }
+  CHECK(again.err.find("it is computed again") != std::string::npos);
+  CHECK(again.out.find("3 results computed") != std::string::npos);
+  CHECK(tables(s / "a") == before);
+}
+
+TEST_CASE("results of other settings are computed again, those of other points are not") {
+  const Scratch s;
+  write_file(s / "study.toml", small_study(cornell(), kPoints));
+  REQUIRE(run(command(s / "study.toml", s / "a")).status == 0);
+  std::string text = small_study(cornell(), kPoints);
+  write_file(s / "study.toml", text + "[[points]]\nstrategy = \"list\"\nlines = [{ gather.k = 20 }]\n");
+  const auto more = run(command(s / "study.toml", s / "a"));
+  CHECK(more.out.find("2 results computed") != std::string::npos);
+  text.replace(text.find("queries = 64"), 12, "queries = 32");
+  write_file(s / "study.toml", text);
+  const auto other = run(command(s / "study.toml", s / "a"));
+  CHECK(other.out.find("28 results computed") != std::string::npos);
+  CHECK(other.err.find("28 results are computed again") != std::string::npos);
+}
+
+TEST_CASE("a scene that cannot be used does not stop the others") {
+  const Scratch s;
+  write_file(s / "broken.xml", "<scene version=\"0.6.0\"><shape type=\"teapot\"/></scene>\n");
+  write_file(s / "study.toml", small_study("\"broken.xml\", " + cornell(), kPoints));
+  const auto o = run(command(s / "study.toml", s / "a"));
+  CHECK(o.status == 1);
+  CHECK(o.err.find("scene broken: ") != std::string::npos);
+  CHECK(o.out.find("28 results computed") != std::string::npos);
+  CHECK(o.out.find("14 failed, 0 missing") != std::string::npos);
+}
+
+TEST_CASE("lines that no plan can have are listed as refused") {
+  const Scratch s;
+  write_file(s / "study.toml",
+             small_study(cornell(),
+                         "[[points]]\nstrategy = \"list\"\nlines = [{ photon.photon_bytes = 5 }]\n"));
+  const auto o = run(command(s / "study.toml", s / "a"));
+  CHECK(o.status == 0);
+  CHECK(o.out.find("2 points, 1 refused") != std::string::npos);
+  CHECK(read_file(s / "a/results.csv").find(",refused,") != std::string::npos);
+}
+
+TEST_CASE("a wrong study is refused with file, line and what was expected") {
+  const Scratch s;
+  const auto refused = [&](const std::string& text, const std::string& line,
+                           const std::string& expected) {
+    write_file(s / "study.toml", text);
+    const auto o = run(command(s / "study.toml", s / "a"));
+    INFO(text);
+    INFO(o.err);
+    CHECK(o.status == 1);
+    CHECK(o.one_error_line());
+    CHECK(o.err.find(s / "study.toml" + ":" + line + ":") != std::string::npos);
+    CHECK(o.err.find(expected) != std::string::npos);
+  };
+  const std::string good = small_study(cornell());
+  const auto with = [&](const std::string& points) { return good + points; };
+  const std::string list = "[[points]]\nstrategy = \"list\"\n";
+  refused(with(list + "lines = [{ gather.kk = 3 }]\n"), "17", "expected one of the keys of gather");
+  refused(with(list + "lines = [{ gather.k = 300 }]\n"), "17", "expected an integer from 1 to 256");
+  refused(with(list + "lines = [{ gather.k = \"many\" }]\n"), "17", "expected an integer");
+  refused(with(list + "lines = [{ foton = 3 }]\n"), "17", "unknown line foton");
+  refused(with(list + "lines = [{ photons = 0 }]\n"), "17", "expected an integer from 1");
+  refused(with(list + "lines = [{ frame.width = 5 }]\n"), "17", "study.size");
+  refused(with("[[points]]\nstrategy = \"spiral\"\n"), "16", "expected list, grid");
+  refused(with("[[points]]\nstrategy = \"grid\"\nlines = { gather.k = { from = 1, to = 3 } }\n"), "17",
+          "expected an array of values in a grid");
+  refused(with("[[points]]\nstrategy = \"latin_hypercube\"\nlines = { gather.k = [2] }\n"), "15",
+          "points.count is missing");
+  refused(with("[extra]\n"), "15", "expected one of study, references");
+  refused("[study]\nname = 3\n", "2", "expected a text");
+  std::string text = good;
+  text.replace(text.find("\"gather\", "), 10, "\"gathre\", ");
+  refused(text, "6", "expected one of visible, formats, gather, resources");
+  refused("[study\n", "1", "");
+}
+
+TEST_CASE("a full disk stops the sweep with a sentence and loses nothing") {
+  const Scratch s;
+  const std::string disk = s / "disk";
+  std::filesystem::create_directories(disk);
+  if (getuid() != 0 || mount("tmpfs", disk.c_str(), "tmpfs", 0, "size=96k") != 0) {
+    WARN("skipped: a small file system cannot be mounted here");
+    return;
+  }
+  write_file(s / "study.toml", small_study(cornell(), kPoints));
+  const auto full = run(command(s / "study.toml", disk + "/a"));
+  INFO(full.err);
+  CHECK(full.status == 1);
+  CHECK(full.err.find("No space left on device") != std::string::npos);
+  // What is there is whole, and goes on elsewhere.
+  const size_t kept = result_files(disk + "/a").size();
+  std::filesystem::copy(disk + "/a", s / "b", std::filesystem::copy_options::recursive);
+  umount(disk.c_str());
+  const auto rest = run(command(s / "study.toml", s / "b"));
+  CHECK(rest.status == 0);
+  CHECK(rest.err.find("computed again") == std::string::npos);
+  CHECK(rest.out.find(std::to_string(kept) + " there before") != std::string::npos);
+  REQUIRE(run(command(s / "study.toml", s / "c")).status == 0);
+  CHECK(tables(s / "b") == tables(s / "c"));
+}
+
+TEST_CASE("the command beside a point writes its plan") {
+  const Scratch s;
+  write_file(s / "study.toml",
+             small_study(cornell(), "[[points]]\nstrategy = \"list\"\n"
+                                    "lines = [{ radius_scale = 1.5, packed = true, gather.k = 7 }]\n"));
+  REQUIRE(run(command(s / "study.toml", s / "a") + " --points 1").status == 0);
+  const std::string json = read_file(s / "a/points.json");
+  const auto text_after = [&](const std::string& key) {
+    const size_t at = json.rfind("\"" + key + "\": \"") + key.size() + 5;
+    return json.substr(at, json.find('"', at) - at);
+  };
+  std::string plan = text_after("command");
+  REQUIRE(plan.rfind("photonloom plan ", 0) == 0);
+  plan.replace(plan.find(" -o plan.toml"), 13, " -o '" + s / "plan.toml" + "'");
+  const auto o = run(plan.substr(11));
+  INFO(plan);
+  INFO(o.err);
+  REQUIRE(o.status == 0);
+  CHECK(o.out.find("(hash " + text_after("plan") + ")") != std::string::npos);
+}
