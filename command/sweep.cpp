@@ -70,8 +70,9 @@ void sweep(const SweepOptions& o) {
   const SweepReport r = run_sweep(request);
   if (!o.task) {
     const CollectReport& c = r.collected;
-    fmt::print("{} results computed, {} there before; {} points, {} refused, {} failed, {} missing\n",
-               r.computed, r.kept, c.points, c.refused, c.failed, c.missing);
+    fmt::print(
+        "{} results computed, {} there before; {} points, {} refused, {} failed, {} missing\n",
+        r.computed, r.kept, c.points, c.refused, c.failed, c.missing);
     fmt::print("wrote {0}/results.sqlite, {0}/results.csv, {0}/summary.json\n", o.output);
   }
   if (!r.failures.empty())

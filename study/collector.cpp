@@ -56,8 +56,9 @@ double variance_of_mean(const std::vector<double>& v) {
 // Of sum over blocks of (a - r b), each block varying from seed to seed by itself.
 double blockwise_error(const Series& a, const Series* b, double r) {
   const size_t seeds = a.value.size();
-  const bool cut = std::all_of(a.blocks.begin(), a.blocks.end(), [](auto* x) { return x; }) &&
-                   (!b || std::all_of(b->blocks.begin(), b->blocks.end(), [](auto* x) { return x; }));
+  const bool cut =
+      std::all_of(a.blocks.begin(), a.blocks.end(), [](auto* x) { return x; }) &&
+      (!b || std::all_of(b->blocks.begin(), b->blocks.end(), [](auto* x) { return x; }));
   const size_t blocks = cut ? a.blocks[0]->size() : 1;
   double variance = 0;
   std::vector<double> v(seeds);
@@ -201,7 +202,8 @@ void find_fronts(const PointTable& table, std::vector<Collected>& points) {
 void write_database(const PointTable& table, const std::vector<Collected>& points,
                     const std::string& path) {
   Database db(path);
-  db.table("scenes", {"scene TEXT", "hash TEXT", "file TEXT", "failure TEXT", "reference_relmse REAL"});
+  db.table("scenes",
+           {"scene TEXT", "hash TEXT", "file TEXT", "failure TEXT", "reference_relmse REAL"});
   for (const SceneEntry& s : table.scenes) {
     for (const std::string& t : {s.name, s.hash, s.file, s.failure}) db.text(t);
     db.real(s.references.empty() ? kNone : s.references_relmse);
@@ -304,9 +306,8 @@ void write_summary(const PointTable& table, const std::vector<Collected>& points
   head["scenes"] = Json::array();
   for (size_t s = 0; s < table.scenes.size(); ++s) {
     const SceneEntry& scene = table.scenes[s];
-    const auto baseline =
-        std::find_if(table.points.begin(), table.points.end(),
-                     [&](const PlannedPoint& p) { return p.point.scene == s; });
+    const auto baseline = std::find_if(table.points.begin(), table.points.end(),
+                                       [&](const PlannedPoint& p) { return p.point.scene == s; });
     head["scenes"].push_back(
         {{"scene", scene.name},
          {"file", scene.file},
@@ -351,8 +352,7 @@ void write_summary(const PointTable& table, const std::vector<Collected>& points
                           {"error", json_number(m->second.error)},
                           {"ratio", json_number(m->second.ratio)},
                           {"ratio_error", json_number(m->second.ratio_error)}};
-    out.write((i == 0 ? "\n  " : ",\n  ") +
-              j.dump(-1, ' ', false, Json::error_handler_t::replace));
+    out.write((i == 0 ? "\n  " : ",\n  ") + j.dump(-1, ' ', false, Json::error_handler_t::replace));
   }
   out.write("\n ]\n}\n");
   out.commit();
@@ -388,9 +388,8 @@ Means means_of(const std::vector<Result>& results, const std::vector<Result>& ba
       };
       for (const Result& r : results) {
         if (!add(all, r)) continue;
-        const auto same = std::find_if(baseline.begin(), baseline.end(), [&](const Result& x) {
-          return x.key.seed == r.key.seed;
-        });
+        const auto same = std::find_if(baseline.begin(), baseline.end(),
+                                       [&](const Result& x) { return x.key.seed == r.key.seed; });
         if (same != baseline.end() && add(b, *same)) add(a, r);
       }
       Mean m{mean(all.value), blockwise_error(all, nullptr, 0), kNone, kNone};

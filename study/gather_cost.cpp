@@ -22,8 +22,8 @@ constexpr size_t kRuns = 4;  // of neighbouring queries
 // leaf each. The cache's victim is the next way in turn.
 double cache_misses(const Plan& plan, const std::vector<std::vector<uint32_t>>& visits) {
   const auto ways = static_cast<size_t>(plan.cache_ways);
-  const size_t sets = static_cast<size_t>(plan.cache_bytes) /
-                      (static_cast<size_t>(plan.line_bytes()) * ways);
+  const size_t sets =
+      static_cast<size_t>(plan.cache_bytes) / (static_cast<size_t>(plan.line_bytes()) * ways);
   std::vector<uint32_t> tags(sets * ways, ~0u);
   std::vector<size_t> turn(sets, 0);
   const size_t contexts = static_cast<size_t>(plan.contexts);
@@ -107,8 +107,7 @@ GatherCost gather_cost_rtl(const Plan& plan, const PhotonMap& global, const Phot
   const Counters after = rtl->counters();
   cost.from_rtl = true;
   cost.cycles = per_query(static_cast<double>(rtl->cycles() - first));
-  cost.bytes =
-      per_query(static_cast<double>(after.at("bytes read") - before.at("bytes read")));
+  cost.bytes = per_query(static_cast<double>(after.at("bytes read") - before.at("bytes read")));
   cost.load.misses = cost.bytes / plan.line_bytes();
   return cost;
 }

@@ -43,6 +43,7 @@ class PointRun {
   const std::string& work_dir() const { return work_dir_; }
 
   const Planes& golden();     // the frame in golden arithmetic
+  const Planes& walks();      // of it, what the camera's walks alone show: emission and direct
   const Planes& reference();  // in reference arithmetic: the same photons, queries and directions
   const FrameCounts& counts();
   const Counters& gather_counters();
@@ -63,7 +64,7 @@ class PointRun {
   std::shared_ptr<const PhotonPass> passes_[2];
   PhotonMap maps_[2];
   PackCounts packed_;
-  std::unique_ptr<Planes> golden_, reference_;
+  std::unique_ptr<Planes> golden_, walks_, reference_;
   FrameCounts counts_;
   Counters gather_counters_;
   std::vector<GatherQuery> watched_;

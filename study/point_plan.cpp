@@ -115,7 +115,8 @@ PointPlan plan_of_point(StudyScene& scene, const Study& study, const LineValues&
       const uint64_t bytes = (plan.lines(plan.global) + plan.lines(plan.caustic)) *
                              static_cast<uint64_t>(narrow.line_bytes());
       // The planner moves smaller maps into block RAM.
-      const bool is_sdram = plan.photon_memory == PhotonMemory::kSdram && bytes > kBoardBlockRamBytes;
+      const bool is_sdram =
+          plan.photon_memory == PhotonMemory::kSdram && bytes > kBoardBlockRamBytes;
       narrow.photon_memory = is_sdram ? PhotonMemory::kSdram : PhotonMemory::kBlockRam;
       request.set.push_back(fmt::format("gatherer.beat_bits={}", beat_bits(narrow, stride)));
     }

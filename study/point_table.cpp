@@ -51,8 +51,7 @@ PointTable parse_point_table(const std::string& text) {
     planned.point.number = p.at("point");
     planned.point.scene = p.at("scene");
     planned.point.origin = p.at("origin");
-    for (const Json& line : p.at("lines"))
-      planned.point.lines.emplace_back(line.at(0), line.at(1));
+    for (const Json& line : p.at("lines")) planned.point.lines.emplace_back(line.at(0), line.at(1));
     planned.plan = p.at("plan");
     planned.command = p.at("command");
     planned.refused = p.at("refused");

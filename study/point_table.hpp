@@ -19,9 +19,9 @@ struct PlannedPoint {
 
 struct SceneEntry {
   std::string name, file;
-  std::string hash;     // empty where the scene cannot be used
-  std::string failure;  // why
-  std::string references;      // signature; empty where none are needed
+  std::string hash;              // empty where the scene cannot be used
+  std::string failure;           // why
+  std::string references;        // signature; empty where none are needed
   double references_relmse = 0;  // their mean's own
 };
 

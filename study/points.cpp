@@ -57,10 +57,9 @@ std::vector<LineValues> latin_hypercube(const std::vector<LineChoice>& choices, 
       return std::make_pair(random(a, 0), a) < std::make_pair(random(b, 0), b);
     });
     for (size_t i = 0; i < points.size(); ++i)
-      points[i].emplace_back(choices[d].line,
-                             value_at(choices[d], (static_cast<double>(part[i]) +
-                                                   to_unit(random(i, 1))) /
-                                                      static_cast<double>(count)));
+      points[i].emplace_back(choices[d].line, value_at(choices[d], (static_cast<double>(part[i]) +
+                                                                    to_unit(random(i, 1))) /
+                                                                       static_cast<double>(count)));
   }
   return points;
 }

@@ -23,8 +23,8 @@ std::vector<Point> fixed_points(const Study& study);
 // Points of one scene, those of searches included.
 uint32_t points_of_scene(const Study& study);
 
-// `count` points of a Latin hypercube: each line's values, or its range in `count` equal parts, come
-// evenly often; which go together follows from the seed.
+// `count` points of a Latin hypercube: each line's values, or its range in `count` equal parts,
+// come evenly often; which go together follows from the seed.
 std::vector<LineValues> latin_hypercube(const std::vector<LineChoice>& choices, int count,
                                         uint64_t seed);
 

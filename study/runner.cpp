@@ -176,9 +176,8 @@ class Sweep {
 
   void plan_these(std::vector<uint32_t> numbers) {
     const ProgressPhase phase(request_.progress, "plan", numbers.size(), "points");
-    std::stable_sort(numbers.begin(), numbers.end(), [&](uint32_t a, uint32_t b) {
-      return shared_part(a, 0) < shared_part(b, 0);
-    });
+    std::stable_sort(numbers.begin(), numbers.end(),
+                     [&](uint32_t a, uint32_t b) { return shared_part(a, 0) < shared_part(b, 0); });
     each_on_worker(request_.workers, numbers.size(), [&](size_t i) {
       plan_of(numbers[i]);
       phase.advance(1);
@@ -215,10 +214,10 @@ class Sweep {
                                      study_.file, table_.points.size() - 1));
     for (const PlannedPoint& p : table_.points) {
       const bool planned = !p.plan.empty() || plans_[p.point.number];
-      const bool asked = request_.only.empty()
-                             ? p.point.origin.rfind("search", 0) != 0
-                             : std::binary_search(request_.only.begin(), request_.only.end(),
-                                                  p.point.number);
+      const bool asked =
+          request_.only.empty()
+              ? p.point.origin.rfind("search", 0) != 0
+              : std::binary_search(request_.only.begin(), request_.only.end(), p.point.number);
       if (asked && planned) numbers.push_back(p.point.number);
     }
     return numbers;
@@ -382,9 +381,10 @@ class Sweep {
       if (left.empty()) return;
       idle = left.size() == before ? idle + 1 : 0;
       if (idle == kIdleRounds) {
-        fail(fmt::format("{} results are missing after {} array jobs in which nothing came; see "
-                         "{}/slurm/*.log",
-                         left.size(), kIdleRounds, request_.folder));
+        fail(
+            fmt::format("{} results are missing after {} array jobs in which nothing came; see "
+                        "{}/slurm/*.log",
+                        left.size(), kIdleRounds, request_.folder));
         return;
       }
       say(fmt::format("the array job left {} of {} results undone; they are submitted again",
@@ -412,8 +412,8 @@ class Sweep {
         if (set.strategy != Strategy::kSearch) continue;
         std::vector<std::vector<double>> told;
         for (int generation = 0; generation < set.generations; ++generation) {
-          const std::vector<LineValues> proposed = next_generation(
-              set, generation, told, request_.folder + "/search");
+          const std::vector<LineValues> proposed =
+              next_generation(set, generation, told, request_.folder + "/search");
           std::vector<uint32_t> numbers;
           for (size_t i = 0; i < proposed.size(); ++i) {
             const auto number = static_cast<uint32_t>(

@@ -18,7 +18,7 @@ struct SweepRequest {
   bool wait = false;           // for another sweep on the folder
   bool is_task = false;        // part of a sweep that holds the lock and will collect
   bool on_slurm = false;
-  int workers = 1;  // results at a time
+  int workers = 1;                       // results at a time
   std::string work_dir = "build/cosim";  // of Verilated models
   std::string program;                   // this program's file, for jobs
   Progress* progress = nullptr;

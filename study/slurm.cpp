@@ -53,14 +53,15 @@ void run_on_slurm(const SlurmWork& work, const std::function<void()>& alive) {
   const std::string here = std::filesystem::current_path().string();
   write_file(
       folder + "/job.sh",
-      fmt::format("#!/bin/sh\ncd {} || exit 1\npoints=$(sed -n \"$((SLURM_ARRAY_TASK_ID + 1))p\" {})\n"
-                  "exec {} sweep {} -o {} --work {} --points \"$points\" --task --threads "
-                  "\"${{SLURM_CPUS_PER_TASK:-1}}\"\n",
-                  quoted(here), quoted(folder + "/points"), quoted(work.program),
-                  quoted(work.study_file), quoted(work.folder), quoted(work.work_dir)));
-  const auto [status, job] = output_of(fmt::format(
-      "sbatch --parsable --job-name=photonloom-sweep --array=0-{} --output={} {}", tasks - 1,
-      quoted(folder + "/%A_%a.log"), quoted(folder + "/job.sh")));
+      fmt::format(
+          "#!/bin/sh\ncd {} || exit 1\npoints=$(sed -n \"$((SLURM_ARRAY_TASK_ID + 1))p\" {})\n"
+          "exec {} sweep {} -o {} --work {} --points \"$points\" --task --threads "
+          "\"${{SLURM_CPUS_PER_TASK:-1}}\"\n",
+          quoted(here), quoted(folder + "/points"), quoted(work.program), quoted(work.study_file),
+          quoted(work.folder), quoted(work.work_dir)));
+  const auto [status, job] = output_of(
+      fmt::format("sbatch --parsable --job-name=photonloom-sweep --array=0-{} --output={} {}",
+                  tasks - 1, quoted(folder + "/%A_%a.log"), quoted(folder + "/job.sh")));
   if (status != 0)
     throw std::runtime_error(fmt::format("sbatch: {}", job.empty() ? "failed" : job));
   const std::string number = job.substr(0, job.find(';'));

@@ -57,8 +57,7 @@ std::string result_text(const Result& r) {
     Json& m = j["measures"][name];
     m["settings"] = taken.settings;
     m["values"] = numbers(taken.figures.values);
-    for (const auto& [column, blocks] : taken.figures.blocks)
-      m["blocks"][column] = numbers(blocks);
+    for (const auto& [column, blocks] : taken.figures.blocks) m["blocks"][column] = numbers(blocks);
   }
   const std::string body = j.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
   return body + kCheck + fmt::format("{:016x}\n", fnv1a(body));
@@ -138,8 +137,7 @@ FolderLock::FolderLock(const std::string& folder, bool wait) {
   const std::string path = folder + "/lock";
   descriptor_ = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
   if (descriptor_ < 0)
-    throw std::runtime_error(
-        fmt::format("{}: cannot be opened: {}", path, std::strerror(errno)));
+    throw std::runtime_error(fmt::format("{}: cannot be opened: {}", path, std::strerror(errno)));
   int locked;
   do {
     locked = flock(descriptor_, LOCK_EX | (wait ? 0 : LOCK_NB));
@@ -151,7 +149,8 @@ FolderLock::FolderLock(const std::string& folder, bool wait) {
     throw std::runtime_error(fmt::format(
         "{}: another sweep is at work in this folder{}; wait for it, with --wait, or take another "
         "folder",
-        folder, n > 0 ? fmt::format(" (process {})", std::string(holder, strcspn(holder, "\n"))) : ""));
+        folder,
+        n > 0 ? fmt::format(" (process {})", std::string(holder, strcspn(holder, "\n"))) : ""));
   }
   const std::string own = fmt::format("{}\n", getpid());
   // Only for the sentence above: a full disk does not matter here.

@@ -106,8 +106,7 @@ class Parser {
   const toml::node& needed(const toml::table& table, const std::string& name, const char* key,
                            const char* expected) const {
     const toml::node* node = table.get(key);
-    if (!node)
-      fail(table, fmt::format("{}.{} is missing, expected {}", name, key, expected));
+    if (!node) fail(table, fmt::format("{}.{} is missing, expected {}", name, key, expected));
     return *node;
   }
 
@@ -115,8 +114,8 @@ class Parser {
                   int64_t high) const {
     const auto* value = node.as_integer();
     if (!value || value->get() < low || value->get() > high)
-      fail(node, fmt::format("{} is {}, expected an integer from {} to {}", name,
-                             value_text(node), low, high));
+      fail(node, fmt::format("{} is {}, expected an integer from {} to {}", name, value_text(node),
+                             low, high));
     return value->get();
   }
 
@@ -138,10 +137,9 @@ class Parser {
   // A path that the study names stands beside the study file.
   std::string beside(const std::string& path) const {
     const std::filesystem::path p(path);
-    return p.is_absolute() ? path
-                           : (std::filesystem::path(file_).parent_path() / p)
-                                 .lexically_normal()
-                                 .string();
+    return p.is_absolute()
+               ? path
+               : (std::filesystem::path(file_).parent_path() / p).lexically_normal().string();
   }
 
   void study_section(const toml::table* t) {
@@ -218,8 +216,8 @@ class Parser {
         int64_t x = 0;
         const auto r = std::from_chars(value.data(), value.data() + value.size(), x);
         if (r.ec != std::errc() || r.ptr != value.data() + value.size() || x < low || x > high)
-          fail(at, fmt::format("{} is {}, expected an integer from {} to {}", line, value, low,
-                               high));
+          fail(at,
+               fmt::format("{} is {}, expected an integer from {} to {}", line, value, low, high));
       };
       if (line == "photons" || line == "caustic_photons") {
         whole(1, int64_t{1} << 28);
@@ -309,15 +307,15 @@ class Parser {
     c.from = bound("from");
     c.to = bound("to");
     if (!(c.from <= c.to))
-      fail(node, fmt::format("{} goes from {} to {}, expected the smaller first", name, c.from,
-                             c.to));
+      fail(node,
+           fmt::format("{} goes from {} to {}, expected the smaller first", name, c.from, c.to));
     if (const toml::node* log = range->get("log")) {
       if (!log->is_boolean())
         fail(*log, fmt::format("{}.log is {}, expected true or false", name, value_text(*log)));
       c.logarithmic = log->as_boolean()->get();
       if (c.logarithmic && !(c.from > 0))
-        fail(*log, fmt::format("{} begins at {}, expected more than 0 where log is true", name,
-                               c.from));
+        fail(*log,
+             fmt::format("{} begins at {}, expected more than 0 where log is true", name, c.from));
     }
     return c;
   }
@@ -345,17 +343,17 @@ class Parser {
     } else if (name == "latin_hypercube") {
       set.strategy = Strategy::kLatinHypercube;
       expect_keys(t, "points", {"strategy", "count", "seed", "lines"});
-      set.count = static_cast<int>(integer(
-          needed(t, "points", "count", "a number of points"), "points.count", 1, 1000000));
+      set.count = static_cast<int>(
+          integer(needed(t, "points", "count", "a number of points"), "points.count", 1, 1000000));
     } else if (name == "search") {
       set.strategy = Strategy::kSearch;
       expect_keys(t, "points",
                   {"strategy", "population", "generations", "seed", "objectives", "lines"});
       set.population = static_cast<int>(integer(
           needed(t, "points", "population", "points a generation"), "points.population", 2, 10000));
-      set.generations = static_cast<int>(
-          integer(needed(t, "points", "generations", "a number of generations"),
-                  "points.generations", 1, 10000));
+      set.generations =
+          static_cast<int>(integer(needed(t, "points", "generations", "a number of generations"),
+                                   "points.generations", 1, 10000));
       const char* expected = "an array of measure.column";
       for (const toml::node& n :
            array(needed(t, "points", "objectives", expected), "points.objectives", expected))
@@ -408,8 +406,7 @@ std::vector<uint32_t> parse_numbers(const std::string& text, const std::string& 
   std::set<uint32_t> numbers;
   std::istringstream stream(text);
   const auto bad = [&](const std::string& part) {
-    throw StudyError(
-        fmt::format("{}: '{}', expected numbers of points as 17,23-30", option, part));
+    throw StudyError(fmt::format("{}: '{}', expected numbers of points as 17,23-30", option, part));
   };
   if (text.empty() || text.back() == ',') bad(text);
   for (std::string part; std::getline(stream, part, ',');) {

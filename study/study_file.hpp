@@ -40,8 +40,8 @@ struct PointSet {
   int line = 0;                  // of the file
   std::vector<LineValues> list;  // of kList
   std::vector<LineChoice> choices;
-  int count = 0;      // of kLatinHypercube
-  uint64_t seed = 1;  // of kLatinHypercube and kSearch
+  int count = 0;                        // of kLatinHypercube
+  uint64_t seed = 1;                    // of kLatinHypercube and kSearch
   int population = 0, generations = 0;  // of kSearch
   std::vector<std::string> objectives;  // "measure.column", all minimised
 };

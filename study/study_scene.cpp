@@ -2,6 +2,7 @@
 #include "study/study_scene.hpp"
 
 #include <fmt/core.h>
+#include <oneapi/tbb/parallel_for.h>
 
 #include <array>
 #include <filesystem>
@@ -16,6 +17,9 @@ namespace {
 constexpr size_t kPassesKept = 8;
 // Seeds of references, of no study's.
 constexpr std::array<uint64_t, 2> kReferenceSeeds{1000001, 1000002};
+constexpr uint64_t kWalkSeed = 1000003;
+// Samples of the walks' mean and variance, a pixel.
+constexpr int kWalkSamples = 4096;
 
 std::string replaced(std::string text, const std::string& mark, const std::string& by) {
   for (size_t at; (at = text.find(mark)) != std::string::npos;) text.replace(at, mark.size(), by);
@@ -34,6 +38,39 @@ void check_reference(const Image& image, const std::string& path, const Study& s
         fmt::format("{}: is no reference of this scene (hash {}), expected {}; make references "
                     "makes it again",
                     path, hash == image.metadata.end() ? "missing" : hash->second, scene_hash));
+}
+
+// Channels R, G, B: mean; variance.R, .G, .B: of one sample.
+Image walk_image(const World& world, const RayCaster& caster, Progress* progress) {
+  Image image;
+  image.width = world.scene().film.width;
+  image.height = world.scene().film.height;
+  for (const char* name : {"R", "G", "B", "variance.R", "variance.G", "variance.B"})
+    image.add(name);
+  const auto width = static_cast<size_t>(image.width);
+  const ProgressPhase phase(progress, "camera walks", static_cast<uint64_t>(image.height), "rows");
+  tbb::parallel_for(size_t{0}, static_cast<size_t>(image.height), [&](size_t y) {
+    for (size_t x = 0; x < width; ++x) {
+      // Welford's running mean and sum of squares.
+      Rgb mean(0), squares(0);
+      for (int s = 0; s < kWalkSamples; ++s) {
+        const CameraSample sample =
+            trace_camera(world, caster, static_cast<int>(x), static_cast<int>(y),
+                         static_cast<uint64_t>(s), kWalkSeed);
+        const Rgb value = sample.emission + sample.direct, d = value - mean;
+        mean += d / static_cast<double>(s + 1);
+        squares += d * (value - mean);
+      }
+      for (int c = 0; c < 3; ++c) {
+        const auto i = static_cast<size_t>(c);
+        image.channels[i].pixels[y * width + x] = static_cast<float>(mean[c]);
+        image.channels[3 + i].pixels[y * width + x] =
+            static_cast<float>(squares[c] / (kWalkSamples - 1));
+      }
+    }
+    phase.advance(1);
+  });
+  return image;
 }
 
 }  // namespace
@@ -78,32 +115,44 @@ std::shared_ptr<const PhotonPass> StudyScene::photons(bool is_caustic, uint64_t 
 
 void StudyScene::load_references(const Study& study, const std::string& folder,
                                  Progress* progress) {
-  Planes* const planes[2] = {&references_.b1, &references_.b2};
-  for (size_t n = 0; n < 2; ++n) {
+  const auto reference = [&](const std::string& which, const auto& make) {
     std::string path;
     if (!study.reference_files.empty())
-      path = replaced(replaced(study.reference_files, "{scene}", name_), "{n}",
-                      fmt::format("{}", n + 1));
+      path = replaced(replaced(study.reference_files, "{scene}", name_), "{n}", which);
     if (path.empty() || (study.reference_spp > 0 && !std::filesystem::exists(path))) {
-      path = fmt::format("{}/{}-{}x{}-{}-{}.exr", folder, hash_text(), study.width, study.height,
-                         study.reference_spp, n + 1);
-      if (!std::filesystem::exists(path)) {
-        const std::unique_ptr<RayCaster> embree = make_embree(*world_);
-        Image image = render_path(
-            *world_, *embree,
-            {.spp = study.reference_spp, .seed = kReferenceSeeds[n], .progress = progress});
-        std::erase_if(image.channels, [](const Channel& c) { return c.name.size() > 1; });
+      path = fmt::format("{}/{}.{}x{}.{}.exr", folder, name_, study.width, study.height, which);
+      // The scene or the study may have changed since.
+      const std::string made_of = fmt::format("{} {}", hash_text(), study.reference_spp);
+      const bool there =
+          std::filesystem::exists(path) && read_exr(path).metadata["madeOf"] == made_of;
+      if (!there) {
+        Image image = make();
         image.metadata["sceneHash"] = hash_text();
-        image.metadata["seed"] = fmt::format("{}", kReferenceSeeds[n]);
-        image.metadata["spp"] = fmt::format("{}", study.reference_spp);
+        image.metadata["madeOf"] = made_of;
         std::filesystem::create_directories(folder);
         write_exr(image, path);
       }
     }
-    const Image image = read_exr(path);
+    Image image = read_exr(path);
     check_reference(image, path, study, hash_text());
+    return std::make_pair(std::move(image), path);
+  };
+  Planes* const planes[2] = {&references_.b1, &references_.b2};
+  for (size_t n = 0; n < 2; ++n) {
+    const auto [image, path] = reference(fmt::format("{}", n + 1), [&] {
+      const std::unique_ptr<RayCaster> embree = make_embree(*world_);
+      Image traced = render_path(
+          *world_, *embree,
+          {.spp = study.reference_spp, .seed = kReferenceSeeds[n], .progress = progress});
+      std::erase_if(traced.channels, [](const Channel& c) { return c.name.size() > 1; });
+      return traced;
+    });
     *planes[n] = planes_of(image, "", path);
   }
+  const auto [walks, path] =
+      reference("walks", [&] { return walk_image(*world_, *caster_, progress); });
+  references_.walks = planes_of(walks, "", path);
+  references_.walk_variance = planes_of(walks, "variance", path);
   const Planes &b1 = references_.b1, &b2 = references_.b2;
   references_.mean = b1;
   Sha256 sum;
@@ -113,7 +162,8 @@ void StudyScene::load_references(const Study& study, const std::string& folder,
       const double b = (b1.c[c][p] + b2.c[c][p]) / 2, d = b1.c[c][p] - b2.c[c][p];
       references_.mean.c[c][p] = b;
       own += d * d / 4 / (b * b + 0.01);
-      sum.add(fmt::format("{},{};", b1.c[c][p], b2.c[c][p]));
+      sum.add(fmt::format("{},{},{},{};", b1.c[c][p], b2.c[c][p], references_.walks.c[c][p],
+                          references_.walk_variance.c[c][p]));
     }
   references_.own_relmse = own / (3.0 * static_cast<double>(b1.c[0].size()));
   references_.signature = sum.hex().substr(0, 16);

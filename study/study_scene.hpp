@@ -16,11 +16,15 @@
 
 namespace photonloom {
 
-// Two path-traced images of the scene with seeds of their own, and their mean.
+// Two path-traced images of the scene with seeds of their own, and their mean. Beside them what
+// the camera's walks alone show: emitters seen and direct light. Their noise is the same in every
+// plan, and known from many more samples than a frame has.
 struct SceneReferences {
   Planes b1, b2, mean;
+  Planes walks;           // mean
+  Planes walk_variance;   // of one sample
   double own_relmse = 0;  // of the mean: mean (b1 - b2)^2 / (4 (b^2 + 0.01))
-  std::string signature;  // 16 hexadecimal digits of their pixels
+  std::string signature;  // 16 hexadecimal digits of all pixels
 };
 
 // May be asked by several threads at once.

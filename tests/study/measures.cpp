@@ -29,7 +29,8 @@ Result made(uint64_t trial, uint64_t seed, double scale, double shared, uint64_t
   m.values = {0, 0, 0, 0};
   Blocks blocks(kBlocks);
   for (size_t j = 0; j < blocks.size(); ++j) {
-    const double common = noise(trial, seed, j), own = noise(trial + 1000000 * which, seed, j + 100);
+    const double common = noise(trial, seed, j),
+                 own = noise(trial + 1000000 * which, seed, j + 100);
     blocks[j] = scale * (1 + static_cast<double>(j % 5)) *
                 (1 + 0.1 * (shared * common + std::sqrt(1 - shared * shared) * own));
     m.values[0] += blocks[j];

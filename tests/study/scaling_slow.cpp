@@ -84,7 +84,8 @@ TEST_CASE("100,000 results are collected within a minute") {
   CHECK(report.results == points * table.seeds.size());
   CHECK(report.missing == 0);
   fmt::print(
-      "{} results: {:.1f} s to write ({:.1f} KB each), {:.1f} s to look through, {:.1f} s to collect; "
+      "{} results: {:.1f} s to write ({:.1f} KB each), {:.1f} s to look through, {:.1f} s to "
+      "collect; "
       "results.sqlite {} MB, summary.json {} MB\n",
       report.results, writing,
       static_cast<double>(bytes) / 1e3 / static_cast<double>(report.results), looking, collecting,
