@@ -361,7 +361,6 @@ class Sweep {
         looked = std::chrono::steady_clock::now();
       });
       const size_t before = tasks.size();
-      std::vector<Task> failed;
       std::vector<Task> left = open_tasks(numbers, false);
       std::erase_if(left, [&](const Task& t) {
         // A failure that a task has stored is an answer, not work left undone.
