@@ -22,7 +22,7 @@ struct SweepOptions {
   ThreadsOption threads;
 };
 
-// For logs: a line at each tenth of a phase, where no terminal shows a bar.
+// For logs: a line at each tenth of a long phase, where no terminal shows a bar.
 class LineProgress final : public Progress {
  public:
   void begin(const std::string& phase, uint64_t total, const std::string& unit) override {
@@ -37,6 +37,7 @@ class LineProgress final : public Progress {
     if (total_ < 10 || now * 10 / total_ == before * 10 / total_) return;
     const double seconds =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+    if (seconds < 10) return;
     const double rate = static_cast<double>(now) / std::max(seconds, 1e-9);
     fmt::print(stderr, "{}: {} of {} {}, {:.3g}/s, {} left\n", phase_, now, total_, unit_, rate,
                spoken(static_cast<double>(total_ - now) / rate));

@@ -9,9 +9,9 @@ struct CycleFit {
   double power, fixed;
   double nodes, lanes, insertions, memory, latency;
 };
-inline constexpr CycleFit kCycleFit = {4.98625, 1.50092, 0.95873, 0.95775, 1.07257, 1.06469, 0.970073};
+inline constexpr CycleFit kCycleFit = {4.10359, 1.61275, 0.901841, 0.932095, 0.935883, 1.01964, 0.962206};
 // Largest and mean relative error, each point predicted from a fit without its tenth, and the number of points.
-inline constexpr double kCycleFitWorst = 0.0775, kCycleFitMean = 0.0257;
+inline constexpr double kCycleFitWorst = 0.0746, kCycleFitMean = 0.0202;
 inline constexpr int kCycleFitPoints = 32;
 
 }  // namespace photonloom

@@ -118,8 +118,7 @@ while [ "$(find slurm/results -name '*.json' 2>/dev/null | wc -l)" -lt 3 ]; do
   [ $tries -lt 600 ] || { cat sweep.out slurm/slurm/*.log; fail "no results came"; }
   sleep 0.1
 done
-scancel --signal=KILL "$(squeue --noheader --format=%A | head -n 1)" || fail "scancel"
-scancel "$(squeue --noheader --format=%A | head -n 1)" 2>/dev/null
+scancel "$(squeue --noheader --format=%F | head -n 1)" || fail "scancel"
 wait $sweep || { cat sweep.out; fail "the sweep on Slurm"; }
 cat sweep.out
 grep -q 'submitted again' sweep.out || fail "no task was killed midway: the test says nothing"
