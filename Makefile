@@ -3,7 +3,7 @@
 JOBS := $(shell nproc)
 PREFIX ?= /usr/local
 .DEFAULT_GOAL := build
-.PHONY: help build install demo test test-full gallery precision mutate bench bench-rtl asan fuzz format clean references mutate-golden fpga-tools fpga board-sim headline fpga-plans area-check tradeoffs sweep-search slurm-test cycle-fit
+.PHONY: help build install demo test test-full gallery precision mutate bench bench-rtl asan fuzz format clean references mutate-golden fpga-tools fpga board-sim headline fpga-plans area-check tradeoffs sweep-search slurm-test cycle-fit report-bundle
 
 help: ## this list
 	@sed -n 's/^\([a-z-]*\):[^#]*## \(.*\)/  make \1\t\2/p' Makefile | expand -t 24
@@ -113,6 +113,10 @@ sweep-search: ## what the strategy `search` of a study needs: Optuna
 slurm-test: build ## a sweep on a Slurm of one node, started on the loopback device
 	@scripts/setup slurm-test
 	@PHOTONLOOM=build/photonloom tests/slurm/one_node.sh
+
+report-bundle: ## report/bundle from report/page
+	@scripts/setup report-bundle
+	@cd report && npm ci --ignore-scripts --no-audit --no-fund --silent && node build.mjs
 
 area-check: build ## whether the units grew since fpga/baseline.json
 	@scripts/setup area-check

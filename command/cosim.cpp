@@ -17,6 +17,7 @@
 #include "command/frame_options.hpp"
 #include "golden/image/sheet.hpp"
 #include "golden/numeric/output_file.hpp"
+#include "golden/pipeline/watch.hpp"
 #include "verilator_tb/rig/rig_options.hpp"
 #include "verilator_tb/rig/timeline.hpp"
 #include "verilator_tb/unit/compare_units.hpp"
@@ -39,7 +40,7 @@ struct CosimOptions {
   ThreadsOption threads;
   RigFlags rig;
   std::string backends = all_as_rtl(), output;
-  uint64_t timeline = 5000;
+  uint64_t timeline = 5000, packets = 1000;
   bool keep_going = false, json = false;
   BoardFlags board;
 };
@@ -222,12 +223,16 @@ void cosim(const CosimOptions& o) {
   OutputFolder folder(output, "summary.json");
 
   ConsoleProgress progress;
-  PreparedFrame frame = prepare_frame(request, Arithmetic::kGolden, &progress);
+  PreparedFrame frame = prepare_frame(request, Arithmetic::kReference, &progress);
   print_warnings(frame.warnings);
   for (const auto& [unit, backend] : hardware)  // a wrong board is refused before long work
     if (!backend.device.empty()) o.board.check(frame.plan, backend.device);
-  FrameUnits golden_units = make_golden_units(frame.plan);
-  FrameCounts golden_counts, counts;
+  PacketWatch watch(frame.plan, o.packets);
+  FrameUnits golden_units = watch.wrap(make_golden_units(frame.plan)),
+             reference_units = make_golden_units(frame.plan);
+  FrameCounts reference_counts, golden_counts, counts;
+  Image reference_image = render_frame(frame.input(Arithmetic::kReference), reference_units,
+                                       reference_counts, &progress);
   Image golden_image =
       render_frame(frame.input(Arithmetic::kGolden), golden_units, golden_counts, &progress);
 
@@ -272,10 +277,12 @@ void cosim(const CosimOptions& o) {
                     error.what(), context.rerun, error.unit, extension, error.unit));
   }
 
+  describe_frame(reference_image, frame, request, "reference");
   describe_frame(golden_image, frame, request, "golden");
   describe_frame(hardware_image, frame, request, "golden");
   const std::string golden_file = folder.temporary() + "/golden.exr",
                     hardware_file = folder.temporary() + "/" + name + ".exr";
+  write_exr(reference_image, folder.temporary() + "/reference.exr");
   write_exr(golden_image, golden_file);
   write_exr(hardware_image, hardware_file);
   const auto exposure = exposure_for(golden_image, golden_file);
@@ -283,15 +290,18 @@ void cosim(const CosimOptions& o) {
   write_png(hardware_image, folder.temporary() + "/" + name + ".png", exposure);
   const bool same = read_file(golden_file) == read_file(hardware_file);
   write_file(folder.temporary() + "/timeline.json", timeline.json());
+  write_file(folder.temporary() + "/packets.json", watch.json());
   write_plan(frame.plan, folder.temporary() + "/plan.toml", frame.reasons);
 
   uint64_t compared = 0, differences = 0, bypassed = 0;
   std::string idle;
   Json summary;
   summary["scene"] = request.scene_file;
+  summary["command"] = context.rerun;
   summary["plan_hash"] = context.plan;
   summary["program"] = PHOTONLOOM_VERSION;
   summary["tools"] = tools;
+  summary["hardware"] = name;  // NAME.exr
   summary["camera_samples"] = counts.camera_samples;
   summary["caustic_queries"] = counts.caustic_queries;
   summary["table_gathers"] = counts.table_gathers;
@@ -308,6 +318,7 @@ void cosim(const CosimOptions& o) {
                   {"bypassed", u.bypassed()},
                   {"busy_percent", u.busy()},
                   {"counters", u.counters}};
+    if (!u.first_difference.empty()) entry["first_difference"] = u.first_difference;
     if (u.counters.count("displacement")) entry["mean_displacement"] = mean_displacement(u);
     summary["units"][u.unit] = entry;
   }
@@ -334,8 +345,10 @@ void cosim(const CosimOptions& o) {
     fmt::print("golden {} {}: {} packets, {} differences\n", differences ? "!=" : "==", name,
                compared, differences);
     fmt::print("image bytes of golden and {} are {}\n", name, same ? "identical" : "different");
-    fmt::print("wrote {}: golden.exr, {}.exr, timeline.json (Perfetto), summary.json, plan.toml\n",
-               output, name);
+    fmt::print(
+        "wrote {}: reference.exr, golden.exr, {}.exr, timeline.json (Perfetto), packets.json,\n"
+        "summary.json, plan.toml; photonloom report {} -o report.html shows them\n",
+        output, name, output);
   }
   if (!idle.empty())
     throw CheckFailed(
@@ -382,6 +395,9 @@ void add_cosim(CLI::App& app) {
        "of an installed program cosim/SCENE)")
       ->type_name("DIR");
   c->add_option("--timeline", o->timeline, "Packets of each unit in timeline.json (default 5000)")
+      ->check(CLI::Range(uint64_t{0}, uint64_t{1} << 48))
+      ->type_name("N");
+  c->add_option("--packets", o->packets, "Packets of each stream in packets.json (default 1000)")
       ->check(CLI::Range(uint64_t{0}, uint64_t{1} << 48))
       ->type_name("N");
   c->add_flag("--json", o->json, "Print the summary as one JSON object");

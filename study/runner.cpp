@@ -199,11 +199,20 @@ class Sweep {
             request_.folder, number, p.plan, hash));
       p.plan = hash;
       p.command = made.command;
+      keep_plan(hash, made);
       plan = made.plan;
     } catch (const PlanError& error) {
       p.refused = error.what();
     }
     return plan ? &*plan : nullptr;
+  }
+
+  // plans/HASH.toml: the plan with the reason for each line.
+  void keep_plan(const std::string& hash, const PointPlan& made) const {
+    const std::string folder = request_.folder + "/plans", file = folder + "/" + hash + ".toml";
+    if (std::filesystem::exists(file)) return;
+    std::filesystem::create_directories(folder);
+    write_plan(made.plan, file, made.reasons);
   }
 
   std::vector<uint32_t> chosen() const {

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "report/layers.hpp"
+
+#include <Imath/half.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace photonloom {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct Layer {
+  std::string name;
+  std::vector<const Channel*> channels;
+};
+
+// Where a channel stands in its layer: R, G, B and X, Y, Z in this order.
+size_t rank(const std::string& name) {
+  constexpr std::string_view kOrder = "RXGYBZ";
+  return name.empty() ? 0 : kOrder.find(name.back());
+}
+
+std::vector<Layer> layers_of(const Image& image) {
+  std::vector<Layer> layers = {{"", {}}};
+  for (const Channel& c : image.channels) {
+    const size_t dot = c.name.rfind('.');
+    const bool color = c.name == "R" || c.name == "G" || c.name == "B";
+    const std::string name = dot != std::string::npos ? c.name.substr(0, dot) : color ? "" : c.name;
+    auto at = std::find_if(layers.begin(), layers.end(),
+                           [&](const Layer& l) { return l.name == name; });
+    if (at == layers.end()) at = layers.insert(at, {name, {}});
+    at->channels.push_back(&c);
+  }
+  if (layers[0].channels.empty()) layers.erase(layers.begin());
+  for (Layer& l : layers)
+    std::sort(l.channels.begin(), l.channels.end(),
+              [](const Channel* a, const Channel* b) { return rank(a->name) < rank(b->name); });
+  return layers;
+}
+
+// The smallest exponent, not below 0, with which no finite value reaches 2^15.
+int scale_exponent(const std::vector<float>& pixels) {
+  float most = 0;
+  for (const float v : pixels)
+    if (std::isfinite(v)) most = std::max(most, std::fabs(v));
+  int exponent = 0;
+  std::frexp(most, &exponent);
+  return std::max(0, exponent - 15);
+}
+
+// Rounded to so many mantissa bits, half up in magnitude; a carry into the exponent is right.
+uint16_t half_bits(float value, int mantissa) {
+  const Imath::half h(value);
+  if (!h.isFinite() || mantissa >= 10) return h.bits();
+  const int step = 1 << (10 - mantissa);
+  return static_cast<uint16_t>((h.bits() + step / 2) & ~(step - 1));
+}
+
+// What is left of each value when its neighbour is known.
+template <class T>
+std::vector<T> differences(const std::vector<T>& values, size_t width) {
+  std::vector<T> out(values.size());
+  for (size_t i = 0; i < values.size(); ++i) {
+    const T before = i % width ? values[i - 1] : i ? values[i - width] : T{0};
+    out[i] = static_cast<T>(values[i] - before);
+  }
+  return out;
+}
+
+}  // namespace
+
+Json packed_layers(const Image& image, int mantissa, Payloads& payloads) {
+  Json layers = Json::array();
+  for (const Layer& layer : layers_of(image)) {
+    Json names = Json::array(), exponents = Json::array();
+    std::string bytes;
+    for (const Channel* c : layer.channels) {
+      const int exponent = scale_exponent(c->pixels);
+      std::vector<uint16_t> halves(c->pixels.size());
+      std::transform(c->pixels.begin(), c->pixels.end(), halves.begin(),
+                     [&](float v) { return half_bits(std::ldexp(v, -exponent), mantissa); });
+      const auto left = differences(halves, static_cast<size_t>(image.width));
+      for (const int shift : {0, 8})
+        for (const uint16_t d : left) bytes += static_cast<char>(d >> shift & 0xff);
+      names.push_back(c->name);
+      exponents.push_back(exponent);
+    }
+    layers.push_back({{"name", layer.name},
+                      {"channels", names},
+                      {"exponents", exponents},
+                      {"payload", payloads.add(bytes)}});
+  }
+  return layers;
+}
+
+size_t packed_map(const std::vector<double>& map, int width, Payloads& payloads) {
+  std::vector<uint8_t> bytes(map.size());
+  std::transform(map.begin(), map.end(), bytes.begin(), [](double v) {
+    return static_cast<uint8_t>(std::lround(255 * std::clamp(v, 0.0, 1.0)));
+  });
+  const auto left = differences(bytes, static_cast<size_t>(width));
+  return payloads.add(std::string(left.begin(), left.end()));
+}
+
+}  // namespace photonloom

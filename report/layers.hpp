@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+// Images as a page carries them: layer by layer, half floats, deflated.
+#pragma once
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "golden/image/image.hpp"
+#include "report/payload.hpp"
+
+namespace photonloom {
+
+// Mantissa bits behind the leading one. A run keeps all of a half float's: a relative error of at
+// most 2^-11. The images that a study's points share are for looking at: 2^-7.
+inline constexpr int kRunMantissa = 10, kStudyMantissa = 6;
+
+// {"layers": [{name, channels, exponents, payload}]}: the layers of docs/frame.md, the image itself
+// first under the name "". A channel is stored times 2^-exponent, so that its largest value is
+// below 32768, rounded to `mantissa` bits; values below 2^-14 * 2^exponent have an absolute error
+// of 2^-25 * 2^exponent or less at ten bits. Its halves are differences from their left neighbour
+// (the first of a row: from the one above), modulo 2^16, all low bytes before all high bytes.
+nlohmann::ordered_json packed_layers(const Image& image, int mantissa, Payloads& payloads);
+
+// A map of values in [0, 1], 8 bits each; coded as above, one byte plane.
+size_t packed_map(const std::vector<double>& map, int width, Payloads& payloads);
+
+}  // namespace photonloom

@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: Apache-2.0
+// What `photonloom sweep` left.
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <stdexcept>
+
+#include "report/folder.hpp"
+#include "report/layers.hpp"
+
+namespace photonloom {
+namespace {
+
+using Json = nlohmann::ordered_json;
+namespace fs = std::filesystem;
+
+// The mean of the path-traced references that the sweep made of this scene; nothing where it made
+// none.
+void add_references(const std::string& folder, const std::string& scene_hash, ImageSet& images) {
+  std::vector<std::string> files;
+  if (fs::is_directory(folder) && !scene_hash.empty())
+    for (const auto& e : fs::directory_iterator(folder))
+      if (e.path().extension() == ".exr" &&
+          e.path().filename().string().rfind(scene_hash + "-", 0) == 0)
+        files.push_back(e.path().string());
+  if (files.empty()) return;
+  std::sort(files.begin(), files.end());
+  Image sum = read_exr(files[0]);
+  for (size_t i = 1; i < files.size(); ++i) {
+    const Image more = read_exr(files[i]);
+    if (more.width != sum.width || more.height != sum.height)
+      throw std::runtime_error(fmt::format("{}: has {}x{} pixels, expected {}x{} as {} has",
+                                           files[i], more.width, more.height, sum.width,
+                                           sum.height, files[0]));
+    for (Channel& c : sum.channels) {
+      const Channel* other = more.find(c.name);
+      if (!other)
+        throw std::runtime_error(fmt::format("{}: has no channel {}", files[i], c.name));
+      for (size_t p = 0; p < c.pixels.size(); ++p) c.pixels[p] += other->pixels[p];
+    }
+  }
+  for (Channel& c : sum.channels)
+    for (float& v : c.pixels) v /= static_cast<float>(files.size());
+  images.add("reference", files[0],
+             fmt::format("path traced, mean of {} images with seeds of their own", files.size()),
+             std::move(sum));
+}
+
+// The image alone: what a study shows is not for inspection of layers.
+Image without_layers(Image image) {
+  std::erase_if(image.channels, [](const Channel& c) {
+    return c.name != "R" && c.name != "G" && c.name != "B";
+  });
+  return image;
+}
+
+// Plans of the points as {"meanings": [[section, key, meaning]], "plans": {hash: [[value,
+// reason]]}}, line by line in the order of the meanings.
+Json plans_of(const std::string& folder, const Json& points) {
+  Json meanings = Json::array(), plans = Json::object();
+  for (const Json& point : points) {
+    const std::string hash = point.value("plan", std::string());
+    const std::string file = folder + "/plans/" + hash + ".toml";
+    if (hash.empty() || plans.contains(hash) || !fs::exists(file)) continue;
+    const Json plan = read_plan_lines(file);
+    if (plan.at("hash") != hash)
+      throw std::runtime_error(fmt::format("{}: has the hash {}, expected that of its name", file,
+                                           plan.at("hash").get<std::string>()));
+    Json lines = Json::array();
+    for (const Json& line : plan.at("lines")) {
+      if (plans.empty())
+        meanings.push_back({line.at("section"), line.at("key"), line.at("meaning")});
+      lines.push_back({line.at("value"), line.at("reason")});
+    }
+    plans[hash] = lines;
+  }
+  return {{"meanings", meanings}, {"plans", plans}};
+}
+
+}  // namespace
+
+bool is_study(const std::string& folder) {
+  return fs::exists(folder + "/points.json") || fs::exists(folder + "/results.csv");
+}
+
+Json study_json(const std::string& folder, const std::vector<ExtraImage>& extra,
+                Payloads& payloads) {
+  const std::string path = folder + "/summary.json";
+  Json study = read_object(path);
+  for (const char* name : {"study", "scenes", "measures", "fronts", "points"})
+    member(study, name, path);
+  for (const Json& point : study.at("points"))
+    for (const char* name : {"point", "scene", "plan", "origin", "state", "lines", "values"})
+      member(point, name, fmt::format("{}, points", path));
+  for (Json& scene : study.at("scenes")) {
+    const std::string name = member(scene, "scene", path).get<std::string>();
+    ImageSet images(kStudyMantissa, payloads);
+    for (const ExtraImage& e : extra)
+      if (e.scene == name)
+        images.add(e.label, e.file, "given with --image", without_layers(read_exr(e.file)));
+    add_references(folder + "/references", scene.value("hash", std::string()), images);
+    scene["images"] = images.empty() ? Json() : images.json();
+  }
+  study["folder"] = folder;
+  const Json plans = plans_of(folder, study.at("points"));
+  study["plans_kept"] = plans.at("plans").size();
+  study["plans"] = payloads.add(plans.dump());
+  return study;
+}
+
+}  // namespace photonloom
