@@ -4,6 +4,7 @@
 #include <Imath/half.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 namespace photonloom {
@@ -50,12 +51,13 @@ int scale_exponent(const std::vector<float>& pixels) {
   return std::max(0, exponent - 15);
 }
 
-// Rounded to so many mantissa bits, half up in magnitude; a carry into the exponent is right.
+// Rounded once to so many mantissa bits, half up in magnitude; a carry into the exponent is right.
 uint16_t half_bits(float value, int mantissa) {
-  const Imath::half h(value);
-  if (!h.isFinite() || mantissa >= 10) return h.bits();
-  const int step = 1 << (10 - mantissa);
-  return static_cast<uint16_t>((h.bits() + step / 2) & ~(step - 1));
+  if (std::isfinite(value) && mantissa < 10) {
+    const uint32_t step = 1u << (23 - mantissa);
+    value = std::bit_cast<float>((std::bit_cast<uint32_t>(value) + step / 2) & ~(step - 1));
+  }
+  return Imath::half(value).bits();
 }
 
 // What is left of each value when its neighbour is known.

@@ -16,8 +16,8 @@ inline constexpr int kRunMantissa = 10, kStudyMantissa = 6;
 
 // {"layers": [{name, channels, exponents, payload}]}: the layers of docs/frame.md, the image itself
 // first under the name "". A channel is stored times 2^-exponent, so that its largest value is
-// below 32768, rounded to `mantissa` bits; values below 2^-14 * 2^exponent have an absolute error
-// of 2^-25 * 2^exponent or less at ten bits. Its halves are differences from their left neighbour
+// below 32768, rounded to `mantissa` bits; values below 2^-14 * 2^exponent have a further error
+// of up to 2^-25 * 2^exponent. Its halves are differences from their left neighbour
 // (the first of a row: from the one above), modulo 2^16, all low bytes before all high bytes.
 nlohmann::ordered_json packed_layers(const Image& image, int mantissa, Payloads& payloads);
 

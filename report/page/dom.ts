@@ -19,7 +19,7 @@ export function h<K extends keyof HTMLElementTagNameMap>(
 /** A labelled drop-down; `chosen` is called with the value. */
 export function picker(label: string, options: [value: string, text: string][], value: string,
                        chosen: (value: string) => void): HTMLLabelElement {
-  const select = h("select", { onchange: () => chosen(select.value) },
+  const select = h("select", { "aria-label": label, onchange: () => chosen(select.value) },
     ...options.map(([v, text]) => h("option", { value: v, selected: v === value }, text)));
   return h("label", { class: "field" }, label, select);
 }

@@ -10,15 +10,22 @@ import { studySections } from "./study";
 import { themeButton } from "./theme";
 import { jsonOf } from "./unpack";
 
-export interface Section { title: string; build: () => Node }
+/** `early` sections need no block of those that stand behind this script. */
+export interface Section { title: string; early?: boolean; build: () => Node }
+
+const parsed = new Promise<void>((done) => {
+  if (document.readyState === "loading") document.addEventListener("DOMContentLoaded", () => done());
+  else done();
+});
 
 /** Builds a section once it is within a screen of being seen, or is asked for. */
 function lazily(section: Section, id: string): HTMLElement {
   const heading = h("h3", {}, section.title);
   const part = h("section", { id, "aria-label": section.title }, heading);
-  const watcher = new IntersectionObserver((entries) => {
+  const watcher = new IntersectionObserver(async (entries) => {
     if (!entries.some((e) => e.isIntersecting)) return;
     watcher.disconnect();
+    if (!section.early) await parsed;
     try {
       part.append(section.build());
     } catch (error) {
@@ -38,8 +45,6 @@ function part(kind: string, name: string, folder: string, number: number, sectio
     ...sections.map((s) => lazily(s, id(s))));
 }
 
-// The images' blocks stand behind this script.
-document.addEventListener("DOMContentLoaded", () => { document.documentElement.dataset.ready = ""; });
 
 const page = document.getElementById("page")!;
 try {

@@ -28,7 +28,7 @@ export function packetsSection(run: Run): Node {
   const streams = run.streams?.filter((s) => s.count > 0);
   if (!streams?.length) return h("p", {}, "This run has no packets.json; an older cosim wrote it.");
   let stream = streams.find((s) => s.stream === "gather_query") ?? streams[0]!, first = 0, rows: Row[] = [];
-  const search = h("input", { type: "search", size: 32, placeholder: "pixel=12 tag=3, or a number", "aria-label": "search packets" });
+  const search = h("input", { type: "search", size: 32, placeholder: "pixel=12 map=0, or a number", "aria-label": "search packets" });
   const count = h("p", { class: "status", role: "status" }), holder = h("div", {});
   const turn = (by: number) => { first += by; show(); };
   const back = h("button", { type: "button", onclick: () => turn(-pageRows) }, "previous"), on = h("button", { type: "button", onclick: () => turn(pageRows) }, "next");

@@ -73,7 +73,7 @@ function resources(run: Run): Node {
 
 export function runSections(run: Run): Section[] {
   return [
-    { title: "Summary", build: () => summary(run) },
+    { title: "Summary", early: true, build: () => summary(run) },
     { title: "Images", build: () => new Viewer(run.images).element },
     { title: "First divergence", build: () => divergence(run) },
     { title: "Units over time", build: () => utilisationSection(run) },

@@ -106,7 +106,7 @@ export class Scatter {
     const axis = (label: string) => ({ label, labelSize: 20, stroke: ink, grid, size: 62,
       splits: (_p: uPlot, _i: number, low: number, high: number) => ticks(low, high, log),
       values: (_p: uPlot, v: (number | null)[]) => v.map((t) => (t === null ? "" : figure(t))), filter: (_p: uPlot, v: number[]) => v });
-    const scale = (values: number[]) => ({ distr: (log ? 3 : 1) as 1 | 3, time: false, auto: false, range: () => padded(values, log) });
+    const scale = (values: number[]) => ({ distr: (log ? 3 : 1) as 1 | 3, time: false, range: padded(values, log) });
     const bars = this.dots.flatMap((d) => [d.y - d.error, d.y + d.error]).filter((y) => !log || y > 0);
     this.plot = new uPlot({
       width, height: 430, legend: { show: false },
@@ -116,8 +116,6 @@ export class Scatter {
       series: [{}, { paths: () => null, points: { show: false } }],
       hooks: { draw: [(p) => this.paint(p)] },
     }, [this.dots.map((d) => d.x), this.dots.map((d) => d.y)], this.holder);
-    this.plot.setScale("x", { min: 0, max: 1 });
-    this.plot.setScale("y", { min: 0, max: 1 });
     const over = this.plot.over;
     over.addEventListener("mousemove", (e) => this.hover(e.offsetX, e.offsetY));
     over.addEventListener("mouseleave", () => { this.tip.hidden = true; });

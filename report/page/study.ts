@@ -145,7 +145,7 @@ function pictures(study: Study): Node {
 
 export function studySections(study: Study, runs: Run[]): Section[] {
   return [
-    { title: "Summary", build: () => summary(study) },
+    { title: "Summary", early: true, build: () => summary(study) },
     { title: "Error against cost", build: () => tradeoff(study, runs) },
     { title: "Images", build: () => pictures(study) },
   ];

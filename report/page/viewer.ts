@@ -21,6 +21,7 @@ export class Viewer {
   private b: Picture;
   private layer = "";
   private exposure = 0;
+  private readonly exposures = new Map<string, number>();
   private pixel: { x: number; y: number } | null = null;
   private readonly view: View;
   private readonly panes: Pane[];
@@ -61,13 +62,16 @@ export class Viewer {
     return layer ? { layer, channels: layerPixels(layer, this.images.width, this.images.height) } : null;
   }
 
-  /** In half stops: 95 % of the pixels below 0.8. */
+  /** In half stops: 95 % of the pixels below 0.8. Kept, since maps ask for it again and again. */
   private goodExposure(): number {
+    const key = `${this.source(this.a).label} ${this.layer}`, known = this.exposures.get(key);
+    if (known !== undefined) return known;
     const pixels = this.pixelsOf(this.a);
-    if (!pixels) return 0;
-    const bright = pixels.channels[0]!.map((_, i) => Math.max(...pixels.channels.map((c) => c[i]!))).sort();
+    const bright = pixels?.channels[0]!.map((_, i) => Math.max(...pixels.channels.map((c) => c[i]!))).sort() ?? new Float32Array(1);
     const high = bright[Math.floor(0.95 * bright.length)]!;
-    return high > 0 && Number.isFinite(high) ? Math.round(2 * Math.log2(0.8 / high)) / 2 : 0;
+    const exposure = high > 0 && Number.isFinite(high) ? Math.round(2 * Math.log2(0.8 / high)) / 2 : 0;
+    this.exposures.set(key, exposure);
+    return exposure;
   }
 
   private key(e: KeyboardEvent): void {
@@ -118,13 +122,15 @@ export class Viewer {
     this.inspect();
   }
 
-  private paint(): void {
+  private shows(...any: Mode[]): boolean { return any.includes(this.mode); }
+
+  private paint(newBar = true): void {
     if (!this.layers().includes(this.layer)) this.layer = this.layers()[0]!;
-    this.controls();
+    if (newBar) this.controls();
     this.legend.replaceChildren();
     const shown = this.mode === "side" ? 2 : 1;
     this.panes.forEach((p, i) => { p.element.hidden = i >= shown; });
-    if (this.mode === "single" || this.mode === "side")
+    if (this.shows("single", "side"))
       [this.a, this.b].slice(0, shown).forEach((p, i) => this.paintImage(this.panes[i]!, p, i === 0 ? "A" : "B"));
     else this.paintError(this.panes[0]!);
     this.drawPanes();
@@ -189,7 +195,7 @@ export class Viewer {
   private tell(): void {
     const pair = this.images.pairs.find((p) => p.a === this.source(this.a).label && p.b === this.source(this.b).label);
     this.status.textContent = `zoom ${figure(this.view.zoom, 3)}×, ` +
-      (this.mode === "single" || this.mode === "side" ? `exposure ${figure(this.exposure, 3)} stops. ` : `range ${figure(-this.rangeStops(), 3)} stops. `) +
+      (this.shows("single", "side") ? `exposure ${figure(this.exposure, 3)} stops. ` : `range ${figure(-this.rangeStops(), 3)} stops. `) +
       (pair ? `${pair.a} against ${pair.b}: relMSE ${figure(pair.relmse)}, RMSE ${figure(pair.rmse)}, MAPE ${figure(pair.mape)}, ` +
         `mean ratio ${figure(pair.mean_ratio, 5)}, HDR-FLIP ${figure(pair.flip)} (of the files' 32-bit floats).` : "");
   }
@@ -200,7 +206,13 @@ export class Viewer {
     const find = (label: string) => this.images.list.find((p) => p.label === label)!;
     const focused = this.bar.contains(document.activeElement) ? [...this.bar.querySelectorAll("select, button, input")].indexOf(document.activeElement!) : -1;
     const slider = h("input", { type: "range", min: -12, max: 12, step: 0.5, value: this.exposure, "aria-label": "exposure in stops" });
-    slider.addEventListener("input", () => { this.exposure = Number(slider.value); this.paint(); });
+    const amount = () => figure(this.shows("single", "side") ? this.exposure : -this.rangeStops(), 3);
+    const output = h("output", {}, amount());
+    slider.addEventListener("input", () => {
+      this.exposure = Number(slider.value);
+      output.textContent = amount();
+      this.paint(false);  // a new bar would end the drag
+    });
     this.bar.replaceChildren(
       h("span", { class: "modes", role: "group", "aria-label": "mode" }, ...(Object.keys(modes) as Mode[]).map((m) =>
         h("button", { type: "button", "data-mode": m, "aria-pressed": String(this.mode === m), onclick: set(() => { this.mode = m; }) }, modes[m]))),
@@ -208,10 +220,9 @@ export class Viewer {
       h("button", { type: "button", "data-flip": true, "aria-label": "flip A and B", onclick: set(() => { [this.a, this.b] = [this.b, this.a]; }) }, "A ⇄ B"),
       picker("B", labels, this.b.label, (v) => set(() => { this.b = find(v); })()),
       picker("layer", this.layers().map((l) => [l, layerName(l)]), this.layer, (v) => set(() => this.chooseLayer(v))()),
-      this.mode === "map" ? picker("error", [...Object.entries(errorKinds).map(([k, e]): [string, string] => [k, e.text]), ["flip", "HDR-FLIP"]],
-        this.kind, (v) => set(() => { this.kind = v as Kind; })()) : null as unknown as Node,
-      h("label", { class: "field" }, this.mode === "single" || this.mode === "side" ? "exposure" : "range", slider,
-        h("output", {}, figure(this.mode === "single" || this.mode === "side" ? this.exposure : -this.rangeStops(), 3))),
+      ...(this.mode !== "map" ? [] : [picker("error", [...Object.entries(errorKinds).map(([k, e]): [string, string] => [k, e.text]), ["flip", "HDR-FLIP"]],
+        this.kind, (v) => set(() => { this.kind = v as Kind; })())]),
+      h("label", { class: "field" }, this.shows("single", "side") ? "exposure" : "range", slider, output),
       h("button", { type: "button", "aria-label": "zoom in", onclick: () => this.zoom(1.25) }, "+"),
       h("button", { type: "button", "aria-label": "zoom out", onclick: () => this.zoom(0.8) }, "−"),
       h("button", { type: "button", onclick: set(() => this.fit()) }, "fit"));

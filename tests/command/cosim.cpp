@@ -46,6 +46,11 @@ TEST_CASE("all units as RTL give golden's packets and render's bytes") {
   CHECK(summary["units"]["photon_gatherer"]["counters"]["bytes read"] > 0);
   const auto timeline = nlohmann::json::parse(read_file(scratch / "out/timeline.json"));
   CHECK(timeline["traceEvents"].size() > 300);
+  for (const auto& stream : nlohmann::json::parse(read_file(scratch / "out/packets.json"))["streams"]) {
+    INFO(stream["stream"]);
+    CHECK(stream["count"] > 50);
+    CHECK(stream["rows"].size() == std::min<size_t>(1000, stream["count"].get<size_t>()));
+  }
   const Outcome rendered = run(fmt::format(
       "render {} --size 8x8 --spp 1 --gather-rays 6 --k 8 --photons 2000 --caustic-photons 800 "
       "--set gatherer.cache_bytes=2048 -o {}",
@@ -107,6 +112,10 @@ TEST_CASE("a planted bug is reported with a command that shows it, and reaches t
                                              "different"));
   CHECK_THAT(kept.err, ContainsSubstring("packets differ from golden"));
   CHECK(read_file(scratch / "out/golden.exr") != read_file(scratch / "out/rtl.exr"));
+  const auto summary = nlohmann::json::parse(read_file(scratch / "out/summary.json"));
+  CHECK_THAT(summary["units"]["photon_gatherer"]["first_difference"].get<std::string>(),
+             ContainsSubstring("* flux[0]"));
+  CHECK_FALSE(summary["command"].get<std::string>().empty());
 }
 
 TEST_CASE("a unit that sees no packet fails the run") {

@@ -205,6 +205,12 @@ TEST_CASE("lines that no plan can have are listed as refused") {
   CHECK(o.status == 0);
   CHECK(o.out.find("2 points, 1 refused") != std::string::npos);
   CHECK(read_file(s / "a/results.csv").find(",refused,") != std::string::npos);
+  size_t plans = 0;
+  for (const auto& e : std::filesystem::directory_iterator(s / "a/plans")) {
+    CHECK(read_file(s / "a/results.csv").find(e.path().stem().string()) != std::string::npos);
+    ++plans;
+  }
+  CHECK(plans == 1);
 }
 
 TEST_CASE("a wrong study is refused with file, line and what was expected") {

@@ -119,12 +119,13 @@ await withPage("run.html", async (page) => {
   await fields.screenshot({ path: join(shots, "bits.png") });
   const packets = await open(page, "run0-packets");
   assert.match(await packets.locator(".status").innerText(), /1 to 100 of 1,000 that match; the first 1,000 of [\d,]+ packets/);
-  await packets.getByLabel("search packets").fill("pixel=3 tag=2");
+  await packets.getByLabel("search packets").fill("pixel=3 map=0");
   const hits = await packets.locator("tbody tr").count();
   assert.ok(hits > 0 && hits < 100, `${hits} hits`);
   await packets.screenshot({ path: join(shots, "packets.png") });
   await packets.getByLabel("search packets").fill("teapot=3");
   assert.match(await packets.locator(".status").innerText(), /No field teapot/);
+  await packets.getByLabel("search packets").fill("");
   await packets.getByLabel("stream").selectOption("gather_result");
   const resources = await open(page, "run0-resources");
   assert.match(await resources.innerText(), /all units/);
