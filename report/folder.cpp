@@ -36,9 +36,9 @@ void ImageSet::add(const std::string& label, const std::string& file, const std:
     if (e.label == label)
       throw std::runtime_error(fmt::format("{}: there is an image '{}' already", file, label));
     if (e.image.width != entry.image.width || e.image.height != entry.image.height)
-      throw std::runtime_error(
-          fmt::format("{}: has {}x{} pixels, expected {}x{} as {} has", file, entry.image.width,
-                      entry.image.height, e.image.width, e.image.height, e.file));
+      throw std::runtime_error(fmt::format("{}: has {}x{} pixels, expected {}x{} as {} has", file,
+                                           entry.image.width, entry.image.height, e.image.width,
+                                           e.image.height, e.file));
     const auto same = [](const Channel& a, const Channel& b) {
       return a.name == b.name && a.pixels == b.pixels;
     };
@@ -108,11 +108,8 @@ Json read_plan_lines(const std::string& path) {
     if (end == std::string::npos) end = text.find('#');
     std::string value = text.substr(0, end);
     value.resize(value.find_last_not_of(" \t\r") + 1);
-    lines.push_back({{"section", s},
-                     {"key", key},
-                     {"value", value},
-                     {"meaning", meaning},
-                     {"reason", reason}});
+    lines.push_back(
+        {{"section", s}, {"key", key}, {"value", value}, {"meaning", meaning}, {"reason", reason}});
   });
   return {{"hash", plan_hash_text(plan)}, {"lines", lines}};
 }

@@ -49,7 +49,7 @@ bool is_run(const std::string& folder);
 bool is_study(const std::string& folder);
 nlohmann::ordered_json run_json(const std::string& folder, const std::vector<ExtraImage>& images,
                                 Payloads& payloads);
-nlohmann::ordered_json study_json(const std::string& folder,
-                                  const std::vector<ExtraImage>& images, Payloads& payloads);
+nlohmann::ordered_json study_json(const std::string& folder, const std::vector<ExtraImage>& images,
+                                  Payloads& payloads);
 
 }  // namespace photonloom

@@ -29,8 +29,8 @@ std::vector<Layer> layers_of(const Image& image) {
     const size_t dot = c.name.rfind('.');
     const bool color = c.name == "R" || c.name == "G" || c.name == "B";
     const std::string name = dot != std::string::npos ? c.name.substr(0, dot) : color ? "" : c.name;
-    auto at = std::find_if(layers.begin(), layers.end(),
-                           [&](const Layer& l) { return l.name == name; });
+    auto at =
+        std::find_if(layers.begin(), layers.end(), [&](const Layer& l) { return l.name == name; });
     if (at == layers.end()) at = layers.insert(at, {name, {}});
     at->channels.push_back(&c);
   }

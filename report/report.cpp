@@ -29,9 +29,8 @@ void check_images(const ReportRequest& request, const Json& data) {
     for (const Json& study : data.at("studies"))
       for (const Json& scene : study.at("scenes")) used |= scene.at("scene") == image.scene;
     if (!used)
-      throw std::runtime_error(
-          fmt::format("--image {}/{}={}: no run and no study has a scene '{}'", image.scene,
-                      image.label, image.file, image.scene));
+      throw std::runtime_error(fmt::format("--image {}/{}={}: no run and no study has a scene '{}'",
+                                           image.scene, image.label, image.file, image.scene));
   }
 }
 
@@ -62,7 +61,8 @@ std::string report_page(const ReportRequest& request) {
   std::string title;
   for (const char* kind : {"runs", "studies"})
     for (const Json& one : data.at(kind))
-      title += (title.empty() ? "" : ", ") + one.at(kind[0] == 'r' ? "name" : "study").get<std::string>();
+      title += (title.empty() ? "" : ", ") +
+               one.at(kind[0] == 'r' ? "name" : "study").get<std::string>();
 
   // The policy forbids every request, so that the page cannot depend on a network. Images stand
   // behind the script: it draws before they are read.

@@ -126,9 +126,8 @@ Json read_packets(const std::string& path, Payloads& payloads) {
     }
     return file.at("streams");
   } catch (const std::exception&) {
-    throw std::runtime_error(
-        fmt::format("{}: is damaged, expected streams with fields and rows as cosim writes them",
-                    path));
+    throw std::runtime_error(fmt::format(
+        "{}: is damaged, expected streams with fields and rows as cosim writes them", path));
   }
 }
 
@@ -153,12 +152,11 @@ bool is_run(const std::string& folder) {
          std::filesystem::exists(folder + "/timeline.json");
 }
 
-Json run_json(const std::string& folder, const std::vector<ExtraImage>& extra,
-              Payloads& payloads) {
+Json run_json(const std::string& folder, const std::vector<ExtraImage>& extra, Payloads& payloads) {
   const std::string path = folder + "/summary.json";
   const Json summary = read_object(path);
-  for (const char* name : {"scene", "plan_hash", "units", "packets", "differences",
-                           "images_identical"})
+  for (const char* name :
+       {"scene", "plan_hash", "units", "packets", "differences", "images_identical"})
     member(summary, name, path);
   const std::string scene = summary.at("scene").get<std::string>();
   std::string name = std::filesystem::path(scene).stem().string();

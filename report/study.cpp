@@ -31,12 +31,11 @@ void add_references(const std::string& folder, const std::string& scene_hash, Im
     const Image more = read_exr(files[i]);
     if (more.width != sum.width || more.height != sum.height)
       throw std::runtime_error(fmt::format("{}: has {}x{} pixels, expected {}x{} as {} has",
-                                           files[i], more.width, more.height, sum.width,
-                                           sum.height, files[0]));
+                                           files[i], more.width, more.height, sum.width, sum.height,
+                                           files[0]));
     for (Channel& c : sum.channels) {
       const Channel* other = more.find(c.name);
-      if (!other)
-        throw std::runtime_error(fmt::format("{}: has no channel {}", files[i], c.name));
+      if (!other) throw std::runtime_error(fmt::format("{}: has no channel {}", files[i], c.name));
       for (size_t p = 0; p < c.pixels.size(); ++p) c.pixels[p] += other->pixels[p];
     }
   }
@@ -49,9 +48,8 @@ void add_references(const std::string& folder, const std::string& scene_hash, Im
 
 // The image alone: what a study shows is not for inspection of layers.
 Image without_layers(Image image) {
-  std::erase_if(image.channels, [](const Channel& c) {
-    return c.name != "R" && c.name != "G" && c.name != "B";
-  });
+  std::erase_if(image.channels,
+                [](const Channel& c) { return c.name != "R" && c.name != "G" && c.name != "B"; });
   return image;
 }
 

@@ -24,13 +24,15 @@ export function picker(label: string, options: [value: string, text: string][], 
   return h("label", { class: "field" }, label, select);
 }
 
-/** A table whose first row is the head; cells may be elements. Numbers stand to the right. */
+const numeric = /^[−+±]?\d[\d.,]*(e[−+]?\d+)?( ± [\d.,e−+]+)?( \([^()]*\))?$/;
+
+/** A table whose first row is the head; cells may be elements. Numbers stand to the right, a column of them under its head. */
 export function table(head: string[], rows: (Node | string)[][], name = ""): HTMLElement {
+  const right = (cell: Node | string | undefined) => (typeof cell === "string" && numeric.test(cell) ? "number" : "");
   return h("div", { class: "scroll", tabindex: 0, role: "region", "aria-label": name || head.join(", ") },
     h("table", {},
-      h("thead", {}, h("tr", {}, ...head.map((t) => h("th", { scope: "col" }, t)))),
-      h("tbody", {}, ...rows.map((row) => h("tr", {}, ...row.map((cell) =>
-        h("td", { class: typeof cell === "string" && /^[−+±]?[\d.,]+( |$)/.test(cell) ? "number" : "" }, cell)))))));
+      h("thead", {}, h("tr", {}, ...head.map((t, i) => h("th", { scope: "col", class: right(rows[0]?.[i]) }, t)))),
+      h("tbody", {}, ...rows.map((row) => h("tr", {}, ...row.map((cell) => h("td", { class: right(cell) }, cell)))))));
 }
 
 /** Whole numbers in groups of three, others with so many significant digits. */

@@ -12,7 +12,7 @@ export interface Axes { x: string; y: string; log: boolean }
 /** Ticks at 1, 2, 5 a decade where the range is wide, else evenly. */
 function ticks(low: number, high: number, log: boolean): number[] {
   const all: number[] = [];
-  if (log && high / low > 4) {
+  if (log && high / low > 30) {
     for (let e = Math.floor(Math.log10(low)); e <= Math.ceil(Math.log10(high)); ++e)
       for (const m of high / low > 500 ? [1] : [1, 2, 5]) all.push(Number(`${m}e${e}`));
   } else {
@@ -112,7 +112,7 @@ export class Scatter {
       width, height: 430, legend: { show: false },
       cursor: { drag: { x: false, y: false }, points: { show: false }, x: false, y: false },
       scales: { x: scale(this.dots.map((d) => d.x)), y: scale([...bars, ...this.dots.map((d) => d.y)]) },
-      axes: [axis(this.axes.x), { ...axis(this.axes.y), size: 74 }],
+      axes: [{ ...axis(this.axes.x), size: 36 }, { ...axis(this.axes.y), size: 74 }],
       series: [{}, { paths: () => null, points: { show: false } }],
       hooks: { draw: [(p) => this.paint(p)] },
     }, [this.dots.map((d) => d.x), this.dots.map((d) => d.y)], this.holder);

@@ -19,7 +19,6 @@ const mainError = (study: Study): string | undefined =>
 function answers(study: Study): Node {
   const error = mainError(study);
   if (!error) return h("p", {}, "This study measured no error.");
-  const names = new Map(figuresOf(study).map((f) => [f.name, f]));
   const rows = study.scenes.flatMap((scene) => limits.map((limit) => {
     const within = study.points.filter((p) => p.scene === scene.scene && p.state === "done" && (reading(p, error, true)?.value ?? Infinity) <= limit);
     return [scene.scene, figure(limit), ...study.fronts.map(({ cost }) => {
@@ -29,8 +28,8 @@ function answers(study: Study): Node {
   }));
   return h("div", {},
     h("h4", {}, "What accepting more error saves"),
-    table(["scene", `${error} at most, times the baseline's`, ...study.fronts.map((f) => `${f.front}: ${names.get(f.cost)?.meaning ?? f.cost}`)], rows, "answers"),
-    h("p", { class: "quiet" }, `The least cost of a measured point as a ratio to the scene's baseline, on the same seeds (summary.json: ${study.fronts.map((f) => f.cost).join(", ")}). ` +
+    table(["scene", `${error} at most, times the baseline's`, ...study.fronts.map((f) => `${f.cost}, ratio`)], rows, "answers"),
+    h("p", { class: "quiet" }, `The least cost of a measured point as a ratio to the scene's baseline, on the same seeds (summary.json). ` +
       "The mean of the error's ratio has to meet the limit; its standard error stands with the point."));
 }
 

@@ -19,12 +19,12 @@ function chart(u: Utilisation): HTMLElement {
       cursor: { drag: { x: false, y: false } },
       scales: { x: { time: false }, y: { range: (_p, _low, high) => [0, Math.max(1, high * 1.08)] }, busy: { range: [0, 108] } },
       axes: [
-        { stroke: ink, grid, label: "cycle", labelSize: 18, values: (_p, v) => v.map((c) => figure(c)) },
+        { stroke: ink, grid, label: "cycle", labelSize: 18, size: 34, values: (_p, v) => v.map((c) => figure(c)) },
         { stroke: ink, grid, label: "packets inside (solid)", labelSize: 18 },
         { scale: "busy", side: 1, stroke: ink, grid: { show: false }, label: "busy, % (dashed)", labelSize: 18, values: (_p, v) => v.map((c) => figure(c)) }],
       series: [{ label: "cycle", value: (_p, v) => figure(v) },
-        { label: "packets inside, mean", stroke: seriesColors[0]!, width: 1.5, fill: `${seriesColors[0]!}22`, value: (_p, v) => figure(v, 3) },
-        { label: "busy %", scale: "busy", stroke: seriesColors[1]!, width: 1.5, dash: [6, 4], value: (_p, v) => figure(v, 3) }],
+        { label: "packets inside, mean (solid)", stroke: seriesColors[0]!, width: 1.5, fill: `${seriesColors[0]!}22`, value: (_p, v) => figure(v, 3) },
+        { label: "busy % (dashed)", scale: "busy", stroke: seriesColors[1]!, width: 1.5, dash: [6, 4], value: (_p, v) => figure(v, 3) }],
     }, [x, u.inside, u.busy.map((b) => 100 * b)], holder);
   };
   new ResizeObserver(draw).observe(holder);
@@ -40,5 +40,5 @@ export function utilisationSection(run: Run): Node {
       h("p", { class: "quiet" }, `Its first ${figure(u.packets)} packets, cycles ${figure(u.first)} to ${figure(u.last)}, ${figure(u.bucket)} cycles a step, ` +
         `on average ${figure(u.latency, 3)} cycles inside (timeline.json).` +
         (whole ? ` Over the whole run: ${figure(whole.counters["cycles"])} cycles, its own counter busy in ${figure(whole.busy_percent, 3)} % (summary.json).` : ""))];
-  }), h("p", { class: "quiet" }, "Here a unit counts as busy in a cycle in which at least one of these packets is inside."));
+  }), h("p", { class: "quiet" }, "A unit counts as busy here in a cycle in which at least one of these packets is inside. Packets beyond these are not counted, so a curve falls at its end while the unit stays full."));
 }

@@ -46,7 +46,8 @@ TEST_CASE("all units as RTL give golden's packets and render's bytes") {
   CHECK(summary["units"]["photon_gatherer"]["counters"]["bytes read"] > 0);
   const auto timeline = nlohmann::json::parse(read_file(scratch / "out/timeline.json"));
   CHECK(timeline["traceEvents"].size() > 300);
-  for (const auto& stream : nlohmann::json::parse(read_file(scratch / "out/packets.json"))["streams"]) {
+  const auto packets = nlohmann::json::parse(read_file(scratch / "out/packets.json"));
+  for (const auto& stream : packets["streams"]) {
     INFO(stream["stream"]);
     CHECK(stream["count"] > 50);
     CHECK(stream["rows"].size() == std::min<size_t>(1000, stream["count"].get<size_t>()));

@@ -52,8 +52,8 @@ std::string payload(const std::string& page, const Json& number) {
 float half_value(uint32_t h) {
   const int exponent = static_cast<int>(h >> 10 & 31);
   const auto mantissa = static_cast<float>(h & 1023);
-  const float size = exponent == 0 ? std::ldexp(mantissa, -24)
-                                   : std::ldexp(1024 + mantissa, exponent - 25);
+  const float size =
+      exponent == 0 ? std::ldexp(mantissa, -24) : std::ldexp(1024 + mantissa, exponent - 25);
   return h & 0x8000 ? -size : size;
 }
 
@@ -178,7 +178,8 @@ TEST_CASE("images of a page are the files' to the stated precision, equal ones s
         const auto read = channel(bytes, c, 8, 64, exponent);
         for (size_t p = 0; p < 64; ++p) {
           const float v = truth->pixels[p];
-          const float allowed = std::max(std::ldexp(std::fabs(v), -11), std::ldexp(1.0f, exponent - 25));
+          const float allowed =
+              std::max(std::ldexp(std::fabs(v), -11), std::ldexp(1.0f, exponent - 25));
           CHECK(std::fabs(read[p] - v) <= allowed);
         }
       }
