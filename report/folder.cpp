@@ -57,10 +57,18 @@ void ImageSet::add_file(const std::string& label, const std::string& file,
 
 Json ImageSet::json() {
   Json list = Json::array(), pairs = Json::array();
+  const auto golden = std::find_if(images_.begin(), images_.end(),
+                                   [](const Entry& e) { return e.label == "golden"; });
+  // An entry with layers of its own, from which the others' differences are.
+  size_t base = golden == images_.end() ? 0 : static_cast<size_t>(golden - images_.begin());
+  for (size_t i = 0; i < base; ++i)
+    if (images_[i].label == images_[base].same_as) base = i;
   for (size_t i = 0; i < images_.size(); ++i) {
     const Entry& e = images_[i];
     Json entry = {{"label", e.label}, {"file", e.file}, {"about", e.about}, {"same_as", e.same_as}};
-    if (e.same_as.empty()) entry["layers"] = packed_layers(e.image, mantissa_, payloads_);
+    if (e.same_as.empty())
+      entry["layers"] =
+          packed_layers(e.image, mantissa_, payloads_, i == base ? nullptr : &images_[base].image);
     list.push_back(entry);
     for (size_t j = 0; j < i && e.same_as.empty(); ++j) {
       if (!images_[j].same_as.empty()) continue;
@@ -80,6 +88,7 @@ Json ImageSet::json() {
   return {{"width", images_.empty() ? 0 : images_[0].image.width},
           {"height", images_.empty() ? 0 : images_[0].image.height},
           {"mantissa", mantissa_},
+          {"base", images_.empty() ? "" : images_[base].label},
           {"list", list},
           {"pairs", pairs}};
 }

@@ -6,11 +6,15 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <functional>
 
 namespace photonloom {
 namespace {
 
 using Json = nlohmann::ordered_json;
+
+// Of differences: further down they are 0 to any eye.
+constexpr int kLeastExponent = -100;
 
 struct Layer {
   std::string name;
@@ -41,14 +45,14 @@ std::vector<Layer> layers_of(const Image& image) {
   return layers;
 }
 
-// The smallest exponent, not below 0, with which no finite value reaches 2^15.
-int scale_exponent(const std::vector<float>& pixels) {
+// The smallest exponent, not below `least`, with which no finite value reaches 2^15.
+int scale_exponent(const std::vector<float>& pixels, int least) {
   float most = 0;
   for (const float v : pixels)
     if (std::isfinite(v)) most = std::max(most, std::fabs(v));
   int exponent = 0;
   std::frexp(most, &exponent);
-  return std::max(0, exponent - 15);
+  return most == 0 ? 0 : std::max(least, exponent - 15);
 }
 
 // Rounded once to so many mantissa bits, half up in magnitude; a carry into the exponent is right.
@@ -73,15 +77,22 @@ std::vector<T> differences(const std::vector<T>& values, size_t width) {
 
 }  // namespace
 
-Json packed_layers(const Image& image, int mantissa, Payloads& payloads) {
+Json packed_layers(const Image& image, int mantissa, Payloads& payloads, const Image* base) {
   Json layers = Json::array();
   for (const Layer& layer : layers_of(image)) {
     Json names = Json::array(), exponents = Json::array();
     std::string bytes;
+    const bool difference =
+        base && std::all_of(layer.channels.begin(), layer.channels.end(),
+                            [&](const Channel* c) { return base->find(c->name); });
     for (const Channel* c : layer.channels) {
-      const int exponent = scale_exponent(c->pixels);
-      std::vector<uint16_t> halves(c->pixels.size());
-      std::transform(c->pixels.begin(), c->pixels.end(), halves.begin(),
+      std::vector<float> pixels = c->pixels;
+      if (difference)
+        std::transform(pixels.begin(), pixels.end(), base->find(c->name)->pixels.begin(),
+                       pixels.begin(), std::minus<float>());
+      const int exponent = scale_exponent(pixels, difference ? kLeastExponent : 0);
+      std::vector<uint16_t> halves(pixels.size());
+      std::transform(pixels.begin(), pixels.end(), halves.begin(),
                      [&](float v) { return half_bits(std::ldexp(v, -exponent), mantissa); });
       const auto left = differences(halves, static_cast<size_t>(image.width));
       for (const int shift : {0, 8})
@@ -92,6 +103,7 @@ Json packed_layers(const Image& image, int mantissa, Payloads& payloads) {
     layers.push_back({{"name", layer.name},
                       {"channels", names},
                       {"exponents", exponents},
+                      {"difference", difference},
                       {"payload", payloads.add(bytes)}});
   }
   return layers;

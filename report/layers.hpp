@@ -19,7 +19,12 @@ inline constexpr int kRunMantissa = 10, kStudyMantissa = 6;
 // below 32768, rounded to `mantissa` bits; values below 2^-14 * 2^exponent have a further error
 // of up to 2^-25 * 2^exponent. Its halves are differences from their left neighbour
 // (the first of a row: from the one above), modulo 2^16, all low bytes before all high bytes.
-nlohmann::ordered_json packed_layers(const Image& image, int mantissa, Payloads& payloads);
+//
+// With `base`, a layer that it has too is stored as the difference from it ("difference": true):
+// what two images differ by is often less than a half float's error of either. Its exponent may be
+// negative.
+nlohmann::ordered_json packed_layers(const Image& image, int mantissa, Payloads& payloads,
+                                     const Image* base = nullptr);
 
 // A map of values in [0, 1], 8 bits each; coded as above, one byte plane.
 size_t packed_map(const std::vector<double>& map, int width, Payloads& payloads);

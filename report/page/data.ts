@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the C++ side puts into a page (report/run.cpp, report/study.cpp).
 
-export interface Layer { name: string; channels: string[]; exponents: number[]; payload: number }
+export interface Layer { name: string; channels: string[]; exponents: number[]; difference: boolean; payload: number }
 export interface Picture { label: string; file: string; about: string; same_as: string; layers?: Layer[] }
 export interface Pair {
   a: string; b: string; relmse: number; rmse: number; mape: number; mean_ratio: number; flip: number; flip_map: number;
 }
-export interface Images { width: number; height: number; mantissa: number; list: Picture[]; pairs: Pair[] }
+export interface Images { width: number; height: number; mantissa: number; base: string; list: Picture[]; pairs: Pair[] }
 
 export interface UnitSummary {
   backend: string; packets: number; differences: number; bypassed: number; busy_percent: number;

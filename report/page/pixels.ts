@@ -23,8 +23,8 @@ export function toneMapped(channels: Float32Array[], exposure: number, signed: b
   return out;
 }
 
-/** Mean over the channels of f(a, b). */
-export function combined(a: Float32Array[], b: Float32Array[], f: (a: number, b: number) => number): Float32Array {
+/** Mean over the channels of f(difference, b). */
+export function combined(a: Float32Array[], b: Float32Array[], f: (difference: number, b: number) => number): Float32Array {
   const out = new Float32Array(a[0]!.length);
   for (let c = 0; c < a.length; ++c) {
     const x = a[c]!, y = b[c]!;
@@ -49,8 +49,8 @@ export function most(values: Float32Array): number {
 
 /** What an error map shows: of a pixel's channels their mean. */
 export const errorKinds = {
-  absolute: { text: "absolute |A − B|", unit: "radiance", of: (a: number, b: number) => Math.abs(a - b) },
-  relative: { text: "relative (A − B)² / (B² + 0.01)", unit: "", of: (a: number, b: number) => (a - b) ** 2 / (b * b + 0.01) },
+  absolute: { text: "absolute |A − B|", unit: "radiance", of: (d: number, _b: number) => Math.abs(d) },
+  relative: { text: "relative (A − B)² / (B² + 0.01)", unit: "", of: (d: number, b: number) => d * d / (b * b + 0.01) },
 } as const;
 
 export { errorColor, signedColor };

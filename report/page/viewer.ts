@@ -8,6 +8,7 @@ import { layerPixels, mapPixels } from "./unpack";
 
 const modes = { single: "single", side: "side by side", difference: "difference", map: "error map" } as const;
 type Mode = keyof typeof modes;
+interface Pixels { layer: Layer; channels: Float32Array[]; delta: Float32Array[] | null }
 type Kind = keyof typeof errorKinds | "flip";
 
 const layerName = (name: string) => name || "image";
@@ -22,6 +23,7 @@ export class Viewer {
   private layer = "";
   private exposure = 0;
   private readonly exposures = new Map<string, number>();
+  private readonly sums = new Map<string, Float32Array[]>();
   private pixel: { x: number; y: number } | null = null;
   private readonly view: View;
   private readonly panes: Pane[];
@@ -57,9 +59,25 @@ export class Viewer {
   private layers(): string[] {
     return [...new Set([this.a, this.b].flatMap((p) => this.layersOf(p).map((l) => l.name)))];
   }
-  private pixelsOf(p: Picture, name = this.layer): { layer: Layer; channels: Float32Array[] } | null {
+  /** `delta` is what the image differs from the base by; nothing where the layer was stored by itself. */
+  private pixelsOf(p: Picture, name = this.layer): Pixels | null {
     const layer = this.layersOf(p).find((l) => l.name === name);
-    return layer ? { layer, channels: layerPixels(layer, this.images.width, this.images.height) } : null;
+    if (!layer) return null;
+    const stored = layerPixels(layer, this.images.width, this.images.height);
+    if (this.source(p).label === this.images.base) return { layer, channels: stored, delta: stored.map((c) => new Float32Array(c.length)) };
+    if (!layer.difference) return { layer, channels: stored, delta: null };
+    const key = `${layer.payload}`, known = this.sums.get(key);
+    const base = this.pixelsOf(this.images.list.find((q) => q.label === this.images.base)!, name)!;
+    const at = layer.channels.map((c) => base.channels[base.layer.channels.indexOf(c)]!);
+    const channels = known ?? stored.map((c, i) => c.map((v, k) => v + at[i]![k]!));
+    this.sums.set(key, channels);
+    return { layer, channels, delta: stored };
+  }
+
+  /** A − B channel by channel: of what was stored as differences, so that rounding of the images does not show. */
+  private differences(a: Pixels, b: Pixels): Float32Array[] {
+    const [x, y] = a.delta && b.delta ? [a.delta, b.delta] : [a.channels, b.channels];
+    return x.map((c, i) => c.map((v, k) => v - (y[i]?.[k] ?? NaN)));
   }
 
   /** In half stops: 95 % of the pixels below 0.8. Kept, since maps ask for it again and again. */
@@ -170,7 +188,7 @@ export class Viewer {
       return;
     }
     const signed = this.mode === "difference", kind = errorKinds[this.kind === "flip" ? "absolute" : this.kind];
-    const values = combined(a.channels, b.channels, signed ? (x, y) => x - y : kind.of);
+    const values = combined(this.differences(a, b), b.channels, signed ? (d) => d : kind.of);
     const whole = most(values), range = whole * 2 ** -this.rangeStops();
     const scale = range > 0 ? 1 / range : 0;
     pane.show(mapped(values, (v) => (signed ? signedColor : errorColor)(v * scale)),
@@ -195,7 +213,7 @@ export class Viewer {
   private tell(): void {
     const pair = this.images.pairs.find((p) => p.a === this.source(this.a).label && p.b === this.source(this.b).label);
     this.status.textContent = `zoom ${figure(this.view.zoom, 3)}×, ` +
-      (this.shows("single", "side") ? `exposure ${figure(this.exposure, 3)} stops. ` : `range ${figure(-this.rangeStops(), 3)} stops. `) +
+      (this.shows("single", "side") ? `exposure ${figure(this.exposure, 3)} stops. ` : `range ${figure(0 - this.rangeStops(), 3)} stops. `) +
       (pair ? `${pair.a} against ${pair.b}: relMSE ${figure(pair.relmse)}, RMSE ${figure(pair.rmse)}, MAPE ${figure(pair.mape)}, ` +
         `mean ratio ${figure(pair.mean_ratio, 5)}, HDR-FLIP ${figure(pair.flip)} (of the files' 32-bit floats).` : "");
   }
@@ -206,7 +224,7 @@ export class Viewer {
     const find = (label: string) => this.images.list.find((p) => p.label === label)!;
     const focused = this.bar.contains(document.activeElement) ? [...this.bar.querySelectorAll("select, button, input")].indexOf(document.activeElement!) : -1;
     const slider = h("input", { type: "range", min: -12, max: 12, step: 0.5, value: this.exposure, "aria-label": "exposure in stops" });
-    const amount = () => figure(this.shows("single", "side") ? this.exposure : -this.rangeStops(), 3);
+    const amount = () => figure(this.shows("single", "side") ? this.exposure : 0 - this.rangeStops(), 3);
     const output = h("output", {}, amount());
     slider.addEventListener("input", () => {
       this.exposure = Number(slider.value);
@@ -229,6 +247,12 @@ export class Viewer {
     if (focused >= 0) this.bar.querySelectorAll<HTMLElement>("select, button, input")[focused]?.focus();
   }
 
+  private differenceAt(a: Pixels, b: Pixels, channel: string, at: number): number {
+    const i = a.layer.channels.indexOf(channel), j = b.layer.channels.indexOf(channel);
+    const [x, y] = a.delta && b.delta ? [a.delta, b.delta] : [a.channels, b.channels];
+    return (x[i]?.[at] ?? NaN) - (y[j]?.[at] ?? NaN);
+  }
+
   private inspect(): void {
     if (!this.pixel) {
       this.inspector.replaceChildren(h("p", { class: "quiet" }, "Click a pixel, or press an arrow key, for its values in all layers."));
@@ -240,7 +264,8 @@ export class Viewer {
       const of = list.map((p) => this.pixelsOf(p, name));
       for (const channel of [...new Set(of.flatMap((o) => o?.layer.channels ?? []))]) {
         const values = of.map((o) => o?.channels[o.layer.channels.indexOf(channel)]?.[at]);
-        const difference = (values[list.indexOf(this.a)] ?? NaN) - (values[list.indexOf(this.b)] ?? NaN);
+        const a = of[list.indexOf(this.a)], b = of[list.indexOf(this.b)];
+        const difference = a && b ? this.differenceAt(a, b, channel, at) : NaN;
         rows.push([channel, ...values.map((v) => figure(v)), Number.isNaN(difference) ? "–" : figure(difference, 3)]);
       }
     }
@@ -248,6 +273,7 @@ export class Viewer {
       h("h4", {}, `Pixel (${x}, ${y}), number ${at}`),
       table(["channel", ...list.map((p) => p.label), "A − B"], rows, "values of the pixel"),
       h("p", { class: "quiet" }, `Rows and columns count from the top left, from 0. Values here are rounded to ${this.images.mantissa} mantissa bits ` +
-        `(relative error up to 2^−${this.images.mantissa + 1}); equality was decided on the files.`));
+        `(relative error up to 2^−${this.images.mantissa + 1}). Differences from ${this.images.base} were taken before that, and have this precision of their own; ` +
+        "equality was decided on the files."));
   }
 }
