@@ -16,13 +16,21 @@ namespace {
 
 const char* const kProgram = PHOTONLOOM_SOURCE_DIR "/scripts/nsga2";
 
+// The Python that has the library: the user's, else the system's, for which Debian packages it.
+// Empty: none.
+std::string python() {
+  for (const char* candidate : {"python3", "/usr/bin/python3"})
+    if (std::system(fmt::format("{} -c 'import optuna' >/dev/null 2>&1", candidate).c_str()) == 0)
+      return candidate;
+  return {};
+}
+
 }  // namespace
 
 std::string search_missing() {
-  return std::system("python3 -c 'import optuna' >/dev/null 2>&1") == 0
-             ? ""
-             : "strategy search needs Optuna (Debian package python3-optuna), which python3 does "
-               "not find here";
+  return python().empty() ? "strategy search needs Optuna (Debian package python3-optuna; make "
+                            "sweep-search installs it), which no python3 here finds"
+                          : "";
 }
 
 std::vector<LineValues> next_generation(const PointSet& set, int generation,
@@ -38,7 +46,8 @@ std::vector<LineValues> next_generation(const PointSet& set, int generation,
                             {"told", objectives}};
   write_file(question, j.dump() + "\n");
   std::filesystem::remove(answer);
-  if (std::system(fmt::format("python3 '{}' '{}' '{}'", kProgram, question, answer).c_str()) != 0)
+  if (std::system(fmt::format("{} '{}' '{}' '{}'", python(), kProgram, question, answer).c_str()) !=
+      0)
     throw std::runtime_error("scripts/nsga2 failed; see its message above");
   std::vector<LineValues> points;
   for (const auto& place : nlohmann::json::parse(read_file(answer))) {
