@@ -102,7 +102,7 @@ const PackCounts& PointRun::packed() { return prepare(), packed_; }
 namespace {
 
 // The unit whose resources stand apart.
-constexpr const char* kGatherer = "photon_gatherer";
+constexpr const char* kGatherer = unit_name<PhotonGatherer>;
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
 size_t block_of(const Planes& image, size_t pixel) {
