@@ -56,8 +56,7 @@
 #define HLS_PORT_MEMORY(name, words) \
   PHOTONLOOM_HLS_PRAGMA(HLS INTERFACE mode = m_axi port = name bundle = name depth = words)
 #define HLS_PORT_REGISTER(name) PHOTONLOOM_HLS_PRAGMA(HLS INTERFACE mode = s_axilite port = name)
-#define HLS_PORT_CONTROL \
-  PHOTONLOOM_HLS_PRAGMA(HLS INTERFACE mode = s_axilite port = return)
+#define HLS_PORT_CONTROL PHOTONLOOM_HLS_PRAGMA(HLS INTERFACE mode = s_axilite port = return )
 
 #else
 
