@@ -13,8 +13,9 @@ std::string packed_text(std::string_view bytes);
 class Payloads {
  public:
   // The block's number.
-  size_t add(std::string_view bytes) {
-    blocks_.push_back(packed_text(bytes));
+  size_t add(std::string_view bytes) { return add_packed(packed_text(bytes)); }
+  size_t add_packed(std::string text) {
+    blocks_.push_back(std::move(text));
     return blocks_.size() - 1;
   }
   const std::vector<std::string>& blocks() const { return blocks_; }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the C++ side puts into a page (report/run.cpp, report/study.cpp).
 
-export interface Layer { name: string; channels: string[]; exponents: number[]; difference: boolean; payload: number }
+export interface Layer { name: string; channels: string[]; exponents: number[]; difference: boolean; chained: boolean; payload: number }
 export interface Picture { label: string; file: string; about: string; same_as: string; layers?: Layer[] }
 export interface Pair {
   a: string; b: string; relmse: number; rmse: number; mape: number; mean_ratio: number; flip: number; flip_map: number;

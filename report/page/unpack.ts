@@ -38,6 +38,7 @@ export function layerPixels(layer: Layer, width: number, height: number): Float3
   const known = layers.get(layer.payload);
   if (known) return known;
   const bytes = bytesOf(`p${layer.payload}`), n = width * height;
+  const before = new Uint16Array(n);  // the previous channel's halves
   const channels = layer.exponents.map((exponent, c) => {
     const low = bytes.subarray(2 * c * n, (2 * c + 1) * n), high = bytes.subarray((2 * c + 1) * n, (2 * c + 2) * n);
     const out = new Float32Array(n), scale = 2 ** exponent;
@@ -46,7 +47,9 @@ export function layerPixels(layer: Layer, width: number, height: number): Float3
       if (i % width === 0) bits = above;
       bits = (bits + low[i]! + (high[i]! << 8)) & 0xffff;
       if (i % width === 0) above = bits;
-      out[i] = halves[bits]! * scale;
+      const half = layer.chained && c > 0 ? (bits + before[i]!) & 0xffff : bits;
+      before[i] = half;
+      out[i] = halves[half]! * scale;
     }
     return out;
   });

@@ -59,8 +59,9 @@ float half_value(uint32_t h) {
 
 // A channel of a layer as the page's reader finds it.
 std::vector<float> channel(const std::string& bytes, size_t number, size_t width, size_t pixels,
-                           int exponent) {
+                           int exponent, std::vector<uint32_t>& before, bool chained) {
   std::vector<float> out;
+  before.resize(pixels);
   uint32_t bits = 0, above = 0;
   for (size_t i = 0; i < pixels; ++i) {
     const auto low = static_cast<uint8_t>(bytes[2 * number * pixels + i]),
@@ -68,7 +69,8 @@ std::vector<float> channel(const std::string& bytes, size_t number, size_t width
     if (i % width == 0) bits = above;
     bits = (bits + low + (uint32_t{high} << 8)) & 0xffff;
     if (i % width == 0) above = bits;
-    out.push_back(std::ldexp(half_value(bits), exponent));
+    before[i] = chained && number > 0 ? (bits + before[i]) & 0xffff : bits;
+    out.push_back(std::ldexp(half_value(before[i]), exponent));
   }
   return out;
 }
@@ -172,12 +174,13 @@ TEST_CASE("images of a page are the files' to the stated precision, equal ones s
     size_t channels = 0;
     for (const Json& layer : entry["layers"]) {
       const std::string bytes = payload(page, layer["payload"]);
+      std::vector<uint32_t> before;
       for (size_t c = 0; c < layer["channels"].size(); ++c, ++channels) {
         INFO(layer["channels"][c]);
         const Channel* truth = file.find(layer["channels"][c]);
         REQUIRE(truth);
         const int exponent = layer["exponents"][c];
-        const auto read = channel(bytes, c, 8, 64, exponent);
+        const auto read = channel(bytes, c, 8, 64, exponent, before, layer["chained"]);
         for (size_t p = 0; p < 64; ++p) {
           CHECK(layer["difference"] == (n == 0));
           // What an image differs by has a precision of its own.
