@@ -14,11 +14,11 @@ namespace photonloom {
 // most 2^-11. The images that a study's points share are for looking at: 2^-7.
 inline constexpr int kRunMantissa = 10, kStudyMantissa = 6;
 
-// [{name, channels, exponents, difference, chained, payload}]: the layers of docs/frame.md, the image itself
-// first under the name "". A channel is stored times 2^-exponent, so that its largest value is
-// below 32768, rounded to `mantissa` bits; values below 2^-14 * 2^exponent have a further error
-// of up to 2^-25 * 2^exponent. Its halves are differences from their left neighbour
-// (the first of a row: from the one above), modulo 2^16, all low bytes before all high bytes. Of a
+// [{name, channels, exponents, difference, chained, payload}]: the layers of docs/frame.md, the
+// image itself first under the name "". A channel is stored times 2^-exponent, so that its largest
+// value is below 32768, rounded to `mantissa` bits; values below 2^-14 * 2^exponent have a further
+// error of up to 2^-25 * 2^exponent. Its halves are differences from their left neighbour (the
+// first of a row: from the one above), modulo 2^16, all low bytes before all high bytes. Of a
 // "chained" layer each channel after the first is taken less the one before it, first of all.
 //
 // With `base`, a layer that it has too is stored as the difference from it ("difference": true):
