@@ -3,7 +3,7 @@
 JOBS := $(shell nproc)
 PREFIX ?= /usr/local
 .DEFAULT_GOAL := build
-.PHONY: help build install demo test test-full gallery precision mutate bench bench-rtl asan fuzz format clean references mutate-golden fpga-tools fpga board-sim headline fpga-plans area-check tradeoffs sweep-search slurm-test cycle-fit report-bundle
+.PHONY: help build install demo test test-full gallery precision mutate bench bench-rtl asan fuzz format clean references mutate-golden fpga-tools fpga board-sim headline fpga-plans area-check tradeoffs sweep-search slurm-test cycle-fit report-bundle mutate-hls test-hls
 
 help: ## this list
 	@sed -n 's/^\([a-z-]*\):[^#]*## \(.*\)/  make \1\t\2/p' Makefile | expand -t 24
@@ -57,6 +57,17 @@ references: build ## scenes/references: path traced, two seeds, with their own e
 mutate-golden: ## planted faults in golden, each caught by a named test
 	@scripts/setup mutate-golden
 	@scripts/mutate-golden
+
+mutate-hls: ## planted faults in the HLS kernels, each caught by a bench
+	@scripts/setup mutate-hls
+	@cmake --preset release -DBUILD_TESTING=ON
+	@cmake --build build --target benches
+	@scripts/mutate --hls
+
+test-hls: build ## a kernel package by g++ and clang++ with each toolset (AP_TYPES_INCLUDE, AC_TYPES_INCLUDE: the real headers)
+	@scripts/setup test-hls
+	@scripts/test-hls
+	@scripts/test-hls --subset
 
 precision: build ## what positions, mantissas and directions cost: docs/precision.md
 	@scripts/setup precision

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 
 namespace photonloom {
 
@@ -12,6 +13,20 @@ namespace {
 constexpr int kStepLatency = 12, kLineTurns = 32, kFreeTurns = 12;
 
 int ceil_of(int a, int b) { return (a + b - 1) / b; }
+
+// Visits a turn to a server that takes `service` turns for each, by `customers` who are `beside`
+// turns elsewhere between two visits: mean value analysis (Reiser, Lavenberg 1980), where who finds
+// the server busy waits for half a service of the one before him.
+double closed_throughput(int customers, double beside, double service) {
+  double waiting = 0, throughput = 0;
+  for (int n = 1; n <= customers; ++n) {
+    const double busy = throughput * service;
+    const double visit = service * (1 + waiting - busy / 2);
+    throughput = n / (beside + visit);
+    waiting = throughput * visit;
+  }
+  return throughput;
+}
 
 }  // namespace
 
@@ -59,61 +74,64 @@ std::vector<KernelLoop> kernel_loops(std::type_identity<CdfSampler>, const Plan&
 TripCounts trip_counts(const Plan& plan, std::span<const GatherQuery> in,
                        std::span<const GatherResult> out) {
   const int contexts = kernel_contexts(plan);
-  const int beats = 8 * plan.line_bytes() / plan.beat_bits;
-  // From the step that asks for a line to the step that reads it, in steps of the context.
-  const double wait = ceil_of(beats + kLineTurns + 1, contexts);
   const double parts = static_cast<double>(plan.bucket) / plan.lanes;
   // About half the lanes of a part face the query: so many insertions come in one part, each a
   // step, of which the part itself counts one.
   const double together = std::max(1.0, plan.lanes / 2.0);
-  double steps = 0, lines = 0, given = 0, longest = 0;
+  double steps = 0, lines = 0, given = 0, longest = 0, held_turns = 0;
   for (size_t i = 0; i < out.size(); ++i) {
     double own = 2;  // start and finish
     if (out[i].leaves > 0) {
       own += out[i].nodes;      // down
       own += out[i].nodes + 1;  // up: what was stacked, and that nothing is left
-      own += out[i].leaves * (wait - 1 + parts);
-      own += out[i].insertions * (1 - 1 / together);
-    }
-    if (in[i].want_photons && !in[i].flush && out[i].count > 0) {
-      own += ceil_of(static_cast<int>(out[i].count) + kFreeTurns, contexts);
-      given += out[i].count;
+      own += out[i].leaves * parts + out[i].insertions * (1 - 1 / together);
     }
     given += 1;
+    if (in[i].want_photons && !in[i].flush && out[i].count > 0) {
+      // Its photons leave once all older queries have left.
+      held_turns += out[i].count + kFreeTurns;
+      given += out[i].count;
+    }
     steps += own;
     lines += out[i].leaves;
     longest = std::max(longest, own);
   }
-  // A turn is one step of one context, one beat and one packet out.
-  const double turns = std::max({steps, lines * beats, given});
-  return {{turns, static_cast<double>(out.size())},
-          longest * contexts * ceil_of(kStepLatency, contexts) / 2};
+  // The contexts go round between two stations: their own steps, and the line port, which serves
+  // one line after the other. A line is looked for at the context's own turns, so half a round
+  // late.
+  const double beats = 8.0 * plan.line_bytes() / plan.beat_bits;
+  double turns = steps;
+  if (lines > 0) {
+    const double beside = contexts * (steps / lines + 0.5) + kLineTurns + held_turns / lines;
+    turns = lines / closed_throughput(contexts, beside, beats);
+  }
+  // At the end contexts run dry one by one: half of the longest query goes on alone.
+  return {{std::max(turns, given), static_cast<double>(out.size())}, longest * contexts / 2};
 }
 
 TripCounts trip_counts(const Plan& plan, std::span<const GatherQuery> in) {
   const bool fullest = plan.reorder_drain == ReorderDrain::kFullest;
   if (plan.reorder_key == ReorderKey::kNone) return {{static_cast<double>(in.size())}, 0};
   const auto capacity = static_cast<size_t>(plan.reorder_packets);
-  // The fullest bin is looked for 8 bins a turn. How often is a matter of the bins' lengths; as
-  // many packets leave between as a bin holds, on average.
-  const double looks = fullest ? std::max(1, plan.reorder_bins / 8) + 1 : 0;
-  double turns = 0, left = 0;
+  const double bins = plan.reorder_bins;
+  double turns = 0, looks = 0;  // how often the fullest bin is looked for
   size_t held = 0;
   for (const GatherQuery& q : in) {
     turns += 1;
     if (q.flush) {
       turns += static_cast<double>(held);  // one of them leaves in the flush's own turn
-      left += static_cast<double>(held);
+      looks += bins * (1 - std::exp(-static_cast<double>(held) / bins));  // bins that hold any
       held = 0;
     } else if (held + 1 == capacity) {
-      left += 1;
+      looks +=
+          1 / std::max(1.0, 2 * static_cast<double>(capacity) / bins);  // twice the mean length
     } else {
       ++held;
     }
   }
-  const double in_bin =
-      std::max(1.0, 2.0 * static_cast<double>(capacity) / static_cast<double>(plan.reorder_bins));
-  return {{turns + looks * left / in_bin}, 0};
+  // 8 bins a turn; the packet that was to leave does so a turn later.
+  const double look = std::max(1, plan.reorder_bins / 8) + 1;
+  return {{turns + (fullest ? looks * look : 0)}, 0};
 }
 
 TripCounts trip_counts(const Plan& plan, std::span<const SamplerInput> in) {

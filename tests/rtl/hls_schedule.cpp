@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+// The kernels' schedule as a model beside the cycles that instrumented kernels count.
+#include "tests/catch.hpp"
+#include "verilator_tb/unit/drawn_run.hpp"
+
+using namespace photonloom;
+
+namespace {
+
+Plan base_plan() {
+  Plan plan;
+  plan.global.present = true;
+  plan.global.photons = 2000;
+  plan.global.r2_max = uint64_t{1} << 24;
+  plan.gather_rays = 4;
+  plan.k = 16;
+  plan.cell_bits = 3;
+  plan.reorder_packets = 100;
+  plan.reorder_bins = 64;
+  return plan;
+}
+
+std::vector<Plan> plans() {
+  std::vector<Plan> list(3, base_plan());
+  list[1].contexts = 4;
+  list[1].lanes = 8;
+  list[1].cell_bits = 2;
+  list[1].reorder_key = ReorderKey::kNone;
+  list[2].contexts = 8;
+  list[2].lanes = 2;
+  list[2].k = 50;
+  list[2].cell_bits = 4;
+  list[2].reorder_drain = ReorderDrain::kFullest;
+  return list;
+}
+
+RunOptions options() {
+  RunOptions o;
+  o.kind = ModelKind::kHls;
+  o.work_dir = "cosim";
+  return o;
+}
+
+}  // namespace
+
+TEST_CASE("the schedule model is within 15 % of what instrumented kernels count") {
+  for (const Plan& plan : plans())
+    for_each_unit([&](auto unit) {
+      const DrawnRun run = run_drawn(unit, plan, options());
+      const double model = modelled_cycles(kernel_loops(unit, plan), run.trips);
+      INFO(unit_name<typename decltype(unit)::type> << ": " << run.cycles << " counted, model "
+                                                    << model << ", contexts " << plan.contexts);
+      CHECK(model > 0.85 * static_cast<double>(run.cycles));
+      CHECK(model < 1.15 * static_cast<double>(run.cycles));
+    });
+}
+
+TEST_CASE("a dependency from turn to turn raises the model's count") {
+  const Plan plan = base_plan();
+  for_each_unit([&](auto unit) {
+    const DrawnRun run = run_drawn(unit, plan, options());
+    std::vector<KernelLoop> loops = kernel_loops(unit, plan);
+    const double before = modelled_cycles(loops, run.trips);
+    loops[0].dependencies.push_back({"planted", 9, 1, "a divider in the loop"});
+    CHECK(loops[0].interval() == 9);
+    CHECK(modelled_cycles(loops, run.trips) > 1.5 * before);
+    loops[0].dependencies.back().distance = 9;  // the same, carried over nine turns
+    CHECK(modelled_cycles(loops, run.trips) == before);
+  });
+}
+
+TEST_CASE("the gatherer's kernel keeps at least four queries in flight") {
+  Plan plan = base_plan();
+  for (const int contexts : {1, 2, 4, 5, 16, 32}) {
+    plan.contexts = contexts;
+    CHECK(kernel_contexts(plan) >= std::max(4, contexts));
+    CHECK(kernel_loops(std::type_identity<PhotonGatherer>{}, plan)[0].interval() <= 3);
+  }
+}

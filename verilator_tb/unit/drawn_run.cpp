@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "verilator_tb/unit/drawn_run.hpp"
+
+#include <fmt/core.h>
+
+#include <stdexcept>
+
+#include "hls_kernels/generate/recording.hpp"
+
+namespace photonloom {
+
+namespace {
+
+void expect_equal(bool equal, const std::string& unit, const RunOptions& options) {
+  if (!equal)
+    throw std::runtime_error(fmt::format("{} as {}: packets differ from golden's; expected none",
+                                         unit, model_kind_name(options.kind)));
+}
+
+template <class Unit>
+DrawnRun run_stream(std::type_identity<Unit> unit, const Plan& plan, const RunOptions& options) {
+  const auto in = drawn_packets(unit, plan);
+  std::vector<typename Unit::FirstOut> due, out;
+  make_golden(unit, plan)->process(in, due);
+  const auto clocked = make_rtl(unit, plan, options);
+  const uint64_t before = clocked->cycles();
+  clocked->process(in, out);
+  expect_equal(out == due, unit_name<Unit>, options);
+  return {in.size(), clocked->cycles() - before, trip_counts(plan, in), clocked->counters()};
+}
+
+}  // namespace
+
+DrawnRun run_drawn(std::type_identity<ReorderBuffer> unit, const Plan& plan,
+                   const RunOptions& options) {
+  return run_stream(unit, plan, options);
+}
+
+DrawnRun run_drawn(std::type_identity<CdfSampler> unit, const Plan& plan,
+                   const RunOptions& options) {
+  return run_stream(unit, plan, options);
+}
+
+DrawnRun run_drawn(std::type_identity<PhotonGatherer> unit, const Plan& plan,
+                   const RunOptions& options) {
+  const std::vector<PhotonMap> maps = drawn_maps(plan);
+  const std::vector<GatherQuery> in = drawn_packets(unit, plan);
+  std::vector<GatherResult> due, results;
+  std::vector<GatherPhoton> due_photons, photons;
+  const auto golden = make_golden(unit, plan);
+  golden->load(maps[0], maps[1]);
+  golden->process(in, due, due_photons);
+  const auto clocked = make_rtl(unit, plan, options);
+  clocked->load(maps[0], maps[1]);
+  const uint64_t before = clocked->cycles();
+  clocked->process(in, results, photons);
+  expect_equal(results == due && photons == due_photons, unit_name<PhotonGatherer>, options);
+  return {in.size(), clocked->cycles() - before, trip_counts(plan, in, due), clocked->counters()};
+}
+
+}  // namespace photonloom
