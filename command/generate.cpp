@@ -62,13 +62,19 @@ void warn_of_block_ram(const std::string& source, const Plan& plan, const BoardD
 void check_kernels(const std::string& dir) {
   namespace fs = std::filesystem;
   if (!fs::is_directory(dir + "/hls")) return;
-  for (const auto& [name, text] : write_kernel_package(read_plan(dir + "/plan.toml"))) {
+  const auto files = write_kernel_package(read_plan(dir + "/plan.toml"));
+  for (const auto& [name, text] : files) {
     const std::string path = dir + "/hls/" + name;
     if (!fs::is_regular_file(path) || read_file(path) != text)
       throw std::runtime_error(
           path +
           ": is stale, differs from what its plan and the HLS sources give; generate it again");
   }
+  for (const char* folder : {"/hls/data", "/hls/hls_kernels"})
+    for (const auto& entry : fs::recursive_directory_iterator(dir + folder))
+      if (entry.is_regular_file() &&
+          !files.count(fs::relative(entry.path(), dir + "/hls").string()))
+        throw std::runtime_error(entry.path().string() + ": does not belong to the package");
 }
 
 void generate(const GenerateOptions& o) {
