@@ -13,6 +13,8 @@ TEST_CASE("golden images are those of scenes/references: means within 1 %, of la
   int references = 0;
   for (const auto& entry : std::filesystem::directory_iterator(source("scenes/references"))) {
     const std::string reference = entry.path().string(), name = entry.path().stem().string();
+    // NAME.WIDTHxHEIGHT.*.exr are those of sweeps, whose own tests read them (docs/sweep.md).
+    if (name.find('.') != std::string::npos) continue;
     ++references;
     const std::string image = scratch / "image.exr";
     const Outcome rendered = run(
