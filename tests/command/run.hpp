@@ -4,7 +4,9 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <cstdlib>
+#include <cstring>
 #include <filesystem>
 #include <stdexcept>
 #include <string>
@@ -28,10 +30,11 @@ inline std::string source(const std::string& path) {
 struct Scratch {
   std::filesystem::path path;
   Scratch() {
-    static int number = 0;
-    path = std::filesystem::temp_directory_path() /
-           ("photonloom-test-" + std::to_string(getpid()) + "-" + std::to_string(number++));
-    std::filesystem::create_directories(path);
+    // A new name each time: a folder that a killed test left may have this process's number.
+    std::string name = (std::filesystem::temp_directory_path() / "photonloom-test-XXXXXX").string();
+    if (!mkdtemp(name.data()))
+      throw std::runtime_error(name + ": cannot be made: " + std::strerror(errno));
+    path = name;
   }
   ~Scratch() { std::filesystem::remove_all(path); }
   Scratch(const Scratch&) = delete;

@@ -2,6 +2,7 @@
 // Sweeps as a user runs them: killed and gone on with, two on a folder, damaged results, bad
 // studies, a full disk.
 #include <fcntl.h>
+#include <sched.h>
 #include <signal.h>
 #include <sys/file.h>
 #include <sys/mount.h>
@@ -252,7 +253,10 @@ TEST_CASE("a full disk stops the sweep with a sentence and loses nothing") {
   const Scratch s;
   const std::string disk = s / "disk";
   std::filesystem::create_directories(disk);
-  if (getuid() != 0 || mount("tmpfs", disk.c_str(), "tmpfs", 0, "size=96k") != 0) {
+  // In a mount namespace of its own, so that the file system goes with the test however it ends.
+  if (getuid() != 0 || unshare(CLONE_NEWNS) != 0 ||
+      mount("none", "/", nullptr, MS_REC | MS_PRIVATE, nullptr) != 0 ||
+      mount("tmpfs", disk.c_str(), "tmpfs", 0, "size=96k") != 0) {
     WARN("skipped: a small file system cannot be mounted here");
     return;
   }
