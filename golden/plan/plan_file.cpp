@@ -359,13 +359,32 @@ void check_plan(const Plan& plan) {
     throw PlanError(fmt::format("plan: {} {}", problem->line, problem->what));
 }
 
+namespace {
+
+// Each line's value as the file spells it.
+std::map<std::string, std::string> line_values(const Plan& plan) {
+  std::map<std::string, std::string> values;
+  Plan::visit(plan, [&](const std::string& section, const std::string& key, const auto& value, auto,
+                        auto, const char*) { values[section + "." + key] = value_text(value); });
+  return values;
+}
+
+}  // namespace
+
+bool may_be_left_out(const std::string& line) {
+  static const std::set<std::string> kLines{};
+  return kLines.count(line) != 0;
+}
+
 uint64_t plan_hash(const Plan& plan) {
+  static const std::map<std::string, std::string> kDefault = line_values(Plan{});
   uint64_t hash = 0xcbf29ce484222325ull;
   const Plan written = with_radius(plan);
   Plan::visit(written, [&](const std::string& section, const std::string& key, const auto& value,
                            auto, auto, const char*) {
-    if (section == "scene" && key == "name") return;
-    for (const char c : section + "." + key + "=" + value_text(value) + "\n") {
+    const std::string line = section + "." + key, text = value_text(value);
+    if (line == "scene.name" || (may_be_left_out(line) && text == kDefault.at(line))) return;
+    for (const char c : line + "=" + text + "\n") {
       hash ^= static_cast<unsigned char>(c);
       hash *= 0x100000001b3ull;
     }
@@ -435,7 +454,9 @@ Plan parse_plan(const std::string& text, const std::string& file) {
   Plan::visit(plan, [&](const char* section, const char* key, auto& value, auto smallest,
                         auto largest, const char* meaning) {
     const Range range{static_cast<int64_t>(smallest), static_cast<int64_t>(largest)};
+    const bool optional = may_be_left_out(std::string(section) + "." + key);
     const toml::table* keys = table[section].as_table();
+    if (optional && (!keys || !keys->get(key))) return;
     if (!keys) throw PlanError(fmt::format("{}: section [{}] is missing", file, section));
     const toml::node* node = keys->get(key);
     if (!node)

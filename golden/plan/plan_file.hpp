@@ -33,14 +33,20 @@ std::optional<PlanProblem> find_problem(const Plan& plan);
 // Throws PlanError with the first problem.
 void check_plan(const Plan& plan);
 
-// 64-bit FNV-1a of the canonical text of all lines but scene.name.
+// Whether a file may lack the line "section.key", which then has its default value. So it is with
+// each line that came after the first release: older files stay readable, and a plan in which the
+// line has its default keeps the hash that it had before there was the line.
+bool may_be_left_out(const std::string& line);
+
+// 64-bit FNV-1a of the canonical text of all lines but scene.name, and but those that may be left
+// out and have their default value.
 uint64_t plan_hash(const Plan& plan);
 std::string plan_hash_text(const Plan& plan);  // 16 hexadecimal digits
 
 // The file's text. Reading it gives the same plan to the bit.
 std::string plan_text(const Plan& plan, const PlanReasons& reasons = {});
 
-// Each section and key must be there, no other may be; the result passes check_plan. `file` is what
+// Each section and key must be there but those that may be left out, no other may be; the result passes check_plan. `file` is what
 // errors call it.
 Plan parse_plan(const std::string& text, const std::string& file);
 Plan read_plan(const std::string& path);
