@@ -169,6 +169,26 @@ Measurement measure_formats(PointRun& run) {
   return m;
 }
 
+// The plan's irradiance cache beside the same frame without one.
+Measurement measure_caching(PointRun& run) {
+  Plan plan = run.plan();
+  plan.cache_present = false;
+  PointRun without(run.scene(), run.study(), plan, run.seed(), run.work_dir());
+  const Planes& c = without.golden();
+  Measurement m = image_errors(run.golden(), c, c, c);
+  const FrameCounts& counts = run.counts();
+  const auto part = [](double a, double b) { return b > 0 ? a / b : kNone; };
+  const auto all = static_cast<double>(without.counts().table_gathers);
+  const double rays = all * plan.gather_rays;
+  const double cast = (all - static_cast<double>(counts.cache_hits)) * plan.gather_rays +
+                      static_cast<double>(counts.probe_rays);
+  m.values.insert(m.values.end(), {part(static_cast<double>(counts.cache_hits), all),
+                                   1 - part(cast, rays), static_cast<double>(counts.cache_records),
+                                   static_cast<double>(counts.cache_most_records),
+                                   static_cast<double>(counts.cache_full)});
+  return m;
+}
+
 Measurement measure_gather(PointRun& run) {
   const Counters& counted = run.gather_counters();
   const auto queries = static_cast<double>(counted.at("queries"));
@@ -247,6 +267,20 @@ const std::vector<Measure>& measures() {
         {"zeroed", "photons", "whose power became 0"},
         {"saturated", "photons", "whose power was clipped"}},
        measure_formats,
+       no_settings},
+      {"caching",
+       "an irradiance cache beside the same frame without one",
+       {{"relmse", "", "mean (a - c)^2 / (c^2 + 0.01)"},
+        {"flip", "", "mean HDR-FLIP"},
+        {"bias", "", "ratio of the means, minus 1"},
+        {"worst", "", "largest difference of a pixel's channel over the mean"},
+        {"avoided", "", "part of the samples without a final gather of their own"},
+        {"rays_saved", "",
+         "part of the final gather rays that were not sent, a probe's rays counted"},
+        {"records", "", "samples whose final gather others share"},
+        {"most_records", "", "of a tile"},
+        {"full", "samples", "that would have become a record of a full tile"}},
+       measure_caching,
        no_settings},
       {"gather",
        "cycles and bytes",

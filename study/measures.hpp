@@ -40,6 +40,8 @@ class PointRun {
   const Plan& plan() const { return plan_; }
   const Study& study() const { return study_; }
   const StudyScene& scene() const { return scene_; }
+  StudyScene& scene() { return scene_; }
+  uint64_t seed() const { return seed_; }
   const std::string& work_dir() const { return work_dir_; }
 
   const Planes& golden();     // the frame in golden arithmetic

@@ -19,6 +19,7 @@ namespace photonloom {
 using Pair32 = std::array<uint32_t, 2>;
 using Channels32 = std::array<uint32_t, 3>;
 using Channels64 = std::array<uint64_t, 3>;
+using CacheList = std::array<uint32_t, 8>;
 
 // A question to the photon map: the k nearest photons around a point. Also what the reorder buffer
 // holds.
@@ -96,6 +97,31 @@ using Channels64 = std::array<uint64_t, 3>;
   FIELD(uint32_t, weight, 1, plan.probability_bits, "", "w of the cell")                        \
   FIELD(uint64_t, total, 1, plan.total_bits(), "", "W of the table")
 
+// A question to the irradiance cache: which records of the tile cover this point.
+#define PHOTONLOOM_CACHE_LOOKUP(FIELD)                                                     \
+  FIELD(uint32_t, pixel, 1, plan.pixel_bits(), "", "pixel of the sample")                  \
+  FIELD(uint32_t, sample, 1, plan.sample_bits(), "", "sample of the pixel")                \
+  FIELD(uint32_t, clear, 1, 1, "", "1: a new tile, all records are forgotten first")       \
+  FIELD(uint32_t, insert, 1, 1, "", "1: where no record covers the point it becomes one")  \
+  FIELD(UVec3, position, 3, plan.position_bits, "position unit", "x, y, z")                \
+  FIELD(UVec3, normal, 3, plan.normal_bits, "2^(1-normal_bits)",                           \
+        "shading normal plus (1, 1, 1), rounded down")                                     \
+  FIELD(uint32_t, falloff, 1, plan.cache_falloff_bits() + 1, "2^-(W+e) / position unit^2", \
+        "mantissa of reciprocal(reach^2) of the point as a record")                        \
+  FIELD(uint32_t, falloff_exponent, 1, plan.cache_falloff_exponent_bits(), "", "e of the same")
+
+// The answer: the heaviest records that cover the point, by weight, then number.
+#define PHOTONLOOM_CACHE_RESULT(FIELD)                                                          \
+  FIELD(uint32_t, pixel, 1, plan.pixel_bits(), "", "as in the lookup")                          \
+  FIELD(uint32_t, sample, 1, plan.sample_bits(), "", "as in the lookup")                        \
+  FIELD(uint32_t, count, 1, plan.cache_hit_bits(), "records", "how many follow")                \
+  FIELD(CacheList, record, plan.cache_hits, plan.cache_record_bits(), "", "number in the tile") \
+  FIELD(CacheList, weight, plan.cache_hits, plan.cache_weight_bits + 1, "2^-weight_bits",       \
+        "its weight; 0 behind the last")                                                        \
+  FIELD(uint32_t, inserted, 1, 1, "", "1: the point became a record")                           \
+  FIELD(uint32_t, full, 1, 1, "", "1: it would have, but the tile holds cache.records")         \
+  FIELD(uint32_t, number, 1, plan.cache_record_bits(), "", "of the record that it became")
+
 // What is known of a field beside its value.
 struct FieldInfo {
   const char* name;
@@ -127,6 +153,8 @@ PHOTONLOOM_PACKET(GatherResult, "gather_result", PHOTONLOOM_GATHER_RESULT)
 PHOTONLOOM_PACKET(GatherPhoton, "gather_photon", PHOTONLOOM_GATHER_PHOTON)
 PHOTONLOOM_PACKET(SamplerInput, "sampler_input", PHOTONLOOM_SAMPLER_INPUT)
 PHOTONLOOM_PACKET(Sample, "sample", PHOTONLOOM_SAMPLE)
+PHOTONLOOM_PACKET(CacheLookup, "cache_lookup", PHOTONLOOM_CACHE_LOOKUP)
+PHOTONLOOM_PACKET(CacheResult, "cache_result", PHOTONLOOM_CACHE_RESULT)
 
 // Calls f with a value-less tag of each packet type: for whatever is generated for all of them.
 template <class F>
@@ -136,6 +164,8 @@ void for_each_packet(F&& f) {
   f(std::type_identity<GatherPhoton>{});
   f(std::type_identity<SamplerInput>{});
   f(std::type_identity<Sample>{});
+  f(std::type_identity<CacheLookup>{});
+  f(std::type_identity<CacheResult>{});
 }
 
 }  // namespace photonloom

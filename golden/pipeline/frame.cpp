@@ -9,11 +9,14 @@
 #include <cmath>
 #include <limits>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "golden/numeric/octahedral.hpp"
 #include "golden/plan/quantiser.hpp"
+#include "golden/transport/sampling.hpp"
 #include "golden/unit/cdf_sampler.hpp"
+#include "golden/unit/irradiance_cache.hpp"
 
 namespace photonloom {
 namespace {
@@ -46,6 +49,19 @@ struct Entry {
   bool first = false;
   DiffuseHit x;
   Rgb weight{0};
+};
+
+// How an irradiance cache lets a sample come by its indirect light.
+enum class Role : uint8_t {
+  kAlone,    // its own gather
+  kRecord,   // its own gather, which is a record's
+  kSharing,  // records of others
+};
+
+// The records whose light a sample takes, by the entries that they belong to.
+struct Shared {
+  uint32_t count = 0;
+  CacheList entry{}, weight{};
 };
 
 // What the first hits of a pixel show, summed over its samples.
@@ -84,6 +100,7 @@ class Renderer {
     const int step = plan_.batch_tiles > 0 ? plan_.batch_tiles : tiles;
     for (int first = 0; first < tiles; first += step) {
       pixels_.clear();
+      tile_ends_.clear();
       for (int tile = first; tile < std::min(tiles, first + step); ++tile) {
         const int x0 = tile % tiles_x * plan_.tile, y0 = tile / tiles_x * plan_.tile;
         for (int y = y0; y < std::min(plan_.height, y0 + plan_.tile); ++y)
@@ -91,6 +108,7 @@ class Renderer {
             place_[pixel_number(x, y)] = static_cast<uint32_t>(pixels_.size());
             pixels_.push_back(static_cast<uint32_t>(pixel_number(x, y)));
           }
+        tile_ends_.push_back(pixels_.size() * spp_);
       }
       render_batch();
       for (const uint32_t pixel : pixels_) place_[pixel] = kNone;
@@ -120,6 +138,13 @@ class Renderer {
     features_.assign(pixels_.size(), {});
     gathers_ = plan_.global.present && rays_ > 0;
     directions_.assign(gathers_ ? entries * rays_ : 0, {});
+    caching_ = gathers_ && plan_.cache_present;
+    if (caching_) {
+      roles_.assign(entries, Role::kAlone);
+      shared_.assign(entries, {});
+      record_light_.assign(entries, {});
+      tile_begin_ = tile_ = 0;
+    }
     {
       const ProgressPhase phase(progress_, "camera", entries, "samples");
       const size_t step = std::max<size_t>(1, kChunk / (1 + (gathers_ ? rays_ : 0)));
@@ -148,6 +173,7 @@ class Renderer {
         free_slots_.clear();
       }
     }
+    if (caching_) share_light(entries);
     finish_pixels();
   }
 
@@ -257,12 +283,13 @@ class Renderer {
       }
     }
     if constexpr (!kGolden) estimate_caustics_in_double(begin, end);
-    if (queries_.empty()) return;
+    if (queries_.empty() && !caching_) return;
     results_.clear();
     photons_.clear();
     units_.photon_gatherer->process(queries_, results_, photons_);
 
     inputs_.clear();
+    tables_.assign(caching_ ? end - begin : 0, {});
     size_t next_photon = 0;
     ShaderCounts saturated;
     for (const GatherResult& r : results_) {
@@ -284,8 +311,12 @@ class Renderer {
         continue;
       }
       if (e.first) features_[entry / spp_].density += shader_.photon_density(r);
-      request_directions(entry, {photons_.data() + next_photon, photons});
+      const std::span<const GatherPhoton> table{photons_.data() + next_photon, photons};
       next_photon += photons;
+      if (caching_)
+        tables_[entry - begin] = {true, table};
+      else
+        request_directions(entry, table);
     }
     counts_.shader.weights += saturated.weights;
     counts_.shader.not_finite += saturated.not_finite;
@@ -293,6 +324,7 @@ class Renderer {
       counts_.unanswered += static_cast<uint64_t>(std::count(asked->begin(), asked->end(), 1));
     counts_.unmatched += photons_.size() - next_photon;
 
+    if (caching_) ask_cache(begin, end);
     if (inputs_.empty()) return;
     samples_.clear();
     units_.cdf_sampler->process(inputs_, samples_);
@@ -306,6 +338,171 @@ class Renderer {
       directions_[size_t{entry} * rays_ + s.tag] = sampled_code(s);
     }
     counts_.directions += samples_.size();
+  }
+
+  // Looks up the samples of a chunk, tile by tile; a tile that ends is looked up again where the
+  // plan says so. Whoever is covered by no record asks for directions.
+  void ask_cache(size_t begin, size_t end) {
+    for (size_t at = begin; at < end;) {
+      if (at == tile_begin_) {
+        clear_ = true;
+        owners_.clear();
+      }
+      const size_t tile_end = tile_ends_[tile_], until = std::min(end, tile_end);
+      look_up(at, until, begin, true);
+      at = until;
+      if (until < tile_end) break;
+      if (plan_.cache_passes == 2) look_up(tile_begin_, tile_end, begin, false);
+      counts_.cache_most_records = std::max<uint64_t>(counts_.cache_most_records, owners_.size());
+      tile_begin_ = tile_end;
+      ++tile_;
+    }
+    for (size_t entry = begin; entry < end; ++entry) {
+      const auto& [answered, photons] = tables_[entry - begin];
+      if (answered && roles_[entry] != Role::kSharing) request_directions(entry, photons);
+    }
+  }
+
+  // Whether an entry takes part in the cache.
+  bool looks_up(size_t entry) const {
+    return entries_[entry].diffuse && (entries_[entry].first || plan_.cache_glossy);
+  }
+
+  void look_up(size_t from, size_t to, size_t begin, bool insert) {
+    std::vector<uint32_t> asking;
+    for (size_t entry = from; entry < to; ++entry)
+      if (looks_up(entry) && (insert ? tables_[entry - begin].first : shared_[entry].count > 0))
+        asking.push_back(static_cast<uint32_t>(entry));
+    lookups_.resize(asking.size());
+    parallel(asking.size(), [&](size_t i) {
+      const Entry& e = entries_[asking[i]];
+      CacheLookup& lookup = lookups_[i];
+      lookup = {};
+      lookup.pixel = pixel_of(asking[i]);
+      lookup.sample = sample_of(asking[i]);
+      lookup.insert = insert;
+      lookup.position = quantise_position(plan_, e.x.position);
+      lookup.normal = quantise_normal(plan_, e.x.shading_normal);
+      if (!insert) return;
+      const Reciprocal falloff =
+          cache_falloff(plan_, split_sphere_radius(asking[i], tables_[asking[i] - begin].second));
+      lookup.falloff = falloff.mantissa;
+      lookup.falloff_exponent = falloff.exponent;
+    });
+    if (lookups_.empty()) return;
+    if (insert) {
+      lookups_.front().clear = clear_;
+      clear_ = false;
+      counts_.cache_samples += asking.size();
+      if (plan_.cache_radius == CacheRadius::kProbe)
+        counts_.probe_rays += asking.size() * static_cast<size_t>(plan_.cache_probe_rays);
+    }
+    found_.clear();
+    units_.irradiance_cache->process(lookups_, found_);
+    if (found_.size() > asking.size()) counts_.unmatched += found_.size() - asking.size();
+    for (size_t i = 0; i < asking.size(); ++i) {
+      if (i >= found_.size()) {
+        ++counts_.unanswered;
+        continue;
+      }
+      const CacheResult& r = found_[i];
+      const size_t entry = asking[i];
+      if (r.pixel != lookups_[i].pixel || r.sample != lookups_[i].sample || !take_hits(entry, r)) {
+        ++counts_.unmatched;
+        continue;
+      }
+      if (!insert) continue;
+      if (r.inserted) {
+        roles_[entry] = Role::kRecord;
+        shared_[entry] = {1, {static_cast<uint32_t>(entry)}, {1}};
+        owners_.push_back(static_cast<uint32_t>(entry));
+        ++counts_.cache_records;
+      } else if (r.count > 0) {
+        roles_[entry] = Role::kSharing;
+        ++counts_.cache_hits;
+      } else {
+        ++counts_.cache_full;
+      }
+    }
+  }
+
+  // False for an answer that no cache with these records gives.
+  bool take_hits(size_t entry, const CacheResult& r) {
+    if (r.count > static_cast<uint32_t>(plan_.cache_hits)) return false;
+    if (r.inserted ? r.count > 0 || r.number != owners_.size() : false) return false;
+    Shared shared;
+    shared.count = r.count;
+    for (uint32_t i = 0; i < r.count; ++i) {
+      if (r.record[i] >= owners_.size() || r.weight[i] == 0) return false;
+      shared.entry[i] = owners_[r.record[i]];
+      shared.weight[i] = r.weight[i];
+    }
+    if (r.count > 0) shared_[entry] = shared;
+    return true;
+  }
+
+  // Harmonic mean distance to what lights or surrounds x, scene units; 0 where nothing is known.
+  double split_sphere_radius(size_t entry, std::span<const GatherPhoton> photons) const {
+    double inverse = 0;
+    uint32_t known = 0;
+    if (plan_.cache_radius == CacheRadius::kPhotons) {
+      for (const GatherPhoton& p : photons) {
+        if (p.index >= in_.global.slots.size()) continue;
+        const double flight = in_.global.slots[p.index].flight;
+        if (!(flight > 0)) continue;
+        inverse += 1 / flight;
+        ++known;
+      }
+      return known > 0 ? known / inverse : 0;
+    }
+    const Entry& e = entries_[entry];
+    const Random random = random_of(entry);
+    const Vec3& n = e.x.shading_normal;
+    const Vec3 side =
+        glm::normalize(std::fabs(n.x) < 0.5 ? Vec3(0, n.z, -n.y) : Vec3(n.z, 0, -n.x));
+    const Vec3 other = glm::cross(n, side);
+    const auto rays = static_cast<uint32_t>(plan_.cache_probe_rays);
+    for (uint32_t ray = 0; ray < rays; ++ray) {
+      const double u = (ray + random.unit(ray, 5)) / rays;
+      const Vec3 d = sample_cosine(Vec2(u, random.unit(ray, 6)));
+      const Vec3 direction = side * d.x + other * d.y + n * d.z;
+      if (!(glm::dot(direction, e.x.normal) > 0)) continue;
+      const Hit hit = in_.caster.closest({e.x.position, direction}, &e.x.hit);
+      ++known;
+      if (hit.valid() && hit.distance > 0) inverse += 1 / hit.distance;
+    }
+    return inverse > 0 ? known / inverse : known > 0 ? plan_.extent : 0;
+  }
+
+  // Adds the records' light to the samples that share it.
+  void share_light(size_t entries) {
+    std::vector<Value> values(entries);
+    SharedCounts shared;
+    parallel(entries, [&](size_t entry) {
+      const Shared& s = shared_[entry];
+      if (s.count == 0) return;
+      uint32_t total = 0;
+      for (uint32_t i = 0; i < s.count; ++i) total += s.weight[i];
+      const Rgb weight = entries_[entry].weight * kPi;
+      ShaderCounts own;
+      const QueryWeight share = share_of(weight, own);
+      shared.take(own);
+      for (uint32_t i = 0; i < s.count; ++i) {
+        const Value& light = record_light_[s.entry[i]];
+        if constexpr (kGolden)
+          add(values[entry], shader_.interpolated(light, s.weight[i], total, share));
+        else
+          add(values[entry], light * share * (static_cast<double>(s.weight[i]) / total));
+      }
+    });
+    shared.give(counts_.shader);
+    for (size_t entry = 0; entry < entries; ++entry) add_layers(entry, values[entry]);
+  }
+  QueryWeight share_of(const Rgb& weight, ShaderCounts& counts) const {
+    if constexpr (kGolden)
+      return shader_.share(weight, counts);
+    else
+      return (void)counts, weight;
   }
 
   void add_caustic(size_t entry, const Value& value) {
@@ -378,7 +575,9 @@ class Renderer {
       const uint32_t pixel = pixel_of(entry), sample = sample_of(entry);
       const GatherSample s =
           trace_gather(in_.world, in_.caster, e.x, direction, pixel, sample, ray, in_.seed);
-      const Rgb weight = e.weight * (cosine * inverse_pdf / static_cast<double>(rays_));
+      // A record keeps the light that a white surface would send on.
+      const Rgb to_pixel = caching_ && roles_[entry] == Role::kRecord ? Rgb(1 / kPi) : e.weight;
+      const Rgb weight = to_pixel * (cosine * inverse_pdf / static_cast<double>(rays_));
       ShaderCounts own;
       g.glossy = value_of(weight * s.radiance, own);
       if (s.diffuse && !is_black(s.weight)) {
@@ -418,7 +617,14 @@ class Renderer {
     if constexpr (kGolden) gather_reordered(queries_);
   }
 
+  // What a final gather ray of this sample brought.
   void add_indirect(size_t entry, const Value& value) {
+    if (caching_ && roles_[entry] == Role::kRecord)
+      add(record_light_[entry], value);
+    else
+      add_layers(entry, value);
+  }
+  void add_layers(size_t entry, const Value& value) {
     add(layers_[entry / spp_].indirect, value);
     add(totals_[entry], value);
   }
@@ -586,7 +792,15 @@ class Renderer {
   std::vector<Value> totals_;  // of samples
   std::vector<Features> features_;
   std::vector<SampledCode> directions_;  // probability 0: not answered yet
-  std::vector<uint32_t> slot_of_;        // a final gather query's place in slots_
+  bool caching_ = false;
+  std::vector<size_t> tile_ends_;     // in entries
+  std::vector<Role> roles_;           // of samples
+  std::vector<Shared> shared_;        // of samples
+  std::vector<Value> record_light_;   // of the samples that are records
+  size_t tile_ = 0, tile_begin_ = 0;  // the one whose samples look up
+  bool clear_ = false;                // its first lookup has not been sent
+  std::vector<uint32_t> owners_;      // entries of its records
+  std::vector<uint32_t> slot_of_;     // a final gather query's place in slots_
   std::vector<QueryWeight> slots_;
   std::vector<uint32_t> free_slots_;
 
@@ -596,6 +810,9 @@ class Renderer {
   std::vector<GatherPhoton> photons_;
   std::vector<SamplerInput> inputs_;
   std::vector<Sample> samples_;
+  std::vector<std::pair<bool, std::span<const GatherPhoton>>> tables_;  // answered; its photons
+  std::vector<CacheLookup> lookups_;
+  std::vector<CacheResult> found_;
 };
 
 }  // namespace

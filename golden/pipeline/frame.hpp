@@ -54,6 +54,11 @@ struct FrameCounts {
   uint64_t final_gathers = 0;
   uint64_t clamped = 0;  // gathers with r2 < r2_floor
   uint64_t full = 0;     // gathers that found k
+  // Of an irradiance cache: samples that looked up; of them those that became records, that found a
+  // tile full, and so gathered all the same, and that share others' light.
+  uint64_t cache_samples = 0, cache_records = 0, cache_full = 0, cache_hits = 0;
+  uint64_t cache_most_records = 0;  // of a tile
+  uint64_t probe_rays = 0;
   uint64_t unmatched = 0, unanswered = 0;
   ShaderCounts shader;
 };

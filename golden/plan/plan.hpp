@@ -15,6 +15,7 @@ enum class ReorderKey { kNone, kHilbert, kHash };  // kNone: pass-through
 enum class ReorderDrain { kSweep, kFullest };
 enum class TableCombine { kSum, kProduct };
 enum class PhotonMemory { kBlockRam, kSdram };  // of a board
+enum class CacheRadius { kPhotons, kProbe };    // what an irradiance record's radius comes from
 
 // One photon map as the hardware sees it.
 struct MapPlan {
@@ -84,6 +85,18 @@ struct Plan {
   int u_bits = 32;
   int v_bits = 8;  // each of v1, v2
   TableCombine combine = TableCombine::kSum;
+  // [cache]
+  bool cache_present = false;
+  int cache_records = 128;      // of a tile
+  int cache_hits = 4;           // records in an answer at most
+  int cache_passes = 2;         // 2: a tile's samples look up again when all its records are known
+  double cache_accuracy = 0.1;  // a: a record reaches a times its split-sphere radius
+  CacheRadius cache_radius = CacheRadius::kPhotons;
+  int cache_probe_rays = 4;
+  double cache_radius_min = 0, cache_radius_max = 0.25;  // split-sphere radius, of scene.extent
+  int cache_angle_bits = 11;  // squared distance of normals at which a record has no weight: 2^this
+  int cache_weight_bits = 8;  // fraction bits of a weight
+  bool cache_glossy = false;  // surfaces reached through a glossy lobe too
   // [board]: what a board's top holds beside one gatherer; never which packets come
   int gatherers = 1;
   PhotonMemory photon_memory = PhotonMemory::kBlockRam;
@@ -136,6 +149,11 @@ struct Plan {
     return extent / static_cast<double>(uint64_t{1} << position_bits);
   }
   int line_bytes() const { return bucket * photon_bytes; }
+  int cache_record_bits() const { return std::max(1, clog2(static_cast<uint64_t>(cache_records))); }
+  int cache_hit_bits() const { return clog2(static_cast<uint64_t>(cache_hits) + 1); }
+  // W of the reciprocal of a record's squared reach.
+  int cache_falloff_bits() const { return cache_weight_bits + 4; }
+  int cache_falloff_exponent_bits() const { return clog2(static_cast<uint64_t>(r2_bits())); }
   // W of the shader: that of the results, 18 where they carry no reciprocal.
   int shader_bits() const { return reciprocal_bits ? reciprocal_bits : 18; }
   // Bits of flux * R * c * weight before it is rounded to the pixel.
@@ -195,6 +213,25 @@ struct Plan {
     v("sampler", "u_bits", p.u_bits, 16, 48, "bits of the number that picks the cell");
     v("sampler", "v_bits", p.v_bits, 1, 12, "bits of each number that places the direction in it");
     v("sampler", "combine", p.combine, 0, 0, "sum or product of photon and cosine table");
+    v("cache", "present", p.cache_present, 0, 1, "whether samples share irradiance");
+    v("cache", "records", p.cache_records, 1, 4096, "records of a tile at most");
+    v("cache", "hits", p.cache_hits, 1, 8, "records in an answer at most: the heaviest");
+    v("cache", "passes", p.cache_passes, 1, 2,
+      "2: samples look up again when all records of their tile are known");
+    v("cache", "accuracy", p.cache_accuracy, 0, 0,
+      "a record reaches this times its split-sphere radius");
+    v("cache", "radius", p.cache_radius, 0, 0,
+      "what the split-sphere radius comes from: photons or probe");
+    v("cache", "probe_rays", p.cache_probe_rays, 1, 256, "rays of a probe");
+    v("cache", "radius_min", p.cache_radius_min, 0, 0,
+      "smallest split-sphere radius, of the scene's extent");
+    v("cache", "radius_max", p.cache_radius_max, 0, 0,
+      "largest split-sphere radius, of the scene's extent");
+    v("cache", "angle_bits", p.cache_angle_bits, 0, 31,
+      "a record whose normal is off by sqrt(2^this) cells has no weight");
+    v("cache", "weight_bits", p.cache_weight_bits, 4, 12, "fraction bits of a record's weight");
+    v("cache", "glossy", p.cache_glossy, 0, 1,
+      "surfaces that were reached through a glossy lobe too");
     v("board", "gatherers", p.gatherers, 1, 16, "gatherers behind a board's dispatcher");
     v("board", "photon_memory", p.photon_memory, 0, 0,
       "where a board keeps the photon lines: block_ram or sdram");

@@ -23,11 +23,13 @@ constexpr std::array<const char*, 3> kKeyNames{"none", "hilbert", "hash"};
 constexpr std::array<const char*, 2> kDrainNames{"sweep", "fullest"};
 constexpr std::array<const char*, 2> kCombineNames{"sum", "product"};
 constexpr std::array<const char*, 2> kPhotonMemoryNames{"block_ram", "sdram"};
+constexpr std::array<const char*, 2> kCacheRadiusNames{"photons", "probe"};
 constexpr uint64_t kSdramBytes = uint64_t{32} << 20;  // 256 Mbit
 constexpr const auto& names_of(ReorderKey) { return kKeyNames; }
 constexpr const auto& names_of(ReorderDrain) { return kDrainNames; }
 constexpr const auto& names_of(TableCombine) { return kCombineNames; }
 constexpr const auto& names_of(PhotonMemory) { return kPhotonMemoryNames; }
+constexpr const auto& names_of(CacheRadius) { return kCacheRadiusNames; }
 
 template <class T>
 constexpr bool kIsInteger = std::is_integral_v<T> && !std::is_same_v<T, bool>;
@@ -333,6 +335,14 @@ std::optional<PlanProblem> find_problem(const Plan& plan) {
                 fmt::format("is {}, expected at least 8 bits more than the table's total, which "
                             "has {}",
                             plan.u_bits, plan.total_bits()));
+  if (plan.cache_angle_bits > 2 * plan.normal_bits + 2)
+    return fail("cache.angle_bits",
+                fmt::format("is {}, but squared distances of normals with {} bits a coordinate "
+                            "end below 2^{}",
+                            plan.cache_angle_bits, plan.normal_bits, 2 * plan.normal_bits + 2));
+  if (plan.cache_radius_min > plan.cache_radius_max)
+    return fail("cache.radius_min", fmt::format("is {}, expected at most radius_max = {}",
+                                                plan.cache_radius_min, plan.cache_radius_max));
   if (plan.contribution_bits() > 127)
     return fail(
         "pixel.weight_bits",
@@ -372,7 +382,10 @@ std::map<std::string, std::string> line_values(const Plan& plan) {
 }  // namespace
 
 bool may_be_left_out(const std::string& line) {
-  static const std::set<std::string> kLines{};
+  static const std::set<std::string> kLines{
+      "cache.present",    "cache.records",    "cache.hits",        "cache.passes",
+      "cache.accuracy",   "cache.radius",     "cache.probe_rays",  "cache.radius_min",
+      "cache.radius_max", "cache.angle_bits", "cache.weight_bits", "cache.glossy"};
   return kLines.count(line) != 0;
 }
 

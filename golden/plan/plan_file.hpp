@@ -46,8 +46,8 @@ std::string plan_hash_text(const Plan& plan);  // 16 hexadecimal digits
 // The file's text. Reading it gives the same plan to the bit.
 std::string plan_text(const Plan& plan, const PlanReasons& reasons = {});
 
-// Each section and key must be there but those that may be left out, no other may be; the result passes check_plan. `file` is what
-// errors call it.
+// Each section and key must be there but those that may be left out, no other may be; the result
+// passes check_plan. `file` is what errors call it.
 Plan parse_plan(const std::string& text, const std::string& file);
 Plan read_plan(const std::string& path);
 

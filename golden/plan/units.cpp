@@ -19,6 +19,11 @@ std::string lacks_reordering(const Plan& plan) {
   return plan.reorder_key == ReorderKey::kNone ? "reordering (reorder.key is none)" : "";
 }
 
+std::string lacks_caching(const Plan& plan) {
+  if (const std::string rays = lacks_final_gathers(plan); !rays.empty()) return rays;
+  return plan.cache_present ? "" : "irradiance cache (cache.present is false)";
+}
+
 std::vector<UnitInfo> all_units() {
   std::vector<UnitInfo> units;
   for_each_unit([&](auto unit) { units.push_back(unit_info<typename decltype(unit)::type>); });

@@ -24,6 +24,7 @@ using UnitLacks = std::string (*)(const Plan& plan);
 std::string lacks_photon_map(const Plan& plan);
 std::string lacks_final_gathers(const Plan& plan);
 std::string lacks_reordering(const Plan& plan);
+std::string lacks_caching(const Plan& plan);
 
 // clang-format off
 // One line a unit, in the order in which commands tell of them: interface (golden/unit/backend.hpp);
@@ -32,7 +33,8 @@ std::string lacks_reordering(const Plan& plan);
 #define PHOTONLOOM_UNITS(UNIT)                                                                      \
   UNIT(PhotonGatherer, photon_gatherer, "gatherer", 2, BoardPlace::kLink, "", lacks_photon_map)       \
   UNIT(ReorderBuffer, reorder_buffer, "reorder", 1, BoardPlace::kInside, "", lacks_reordering)        \
-  UNIT(CdfSampler, cdf_sampler, "sampler", 3, BoardPlace::kHost, "sampler_", lacks_final_gathers)
+  UNIT(CdfSampler, cdf_sampler, "sampler", 3, BoardPlace::kHost, "sampler_", lacks_final_gathers)   \
+  UNIT(IrradianceCache, irradiance_cache, "cache", 4, BoardPlace::kHost, "cache_", lacks_caching)
 // clang-format on
 
 struct UnitInfo {

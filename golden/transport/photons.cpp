@@ -46,18 +46,25 @@ void trace_path(const Walk& walk, uint64_t path, int rr_depth, const DeltaBoxes*
   if (boxes && !boxes->met_by(ray)) return;
   Hit hit = first_surface(walk.world, walk.caster, e);
   Rgb throughput(1);
+  double flight = 0;
+  bool scattered = false;  // by a surface that is not a delta one
   for (uint64_t segment = 1; hit.valid(); ++segment) {
     const Surface s = make_surface(walk.world, hit, ray.direction);
     if (s.black()) return;
     if (!s.is_delta() && !is_black(s.diffuse()) && !(walk.caustic && segment == 1)) {
       photons.push_back({hit.position, s.in, e.power * throughput * s.shading_ratio(s.in), path,
-                         static_cast<uint32_t>(segment - 1)});
+                         static_cast<uint32_t>(segment - 1), scattered ? flight : 0.0});
     }
     if (walk.caustic && !s.is_delta()) return;
     if (walk.max_segments >= 0 && segment >= static_cast<uint64_t>(walk.max_segments)) return;
     if (!scatter(walk, s, segment, ray.direction, throughput)) return;
     if (!survives(throughput, segment, rr_depth, walk.random.unit(segment, kRoulette))) return;
+    if (!s.is_delta()) {
+      scattered = true;
+      flight = 0;
+    }
     hit = walk.caster.closest(Ray{hit.position, ray.direction}, &hit);
+    flight += hit.distance;
   }
 }
 

@@ -138,6 +138,9 @@ struct Photon {
   Rgb power;        // W, already divided by the paths emitted
   uint64_t path;    // number of the emitted path
   uint32_t bounce;  // surface interactions before this one
+  // How far the light came from the last surface that was not a delta one, scene units; 0: it came
+  // from an emitter, past delta surfaces at most, or nobody knows.
+  double flight = 0;
 };
 
 struct PhotonPass {

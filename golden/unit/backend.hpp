@@ -66,6 +66,12 @@ class CdfSampler : public PacketUnit<SamplerInput, Sample> {
   static constexpr const char* kRecorded[] = {"sampler_input", "sample"};
 };
 
+class IrradianceCache : public PacketUnit<CacheLookup, CacheResult> {
+ public:
+  static constexpr const char* kOutputs[] = {"out"};
+  static constexpr const char* kRecorded[] = {"cache_lookup", "cache_result"};
+};
+
 // Golden units, make_golden_NAME of each; and by type. `threads` as in TBB's arena of the caller.
 #define PHOTONLOOM_MAKE_GOLDEN(Interface, name, ...)                                            \
   std::unique_ptr<Interface> make_golden_##name(const Plan& plan);                              \

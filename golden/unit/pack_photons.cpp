@@ -36,6 +36,7 @@ PackedPhoton pack(const Photon& photon, const Plan& plan, const MapPlan& map, Pa
   packed.power =
       encode_power(value, plan.channels, plan.mantissa_bits, plan.exponent_bits, &saturated);
   packed.direction = oct_encode(photon.direction, plan.direction_bits);
+  packed.flight = photon.flight;
   if (counts) {
     counts->zeroed += has_power && packed.power.mantissa == std::array<uint32_t, 3>{};
     counts->saturated += saturated;

@@ -181,6 +181,7 @@ void write_photon_file(const PhotonFile& file, const std::string& path) {
   // PLY has no integers of 64 bits; a double holds the number of any path there will be.
   add("path", PlyType::kDouble, [](const Photon& p) { return static_cast<double>(p.path); });
   add("bounce", PlyType::kUint32, [](const Photon& p) { return static_cast<double>(p.bounce); });
+  add("flight", PlyType::kDouble, [](const Photon& p) { return p.flight; });
   table.elements.push_back(std::move(vertex));
   write_ply(table, path);
 }
@@ -196,12 +197,21 @@ PhotonFile read_photon_file(const std::string& path) {
   const Columns power(element, {"power_r", "power_g", "power_b"}, path, "power in W");
   const auto* const paths = element.find("path") ? &element.scalar("path", path) : nullptr;
   const auto* const bounces = element.find("bounce") ? &element.scalar("bounce", path) : nullptr;
+  const auto* const flights = element.find("flight") ? &element.scalar("flight", path) : nullptr;
   file.photons.resize(element.rows);
-  for (size_t i = 0; i < element.rows; ++i)
+  for (size_t i = 0; i < element.rows; ++i) {
+    const double flight = flights ? (*flights)[i] : 0;
+    if (!(flight >= 0) || !std::isfinite(flight))
+      throw SceneError(
+          fmt::format("{}: vertex {}: flight is {}, expected a length", path, i, flight));
     file.photons[i] = {
-        position.at(i), direction.not_zero(i), power.not_negative(i),
+        position.at(i),
+        direction.not_zero(i),
+        power.not_negative(i),
         paths ? whole(*paths, i, 0x1p53, "path", path) : i,
-        bounces ? static_cast<uint32_t>(whole(*bounces, i, 0x1p32 - 1, "bounce", path)) : 0};
+        bounces ? static_cast<uint32_t>(whole(*bounces, i, 0x1p32 - 1, "bounce", path)) : 0,
+        flight};
+  }
   return file;
 }
 

@@ -35,8 +35,9 @@ struct PhotonFile {
 void write_photon_file(const PhotonFile& file, const std::string& path);
 
 // Element `vertex` with x, y, z, dx, dy, dz (to where the light came from, any length but 0),
-// power_r, power_g, power_b (W, not negative), of any numeric type; path and bounce may be missing:
-// each photon is then a path of its own. Throws SceneError naming file, property, and photon.
+// power_r, power_g, power_b (W, not negative), of any numeric type; path, bounce and flight may be
+// missing: each photon is then a path of its own, and no flight is known. Throws SceneError naming
+// file, property, and photon.
 PhotonFile read_photon_file(const std::string& path);
 
 // A point that asks, and the surface normal there.

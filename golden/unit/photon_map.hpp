@@ -28,6 +28,7 @@ struct PackedPhoton {
   UVec3 position;     // position units
   PowerCode power;    // power units
   OctCode direction;  // to where the light came from
+  double flight = 0;  // Photon::flight, scene units; no part of a line, whoever asks has the index
 };
 
 struct MapNode {

@@ -19,6 +19,29 @@ UInt128 scaled(UInt128 m, int e) {
   return (m + (UInt128{1} << (-e - 1))) >> -e;
 }
 
+// floor(light * f * 2^e + 1/2), f < 2^38.
+UInt128 scaled_light(UInt128 light, uint64_t f, int e) {
+  if (e >= 0) return light * f << e;
+  if (e < -165) return 0;
+  const auto low = static_cast<uint64_t>(light);
+  const UInt128 bottom = UInt128{low} * f;
+  UInt128 top = (light >> 64) * f + (bottom >> 64);  // above 64 bits
+  uint64_t rest = static_cast<uint64_t>(bottom);
+  const int half = -e - 1;
+  if (half < 64) {
+    const uint64_t sum = rest + (uint64_t{1} << half);
+    top += sum < rest;
+    rest = sum;
+  } else {
+    top += UInt128{1} << (half - 64);
+  }
+  if (-e >= 64) return top >> (-e - 64);
+  return top << (64 + e) | rest >> -e;
+}
+
+// Bits of a record's part that its division by the total keeps beside the share's own.
+constexpr int kPartBits = 12;
+
 }  // namespace
 
 Shader::Shader(const Plan& plan)
@@ -56,6 +79,38 @@ Weight Shader::weight(const Rgb& weight, bool is_caustic, ShaderCounts& counts) 
     result.exponent[c] = exponent;
   }
   return result;
+}
+
+Weight Shader::share(const Rgb& weight, ShaderCounts& counts) const {
+  Weight result;
+  for (size_t c = 0; c < 3; ++c) {
+    const double value = weight[static_cast<int>(c)];
+    if (!std::isfinite(value)) ++counts.not_finite;
+    if (!(value > 0) || !std::isfinite(value)) continue;
+    int exponent;
+    const double fraction = std::frexp(value, &exponent);  // [0.5, 1)
+    auto mantissa =
+        static_cast<uint64_t>(std::floor(std::ldexp(fraction, plan_.weight_bits) + 0.5));
+    exponent -= plan_.weight_bits;
+    if (mantissa >> plan_.weight_bits) {  // a carry moves the exponent
+      mantissa >>= 1;
+      ++exponent;
+    }
+    result.mantissa[c] = static_cast<uint32_t>(mantissa);
+    result.exponent[c] = exponent;
+  }
+  return result;
+}
+
+PixelValue Shader::interpolated(const PixelValue& light, uint32_t weight, uint32_t total,
+                                const Weight& share) const {
+  PixelValue value{};
+  for (size_t c = 0; c < 3; ++c) {
+    const uint64_t whole = uint64_t{share.mantissa[c]} * weight << kPartBits;
+    const uint64_t part = (2 * whole + total) / (2 * uint64_t{total});
+    value[c] = scaled_light(light[c], part, share.exponent[c] - kPartBits);
+  }
+  return value;
 }
 
 PixelValue Shader::contribution(const GatherResult& result, const Weight& weight) const {

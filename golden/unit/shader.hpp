@@ -51,6 +51,15 @@ class Shader {
   // up.
   PixelValue pixel(const Rgb& radiance, ShaderCounts& counts) const;
 
+  // The named conversion of what a record's light is multiplied with (throughput, rho), >= 0: as a
+  // query's weight, in pixel units a pixel unit.
+  Weight share(const Rgb& weight, ShaderCounts& counts) const;
+
+  // A record's part in a pixel: round half up of light * f * 2^(e - 12), f the round half up of
+  // m * 2^12 * weight / total, m * 2^e the share.
+  PixelValue interpolated(const PixelValue& light, uint32_t weight, uint32_t total,
+                          const Weight& share) const;
+
   // A sum of contributions as radiance.
   double radiance(UInt128 value) const;
 

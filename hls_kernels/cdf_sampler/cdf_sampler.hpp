@@ -385,7 +385,7 @@ class CdfSampler {
     const uint<kCellBits> column = T::template slice<kCellBits>(cell, 0);
     const uint<kCellBits> row = T::template slice<kCellBits>(cell, kCellBits);
     Output sample;
-    sample.clear();
+    sample.zero();
     sample.pixel = request.pixel;
     sample.sample = request.sample;
     sample.tag = request.tag;

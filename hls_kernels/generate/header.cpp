@@ -51,7 +51,7 @@ std::string packet_text(const Plan& plan) {
                         f.array ? fmt::format("[{}]", f.elements) : std::string(), f.meaning,
                         f.unit.empty() ? "" : " [" + f.unit + "]");
   }
-  text += "  // Every field 0.\n  void clear() {\n";
+  text += "  // Every field 0.\n  void zero() {\n";
   text += for_each_element(layout, [](const FieldPlace&, const std::string& at, int) {
     return fmt::format("    {} = 0;\n", at);
   });

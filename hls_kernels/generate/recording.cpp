@@ -188,6 +188,34 @@ std::vector<SamplerInput> drawn_packets(std::type_identity<CdfSampler>, const Pl
   return in;
 }
 
+std::vector<CacheLookup> drawn_packets(std::type_identity<IrradianceCache>, const Plan& plan) {
+  Draw draw(5);
+  const PacketLayout layout = PacketLayout::of<CacheLookup>(plan);
+  const int w = plan.cache_falloff_bits();
+  std::vector<CacheLookup> in;
+  for (int tile = 0; tile < 4; ++tile) {
+    // Points of a cube of 2^size units, records that reach a fraction of it.
+    const int size = std::min(plan.position_bits, 6 + 2 * tile);
+    for (int i = 0; i < std::min(2 * plan.cache_records, 300) + 20; ++i) {
+      CacheLookup lookup = any<CacheLookup>(layout, draw);
+      lookup.clear = i == 0;
+      lookup.insert = draw.below(4) != 0;
+      for (uint32_t& x : lookup.position) x &= (1u << size) - 1;
+      const auto common = static_cast<uint32_t>(draw.below(3));
+      for (uint32_t& x : lookup.normal) x = (x & 3) + (common << (plan.normal_bits - 2));
+      lookup.falloff =
+          (1u << (w - 1)) + static_cast<uint32_t>(draw.below((uint64_t{1} << (w - 1)) + 1));
+      lookup.falloff_exponent = static_cast<uint32_t>(draw.below(2 * static_cast<uint64_t>(size)));
+      in.push_back(lookup);
+    }
+  }
+  return in;
+}
+
+std::string write_recording(std::type_identity<IrradianceCache> unit, const Plan& plan) {
+  return stream_recording(unit, plan);
+}
+
 std::string write_recording(std::type_identity<ReorderBuffer> unit, const Plan& plan) {
   return stream_recording(unit, plan);
 }

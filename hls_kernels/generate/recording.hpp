@@ -15,6 +15,8 @@ std::vector<GatherQuery> drawn_packets(std::type_identity<ReorderBuffer>, const 
 std::vector<SamplerInput> drawn_packets(std::type_identity<CdfSampler>, const Plan& plan);
 // Queries near the photons of drawn_maps.
 std::vector<GatherQuery> drawn_packets(std::type_identity<PhotonGatherer>, const Plan& plan);
+// Tiles of lookups that lie close together.
+std::vector<CacheLookup> drawn_packets(std::type_identity<IrradianceCache>, const Plan& plan);
 // The global and the caustic map, of 512 photons at most.
 std::vector<PhotonMap> drawn_maps(const Plan& plan);
 
@@ -23,5 +25,6 @@ std::vector<PhotonMap> drawn_maps(const Plan& plan);
 std::string write_recording(std::type_identity<PhotonGatherer>, const Plan& plan);
 std::string write_recording(std::type_identity<ReorderBuffer>, const Plan& plan);
 std::string write_recording(std::type_identity<CdfSampler>, const Plan& plan);
+std::string write_recording(std::type_identity<IrradianceCache>, const Plan& plan);
 
 }  // namespace photonloom

@@ -11,6 +11,8 @@ namespace {
 
 // As in the gatherer's kernel.
 constexpr int kStepLatency = 12, kLineTurns = 32, kFreeTurns = 12;
+// As in the irradiance cache's kernel.
+constexpr int kDecideLatency = 14, kDecideTurns = 16;
 
 int ceil_of(int a, int b) { return (a + b - 1) / b; }
 
@@ -69,6 +71,13 @@ std::vector<KernelLoop> kernel_loops(std::type_identity<CdfSampler>, const Plan&
           {"cosine", {{"total", 1, 1, "one addition"}}},
           {"weigh", {{"sum", 1, 1, "one addition, after the weight is known"}}},
           {"search", {{"none", 1, 1, "a memory for each level: requests follow each other"}}}};
+}
+
+std::vector<KernelLoop> kernel_loops(std::type_identity<IrradianceCache>, const Plan&) {
+  return {{"run",
+           {{"weights_", 1, 1, "a comparison with each of the heaviest"},
+            {"records_, records_count_", kDecideLatency, kDecideTurns,
+             "whether the point becomes a record is known when its last weight is"}}}};
 }
 
 TripCounts trip_counts(const Plan& plan, std::span<const GatherQuery> in,
@@ -158,6 +167,20 @@ TripCounts trip_counts(const Plan& plan, std::span<const SamplerInput> in) {
   // The last table's weights follow its cosines.
   return {{collect, tables * (cells + 1), tables * (cells + 1), tables * (cells + 1) + requests},
           cells};
+}
+
+// A turn a record, and those of the decision, of reading and of answering. How many records a tile
+// has by then golden says.
+TripCounts trip_counts(const Plan& plan, std::span<const CacheLookup> in) {
+  std::vector<CacheResult> out;
+  make_golden_irradiance_cache(plan)->process(in, out);
+  double turns = 0, records = 0;
+  for (size_t i = 0; i < in.size(); ++i) {
+    if (in[i].clear) records = 0;
+    turns += records + kDecideTurns + 2;
+    records += out[i].inserted;
+  }
+  return {{turns}, 0};
 }
 
 double modelled_cycles(const std::vector<KernelLoop>& loops, const TripCounts& trips) {

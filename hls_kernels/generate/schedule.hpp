@@ -33,6 +33,7 @@ struct KernelLoop {
 std::vector<KernelLoop> kernel_loops(std::type_identity<PhotonGatherer>, const Plan& plan);
 std::vector<KernelLoop> kernel_loops(std::type_identity<ReorderBuffer>, const Plan& plan);
 std::vector<KernelLoop> kernel_loops(std::type_identity<CdfSampler>, const Plan& plan);
+std::vector<KernelLoop> kernel_loops(std::type_identity<IrradianceCache>, const Plan& plan);
 
 // Queries that the gatherer's kernel keeps in flight: the plan's contexts, at least 4, rounded up
 // to a power of two.
@@ -48,6 +49,7 @@ TripCounts trip_counts(const Plan& plan, std::span<const GatherQuery> in,
                        std::span<const GatherResult> out);
 TripCounts trip_counts(const Plan& plan, std::span<const GatherQuery> in);
 TripCounts trip_counts(const Plan& plan, std::span<const SamplerInput> in);
+TripCounts trip_counts(const Plan& plan, std::span<const CacheLookup> in);
 
 // Loops run beside each other: the slowest one counts.
 double modelled_cycles(const std::vector<KernelLoop>& loops, const TripCounts& trips);

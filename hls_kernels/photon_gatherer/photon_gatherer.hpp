@@ -488,7 +488,7 @@ class PhotonGatherer {
     const Key& key = keys_[c][index(number) - 1];
     const Load& load = store_[c][index(key.place)];
     Photon photon;
-    photon.clear();
+    photon.zero();
     photon.index = key.index;
     photon.d2 = key.d2;
     for (int channel = 0; channel < kChannels; ++channel) {
@@ -539,7 +539,7 @@ class PhotonGatherer {
 
   static Result result_of(const Raw& raw) {
     Result result;
-    result.clear();
+    result.zero();
     result.pixel = raw.query.pixel;
     result.sample = raw.query.sample;
     result.tag = raw.query.tag;

@@ -69,6 +69,10 @@ std::vector<PackageConstant> package_constants(const Plan& plan) {
   LINE(v_bits, "bits of each number that places the direction in it");
   number("combine", static_cast<uint64_t>(plan.combine), "0 sum, 1 product");
   number("line_beat_bits", static_cast<uint64_t>(plan.beat_bits), "one beat of the line port");
+  LINE(cache_records, "irradiance records of a tile at most");
+  LINE(cache_hits, "records in an answer at most");
+  LINE(cache_angle_bits, "a record whose normal is off by sqrt(2^this) cells has no weight");
+  LINE(cache_weight_bits, "fraction bits of a record's weight");
   LINE(gatherers, "gatherers of a board");
   LINE(photon_memory, "of a board: 0 block RAM, 1 SDRAM");
   LINE(board_cache_bytes, "lines that a board's gatherers share before an SDRAM");
@@ -92,6 +96,10 @@ std::vector<PackageConstant> package_constants(const Plan& plan) {
   WIDTH(total_bits, "sum of the table's weights");
   WIDTH(sample_direction_bits, "octahedral coordinate of a sampled direction");
   WIDTH(photon_bits, "a photon without padding");
+  WIDTH(cache_record_bits, "record of a tile");
+  WIDTH(cache_hit_bits, "count of records in an answer");
+  WIDTH(cache_falloff_bits, "W of the reciprocal of a record's squared reach");
+  WIDTH(cache_falloff_exponent_bits, "its exponent");
 #undef LINE
 #undef WIDTH
   for_each_packet([&](auto tag) {

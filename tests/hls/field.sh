@@ -45,7 +45,7 @@ int main() {
   simulation.add("source", [&] {
     for (unsigned i = 0; i < 6; ++i) {
       Query q;
-      q.clear();
+      q.zero();
       q.tag = i;
       q.colour_of_tea = 31 - i;
       q.flush = i == 5;

@@ -250,3 +250,105 @@ TEST_CASE("k = 1 makes an image with a radius and is refused without") {
   request.radius = 0;
   CHECK_THROWS_AS(prepared(room(1, false), request), PlanError);
 }
+
+namespace {
+
+FrameRequest cached_request(std::vector<std::string> lines = {}) {
+  FrameRequest r = small_request();
+  r.set = std::move(lines);
+  r.set.push_back("cache.present=true");
+  return r;
+}
+
+double indirect_difference(const Image& a, const Image& b) {
+  double difference = 0, sum = 0;
+  for (const char* name : {"indirect.R", "indirect.G", "indirect.B"})
+    for (size_t i = 0; i < a.find(name)->pixels.size(); ++i) {
+      const auto x = static_cast<double>(a.find(name)->pixels[i]);
+      difference += std::fabs(x - static_cast<double>(b.find(name)->pixels[i]));
+      sum += x;
+    }
+  return difference / sum;
+}
+
+}  // namespace
+
+TEST_CASE("a cached image is the same in every order, batch and number of threads") {
+  for (const char* passes : {"cache.passes=1", "cache.passes=2"}) {
+    PreparedFrame frame = prepared(room(1, true), cached_request({passes}));
+    FrameCounts counts;
+    const Image one = rendered(frame, Arithmetic::kGolden, &counts);
+    CHECK(counts.cache_hits > counts.cache_samples / 4);
+    CHECK(counts.cache_hits + counts.cache_records + counts.cache_full == counts.cache_samples);
+    CHECK(counts.directions == 4 * (counts.table_gathers - counts.cache_hits));
+    CHECK(counts.unmatched == 0);
+    CHECK(counts.unanswered == 0);
+    {
+      const tbb::global_control single(tbb::global_control::max_allowed_parallelism, 1);
+      CHECK(same_bytes(rendered(frame), one));
+    }
+    for (const char* line : {"frame.batch_tiles=1", "reorder.key=none", "reorder.key=hash",
+                             "reorder.drain=fullest", "reorder.packets=1"}) {
+      INFO(line);
+      set_plan_line(frame.plan, line);
+      CHECK(same_bytes(rendered(frame), one));
+    }
+    set_plan_line(frame.plan, "frame.tile=5");  // other tiles, other records
+    CHECK(!same_bytes(rendered(frame), one));
+  }
+}
+
+TEST_CASE("records that reach no one else give the image without a cache") {
+  const Image without = rendered(prepared(room(1, true), small_request()));
+  FrameCounts counts;
+  const Image alone =
+      rendered(prepared(room(1, true), cached_request({"cache.accuracy=0", "cache.records=4096"})),
+               Arithmetic::kGolden, &counts);
+  CHECK(counts.cache_records == counts.cache_samples);
+  CHECK(indirect_difference(alone, without) < 1e-5);
+  // Nor do tiles that have no room for records.
+  const Image full =
+      rendered(prepared(room(1, true), cached_request({"cache.accuracy=0", "cache.records=1"})),
+               Arithmetic::kGolden, &counts);
+  CHECK(counts.cache_full > 0);
+  CHECK(indirect_difference(full, without) < 1e-5);
+}
+
+TEST_CASE("each line of the cache changes what it says") {
+  const auto run = [](std::vector<std::string> lines) {
+    FrameCounts counts;
+    Image image = rendered(prepared(room(1, true), cached_request(std::move(lines))),
+                           Arithmetic::kGolden, &counts);
+    return std::pair(std::move(image), counts);
+  };
+  const auto [usual, counts] = run({});
+  CHECK(run({"cache.accuracy=0.02"}).second.cache_records > counts.cache_records);
+  CHECK(run({"cache.angle_bits=2"}).second.cache_records > counts.cache_records);
+  CHECK(run({"cache.radius_max=0.001"}).second.cache_records > counts.cache_records);
+  CHECK(run({"cache.radius_min=0.25"}).second.cache_records < counts.cache_records);
+  CHECK(run({"cache.records=2"}).second.cache_full > counts.cache_full);
+  CHECK(run({"cache.glossy=true"}).second.cache_samples >= counts.cache_samples);
+  const FrameCounts probed = run({"cache.radius=probe"}).second;
+  CHECK(probed.probe_rays == 4 * probed.cache_samples);
+  CHECK(counts.probe_rays == 0);
+  for (const char* line :
+       {"cache.hits=1", "cache.passes=1", "cache.weight_bits=4", "cache.radius=probe"}) {
+    INFO(line);
+    CHECK(!same_bytes(run({line}).first, usual));
+  }
+  CHECK(!same_bytes(run({"cache.radius=probe", "cache.probe_rays=9"}).first,
+                    run({"cache.radius=probe"}).first));
+}
+
+TEST_CASE("a cached image is near the one without, in both arithmetics") {
+  const PreparedFrame frame = prepared(room(1, false), cached_request(), Arithmetic::kReference);
+  const Image golden = rendered(frame), reference = rendered(frame, Arithmetic::kReference);
+  const Image without = rendered(prepared(room(1, false), small_request()));
+  for (const char* name : {"indirect.R", "indirect.G"}) {
+    const double g = channel_mean(golden, name), r = channel_mean(reference, name);
+    INFO(name << ": golden " << g << ", reference " << r << ", without "
+              << channel_mean(without, name));
+    CHECK(std::fabs(g / r - 1) < 2e-3);
+    CHECK(std::fabs(g / channel_mean(without, name) - 1) < 3e-2);
+  }
+}

@@ -45,7 +45,7 @@ TEST_CASE("a photon file read back is the same to the bit") {
     file.photons.push_back({Vec3(r.unit(0, 0), -r.unit(0, 1) * 1e-300, r.unit(0, 2) * 1e12),
                             Vec3(r.unit(1, 0) - 0.5, -0.0, 1 / 3.0),
                             Rgb(r.unit(2, 0) * 1e-9, 0, 0.1), (uint64_t{1} << 53) - 1 - i,
-                            static_cast<uint32_t>(i % 7)});
+                            static_cast<uint32_t>(i % 7), static_cast<double>(i % 5) / 3});
   }
   file.kind = "caustic";
   file.scene = "a scene\nof two lines";
@@ -63,6 +63,7 @@ TEST_CASE("a photon file read back is the same to the bit") {
     REQUIRE(same_bits(back.photons[i].power, file.photons[i].power));
     REQUIRE(back.photons[i].path == file.photons[i].path);
     REQUIRE(back.photons[i].bounce == file.photons[i].bounce);
+    REQUIRE(back.photons[i].flight == file.photons[i].flight);
   }
   REQUIRE(back.kind == "caustic");
   REQUIRE(back.scene == "a scene of two lines");

@@ -44,11 +44,16 @@ TEST_CASE("a plan has the units that it lacks nothing for, in the order of the c
   plan.reorder_key = ReorderKey::kHilbert;
   CHECK(units_present(plan) ==
         std::vector<std::string>{"reorder_buffer", "photon_gatherer", "cdf_sampler"});
+  CHECK(find_unit("irradiance_cache").lacks(plan) == "irradiance cache (cache.present is false)");
+  plan.cache_present = true;
+  CHECK(units_present(plan) == std::vector<std::string>{"reorder_buffer", "photon_gatherer",
+                                                        "cdf_sampler", "irradiance_cache"});
+  plan.cache_present = false;
   plan.reorder_key = ReorderKey::kNone;
   CHECK(find_unit("reorder_buffer").lacks(plan) == "reordering (reorder.key is none)");
   CHECK(units_present(plan) == std::vector<std::string>{"photon_gatherer", "cdf_sampler"});
   plan.gather_rays = 0;
-  for (const char* unit : {"reorder_buffer", "cdf_sampler"})
+  for (const char* unit : {"reorder_buffer", "cdf_sampler", "irradiance_cache"})
     CHECK(find_unit(unit).lacks(plan) == "final gather rays");
   CHECK(units_present(plan) == std::vector<std::string>{"photon_gatherer"});
 }

@@ -65,6 +65,11 @@ Plan draw(RoleRandom& random) {
   p.gatherers = between(1, 4);
   p.photon_memory = static_cast<PhotonMemory>(between(0, 1));
   p.board_cache_bytes = line_bytes << between(2, 6);
+  p.cache_present = true;
+  p.cache_records = between(1, 200);
+  p.cache_hits = between(1, 8);
+  p.cache_angle_bits = between(0, 2 * p.normal_bits + 2);
+  p.cache_weight_bits = between(4, 12);
   return p;
 }
 

@@ -100,11 +100,10 @@ class ComparingStreams : public Comparing<Unit> {
   // A packet in the timeline, if there is one.
   template <class P>
   void show(const P& packet, uint64_t from, uint64_t to) {
-    if (timeline_)
-      timeline_->add(
-          unit_name<Unit>,
-          fmt::format("pixel {} sample {} tag {}", packet.pixel, packet.sample, packet.tag), from,
-          to);
+    if (!timeline_) return;
+    std::string name = fmt::format("pixel {} sample {}", packet.pixel, packet.sample);
+    if constexpr (requires { packet.tag; }) name += fmt::format(" tag {}", packet.tag);
+    timeline_->add(unit_name<Unit>, name, from, to);
   }
   // Of the last process(); empty where the other backend has no clock.
   std::span<const uint64_t> in_cycles() const {

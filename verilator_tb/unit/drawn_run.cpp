@@ -41,6 +41,11 @@ DrawnRun run_drawn(std::type_identity<CdfSampler> unit, const Plan& plan,
   return run_stream(unit, plan, options);
 }
 
+DrawnRun run_drawn(std::type_identity<IrradianceCache> unit, const Plan& plan,
+                   const RunOptions& options) {
+  return run_stream(unit, plan, options);
+}
+
 DrawnRun run_drawn(std::type_identity<PhotonGatherer> unit, const Plan& plan,
                    const RunOptions& options) {
   const std::vector<PhotonMap> maps = drawn_maps(plan);

@@ -18,5 +18,7 @@ struct DrawnRun {
 DrawnRun run_drawn(std::type_identity<PhotonGatherer>, const Plan& plan, const RunOptions& options);
 DrawnRun run_drawn(std::type_identity<ReorderBuffer>, const Plan& plan, const RunOptions& options);
 DrawnRun run_drawn(std::type_identity<CdfSampler>, const Plan& plan, const RunOptions& options);
+DrawnRun run_drawn(std::type_identity<IrradianceCache>, const Plan& plan,
+                   const RunOptions& options);
 
 }  // namespace photonloom
