@@ -253,10 +253,10 @@ TEST_CASE("k = 1 makes an image with a radius and is refused without") {
 
 namespace {
 
-FrameRequest cached_request(std::vector<std::string> lines = {}) {
+FrameRequest cached_request(const std::vector<std::string>& lines = {}) {
   FrameRequest r = small_request();
-  r.set = std::move(lines);
-  r.set.push_back("cache.present=true");
+  r.set = {"cache.present=true", "cache.records=1024"};
+  r.set.insert(r.set.end(), lines.begin(), lines.end());
   return r;
 }
 
@@ -315,15 +315,15 @@ TEST_CASE("records that reach no one else give the image without a cache") {
 }
 
 TEST_CASE("each line of the cache changes what it says") {
-  const auto run = [](std::vector<std::string> lines) {
+  const auto run = [](const std::vector<std::string>& lines) {
     FrameCounts counts;
-    Image image = rendered(prepared(room(1, true), cached_request(std::move(lines))),
-                           Arithmetic::kGolden, &counts);
+    Image image =
+        rendered(prepared(room(1, true), cached_request(lines)), Arithmetic::kGolden, &counts);
     return std::pair(std::move(image), counts);
   };
   const auto [usual, counts] = run({});
   CHECK(run({"cache.accuracy=0.02"}).second.cache_records > counts.cache_records);
-  CHECK(run({"cache.angle_bits=2"}).second.cache_records > counts.cache_records);
+  CHECK(run({"cache.angle_bits=18"}).second.cache_records < counts.cache_records);
   CHECK(run({"cache.radius_max=0.001"}).second.cache_records > counts.cache_records);
   CHECK(run({"cache.radius_min=0.25"}).second.cache_records < counts.cache_records);
   CHECK(run({"cache.records=2"}).second.cache_full > counts.cache_full);

@@ -84,8 +84,8 @@ TEST_CASE("a weight is 1 - d^2 / reach^2 - n^2 / 2^angle_bits, up to its roundin
 
 TEST_CASE("a point that no record covers becomes one, and covers what lies in its reach") {
   const std::vector<CacheResult> out =
-      answers(cache_plan(), {lookup_at({1000, 1000, 1000}, 100), lookup_at({1050, 1000, 1000}, 7),
-                             lookup_at({1100, 1000, 1000}, 100), lookup_at({1050, 1000, 1000}, 1)});
+      answers(cache_plan(), {lookup_at({1000, 1000, 1000}, 128), lookup_at({1064, 1000, 1000}, 7),
+                             lookup_at({1128, 1000, 1000}, 128), lookup_at({1064, 1000, 1000}, 1)});
   CHECK(out[0].inserted == 1);
   CHECK(out[0].number == 0);
   CHECK(out[0].count == 0);
