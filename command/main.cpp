@@ -77,6 +77,49 @@ CLI::Option* add_seed_option(CLI::App& command, uint64_t& seed, const std::strin
 
 namespace {
 
+// What follows `mark` in the type that --help shows of the option: "[1 - 256]" of "N:UINT in [1 -
+// 256]".
+std::string range_text(const CLI::Option& option, const std::string& mark) {
+  const std::string type = option.get_type_name();
+  const size_t at = type.find(mark);
+  if (at == std::string::npos) return {};
+  const size_t first = at + mark.size();
+  return type.substr(first, type.find(']', first) + 1 - first);
+}
+
+// The number as from_chars reads it, written canonically. CLI11 alone takes -1 for 2^64 - 1, what
+// is beyond 64 bits for their largest number, and, in some versions, 010 for 8.
+template <class Integer>
+CLI::Validator canonical_integer(const std::string& range) {
+  return CLI::Validator(
+      [range](std::string& text) -> std::string {
+        Integer value = 0;
+        const char* end = text.data() + text.size();
+        const auto read = std::from_chars(text.data(), end, value);
+        if (read.ec != std::errc() || read.ptr != end)
+          return fmt::format("'{}', expected an integer in {}", text, range);
+        text = std::to_string(value);
+        return {};
+      },
+      "", "integer");
+}
+
+// The checks that all options share, of `command` and of those below it.
+void check_values(CLI::App& command) {
+  // An empty value is a slip (of a shell variable, most often), never the same as no option.
+  static const CLI::Validator not_empty(
+      [](std::string& value) { return value.empty() ? "'', expected a value" : ""; }, "");
+  for (CLI::Option* option : command.get_options()) {
+    option->check(not_empty);
+    if (const std::string natural = range_text(*option, "UINT in "); !natural.empty())
+      option->transform(canonical_integer<uint64_t>(natural));
+    else if (const std::string whole = range_text(*option, "INT in "); !whole.empty())
+      option->transform(canonical_integer<int64_t>(whole));
+  }
+  for (CLI::App* below : command.get_subcommands([](const CLI::App*) { return true; }))
+    check_values(*below);
+}
+
 int run(int argc, char** argv) {
   CLI::App app{
       "Photonloom: photon-mapping hardware for one scene at one accuracy, generated and checked.\n"
@@ -92,11 +135,7 @@ int run(int argc, char** argv) {
                         "Print the folder of the program's RTL, boards and scenes, and exit");
   std::sort(registered_commands().begin(), registered_commands().end());
   for (const auto& [place, add] : registered_commands()) add(app);
-  // An empty value is a slip (of a shell variable, most often), never the same as no option.
-  const CLI::Validator not_empty(
-      [](std::string& value) { return value.empty() ? "'', expected a value" : ""; }, "");
-  for (CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; }))
-    for (CLI::Option* option : command->get_options()) option->check(not_empty);
+  check_values(app);
   const std::string first = argc > 1 ? argv[1] : "";
   const auto named = [&first](const CLI::App* command) { return command->get_name() == first; };
   if (!first.empty() && first[0] != '-' && app.get_subcommands(named).empty())

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Numbers that are none, or of the wrong sign, are refused with the name of their option before
 // anything is done.
+#include <regex>
+#include <set>
+
 #include "golden/plan/plan_file.hpp"
 #include "tests/catch.hpp"
 #include "tests/command/run.hpp"
@@ -42,5 +45,62 @@ TEST_CASE("what is no number is refused by the name of its option") {
     CHECK(o.status == 2);
     CHECK_THAT(o.err, ContainsSubstring(r.option + ":"));
     CHECK(s.entries() == 1);
+  }
+}
+
+// The commands that `command --help` lists, itself first, and those below them.
+static std::vector<std::string> commands_below(const std::string& command) {
+  std::vector<std::string> all{command};
+  const Outcome help = run(command + " --help");
+  REQUIRE(help.status == 0);
+  const size_t list = help.out.find("Subcommands:");
+  if (list == std::string::npos) return all;
+  std::istringstream lines(help.out.substr(list, help.out.find("\n\n", list) - list));
+  const std::regex name(R"(^  ([a-z][a-z-]*) .*)");
+  std::smatch match;
+  for (std::string line; std::getline(lines, line);)
+    if (std::regex_match(line, match, name))
+      for (const std::string& below : commands_below(command + " " + match[1].str()))
+        all.push_back(below);
+  return all;
+}
+
+TEST_CASE("no integer option of any command wraps, saturates or cuts what it is given") {
+  const std::regex integer(R"((--[a-z0-9-]+) \S*?:?(U?INT) in \[(-?\d+) - (\d+)\])");
+  std::set<std::string> seen;
+  for (const std::string& command : commands_below("")) {
+    const std::string help = run(command + " --help").out;
+    for (std::sregex_iterator i(help.begin(), help.end(), integer), end; i != end; ++i) {
+      const std::string option = (*i)[1];
+      const __int128 low = std::stoll((*i)[3]);
+      const __int128 high = static_cast<__int128>(std::stoull((*i)[4]));
+      seen.insert(option);
+      std::vector<std::string> values{"-18446744073709551615",
+                                      "-18446744073709551616",
+                                      "18446744073709551616",
+                                      "18446744073709551617",
+                                      "-9223372036854775809",
+                                      "340282366920938463463374607431768211457",
+                                      "4294967297.0",
+                                      "1e1",
+                                      "0x1",
+                                      "1 ",
+                                      "+-1",
+                                      "nan"};
+      if (high < (__int128{1} << 62))
+        values.push_back(std::to_string(static_cast<int64_t>(high) + 1));
+      if (low > -(__int128{1} << 62))
+        values.push_back(std::to_string(static_cast<int64_t>(low) - 1));
+      for (const std::string& value : values) {
+        const Outcome o = run(command + " " + option + "='" + value + "'");
+        INFO(command << " " << option << "=" << value << "\n" << o.err);
+        CHECK(o.status == 2);
+        CHECK_THAT(o.err, ContainsSubstring(option + ":"));
+      }
+    }
+  }
+  for (const char* option : {"--photons", "--spp", "--gather-rays", "--threads", "--watchdog"}) {
+    INFO(option << " is found as an integer option");
+    CHECK(seen.count(option) == 1);
   }
 }
