@@ -151,7 +151,7 @@ void add_plan(CLI::App& app) {
       "changed plan only with -o.\n\n"
       "Examples:\n"
       "  photonloom plan scenes/cornell.xml -o plan.toml --photons 50000 --k 16\n"
-      "  photonloom plan scenes/cornell.xml -o - --error 0.001\n"
+      "  photonloom plan scenes/cornell.xml -o - --format-error 0.001\n"
       "  photonloom plan plan.toml --set gather.k=8");
   o->frame.add_to(*c);
   c->get_option("SCENE")->description("A Mitsuba XML scene, or a plan.toml to tell about");
