@@ -33,44 +33,50 @@ constexpr double kWorthIt = 0.005;  // cheaper by this part is cheaper
 // Of a board's logic: the rest is for its link, its memory's controller and routing.
 constexpr double kBoardShare = 0.85;
 
-constexpr const char* kFormats = "photon.direction_bits+gather.normal_bits";
+// One line of the plan for both, as the two are compared with each other.
+constexpr const char* kDirections = "photon.direction_bits+gather.normal_bits";
 
-// A line that the planner may choose: its values, the default plan's first.
+// A line that the planner may choose: its values in order, those that ask for more first, and which
+// of them the default plan has.
 struct ChosenLine {
   std::string name;
   std::vector<std::string> values;
+  int standard = 0;
   bool exact = false;  // changes no photon of an estimate, only what finding it costs
 };
 
-std::string number(double x) { return fmt::format("{}", x); }
-
 std::vector<ChosenLine> chosen_lines(uint64_t photons, uint64_t caustic_photons) {
-  const auto counts = [](uint64_t most, const std::vector<double>& factors) {
+  const auto counts = [](uint64_t standard, const std::vector<double>& factors) {
     std::vector<std::string> values;
     for (const double f : factors)
       values.push_back(std::to_string(std::max<int64_t>(
-          16, static_cast<int64_t>(std::llround(static_cast<double>(most) * f)))));
+          16, static_cast<int64_t>(std::llround(static_cast<double>(standard) * f)))));
     return values;
   };
   return {
       {"gather.k",
        {"50", "40", "32", "26", "22", "18", "16", "14", "12", "11", "10", "9", "8", "7", "6", "5",
         "4", "3"}},
-      {"photons", counts(photons, {1, 0.75, 0.5, 0.375, 0.25, 0.1875, 0.125, 0.09375, 0.0625,
-                                   0.046875, 0.03125, 0.015625, 2, 4})},
+      {"photons",
+       counts(photons, {4, 2, 1, 0.75, 0.5, 0.375, 0.25, 0.1875, 0.125, 0.09375, 0.0625, 0.046875,
+                        0.03125, 0.015625}),
+       2},
       {"caustic_photons",
-       counts(caustic_photons, {1, 0.5, 0.25, 0.125, 0.0625, 0.03125, 0.015625, 2})},
-      {"radius_scale", {"1", "0.85", "0.7", "0.6", "0.5", "0.4", "1.2", "1.5"}},
+       counts(caustic_photons, {2, 1, 0.5, 0.25, 0.125, 0.0625, 0.03125, 0.015625}), 1},
+      {"radius_scale", {"1.5", "1.2", "1", "0.85", "0.7", "0.6", "0.5", "0.4"}, 2},
       {"photon.position_bits", {"16", "14", "13", "12", "11", "10", "9"}},
       {"photon.mantissa_bits", {"9", "7", "6", "5", "4", "3"}},
-      {kFormats, {"8", "7", "6", "5", "4", "3"}},
+      {kDirections, {"8", "7", "6", "5", "4"}},
       {"gather.epsilon_factor", {"1", "2", "3", "4", "6", "8", "12", "16"}},
       {"gather.leaf_limit", {"0", "48", "32", "24", "16", "12", "8"}},
-      {"packed", {"false", "true"}, true},
-      {"photon.bucket", {"8", "4", "16"}, true},
-      {"gatherer.lanes", {"4", "8", "16", "2", "1"}, true},
-      {"gatherer.contexts", {"16", "24", "32", "8", "4", "2"}, true},
-      {"gatherer.cache_bytes", {"16384", "32768", "65536", "8192", "4096", "2048", "1024"}, true},
+      {"packed", {"false", "true"}, 0, true},
+      {"photon.bucket", {"16", "8", "4"}, 1, true},
+      {"gatherer.lanes", {"16", "8", "4", "2", "1"}, 2, true},
+      {"gatherer.contexts", {"32", "24", "16", "8", "4", "2"}, 2, true},
+      {"gatherer.cache_bytes",
+       {"65536", "32768", "16384", "8192", "4096", "2048", "1024"},
+       2,
+       true},
   };
 }
 
@@ -184,29 +190,22 @@ class PlanSearch::Work {
     limit_ = bound;
     learn();
     PlanSearchResult result;
-    bool confirmed = false;
-    size_t best = 0;
-    std::vector<size_t> failed;
-    while (!confirmed) {
+    for (;;) {
       explore();
-      // The cheapest that the search seeds let hope.
-      std::optional<size_t> candidate;
-      for (size_t i = 0; i < points_.size(); ++i)
-        if (is_hopeful(points_[i]) &&
-            (!candidate || value(points_[i]) < value(points_[*candidate])))
-          candidate = i;
-      if (!candidate) break;
-      confirm(*candidate);
-      if (points_[*candidate].measured.error.bound() <= limit_) {
-        confirmed = true;
-        best = *candidate;
+      // The cheapest that holds, or may hold as far as the search seeds say.
+      const Point* best = nullptr;
+      for (const Point& p : points_)
+        if (is_hopeful(p) && (!best || value(p) < value(*best))) best = &p;
+      if (!best) {
+        result.binds = what_binds();
+        break;
       }
+      if (best->was_confirmed) {
+        result.best = best->measured;
+        break;
+      }
+      confirm(static_cast<size_t>(best - points_.data()));
       fit();
-    }
-    if (confirmed) {
-      result.best = points_[best].measured;
-    } else {
-      result.binds = what_binds();
     }
     confirm(0);
     result.standard = points_[0].measured;
@@ -365,7 +364,7 @@ class PlanSearch::Work {
   LineValues lines_of(const Choice& choice) const {
     LineValues lines;
     for (size_t i = 0; i < lines_.size(); ++i)
-      if (choice[i] > 0)
+      if (choice[i] != lines_[i].standard)
         lines.emplace_back(lines_[i].name, lines_[i].values[static_cast<size_t>(choice[i])]);
     return lines;
   }
@@ -373,6 +372,12 @@ class PlanSearch::Work {
   Plan framed(Plan plan) const {
     std::tie(plan.width, plan.height) = frame_;
     return plan;
+  }
+
+  Choice standard_choice() const {
+    Choice choice;
+    for (const ChosenLine& line : lines_) choice.push_back(line.standard);
+    return choice;
   }
 
   // Steps of the lines that change the error.
@@ -436,7 +441,9 @@ class PlanSearch::Work {
   }
 
   bool is_hopeful(const Point& p) {
-    return !p.was_confirmed && fitting(p.choice) && p.measured.error.mean <= limit_of_means();
+    if (!fitting(p.choice)) return false;
+    const MeasuredError& e = p.measured.error;
+    return p.was_confirmed ? e.bound() <= limit_ : e.mean <= limit_of_means();
   }
 
   // --- Measuring.
@@ -536,7 +543,7 @@ class PlanSearch::Work {
   // The default plan, and the queries that costs are predicted from.
   void begin() {
     if (!points_.empty()) return;
-    const Choice standard(lines_.size(), 0);
+    const Choice standard = standard_choice();
     if (!candidate(standard)) plan_of_point(*scene_, study_, {});  // throws the reason
     add(standard);
     if (points_[0].measured.error.mean <= 0)
@@ -552,7 +559,7 @@ class PlanSearch::Work {
   void learn() {
     begin();
     if (model_) return fit();
-    const Choice standard(lines_.size(), 0);
+    const Choice standard = standard_choice();
     // A far value of each group of lines, all else as in the default plan.
     const std::vector<std::vector<std::pair<std::string, std::string>>> probes = {
         {{"gather.k", "8"}},
@@ -560,7 +567,7 @@ class PlanSearch::Work {
         {{"caustic_photons", "1/16"}},
         {{"gather.k", "8"}, {"photons", "1/8"}, {"caustic_photons", "1/16"}, {"packed", "true"}},
         {{"photon.position_bits", "10"}},
-        {{"photon.mantissa_bits", "4"}, {kFormats, "4"}, {"packed", "true"}},
+        {{"photon.mantissa_bits", "4"}, {kDirections, "4"}, {"packed", "true"}},
         {{"gather.epsilon_factor", "4"}, {"gather.k", "16"}},
         {{"radius_scale", "0.6"}, {"gather.k", "16"}},
     };
@@ -572,8 +579,8 @@ class PlanSearch::Work {
           if (lines_[i].name == name) {
             const auto& values = lines_[i].values;
             auto at = std::find(values.begin(), values.end(), value);
-            if (value == "1/8") at = values.begin() + 6;
-            if (value == "1/16") at = values.begin() + 4;
+            if (value == "1/8") at = values.begin() + lines_[i].standard + 6;
+            if (value == "1/16") at = values.begin() + lines_[i].standard + 4;
             if (at == values.end()) continue;
             choice[i] = static_cast<int>(at - values.begin());
             moves = true;
@@ -674,7 +681,7 @@ class PlanSearch::Work {
 
   // The plan of the least predicted error.
   Choice most_exact() {
-    Choice at(lines_.size(), 0);
+    Choice at = standard_choice();
     if (!fitting(at)) at = smallest_fitting();
     for (bool improved = true; improved;) {
       improved = false;
@@ -698,16 +705,12 @@ class PlanSearch::Work {
 
   // Of what does not fit a board: narrower, with fewer photons, until it does.
   Choice smallest_fitting() {
-    Choice at(lines_.size(), 0);
+    Choice at = standard_choice();
     for (const char* name : {"packed", "gatherer.contexts", "gatherer.lanes", "gather.k", "photons",
                              "caustic_photons"})
       for (size_t i = 0; i < lines_.size(); ++i) {
         if (lines_[i].name != name) continue;
-        const std::vector<int> order = downwards(lines_[i]);
-        for (const int v : order) {
-          if (fitting(at)) return at;
-          at[i] = v;
-        }
+        while (!fitting(at) && at[i] + 1 < static_cast<int>(lines_[i].values.size())) ++at[i];
       }
     const Candidate* c = candidate(at);
     if (!c || !c->misfit.empty())
@@ -715,18 +718,6 @@ class PlanSearch::Work {
           fmt::format("--board: no plan that the planner knows fits {}: the smallest {}",
                       request_.board, c ? c->misfit : "is refused"));
     return at;
-  }
-
-  // The values that ask for less than the default, the nearest first.
-  static std::vector<int> downwards(const ChosenLine& line) {
-    std::vector<int> order;
-    const auto size = [&](int v) {
-      return std::strtod(line.values[static_cast<size_t>(v)].c_str(), nullptr);
-    };
-    for (int v = 1; v < static_cast<int>(line.values.size()); ++v)
-      if (line.name == "packed" || size(v) < size(0)) order.push_back(v);
-    std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return size(a) > size(b); });
-    return order;
   }
 
   // --- When nothing meets the error.
@@ -769,7 +760,7 @@ class PlanSearch::Work {
                         100 * parts[largest] / all);
     if (!cure.empty()) text += fmt::format("; {} would give {:.5f}", cure, cured);
     if (board_)
-      if (const Candidate* c = candidate(Choice(lines_.size(), 0)); c && !c->misfit.empty())
+      if (const Candidate* c = candidate(standard_choice()); c && !c->misfit.empty())
         text += fmt::format("; the board binds too: the default plan {}", c->misfit);
     return text;
   }
@@ -818,7 +809,7 @@ class PlanSearch::Work {
     std::vector<std::string> values;
     for (const double factor : {0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 2.0, 4.0}) {
       const double x = *now == 0 ? factor * 4 : *now * factor;
-      const std::string text = number(whole ? std::floor(x) : x);
+      const std::string text = fmt::format("{}", whole ? std::floor(x) : x);
       if (std::find(values.begin(), values.end(), text) == values.end()) values.push_back(text);
     }
     return values;
