@@ -12,17 +12,27 @@ namespace photonloom {
 namespace {
 
 // What the plan decides, so that it cannot be asked for beside --plan.
-constexpr const char* kPlanned[] = {"--size", "--spp",    "--photons", "--caustic-photons",
-                                    "--k",    "--radius", "--error",   "--gather-rays"};
+constexpr const char* kPlanned[] = {"--size", "--spp",    "--photons",      "--caustic-photons",
+                                    "--k",    "--radius", "--format-error", "--gather-rays"};
 // What the path tracer does not read.
 constexpr const char* kPhotonOnly[] = {
-    "--photons", "--caustic-photons", "--gather-rays",   "--k",  "--radius",
-    "--error",   "--load-photons",    "--load-caustics", "--set"};
+    "--photons",      "--caustic-photons", "--gather-rays",   "--k",  "--radius",
+    "--format-error", "--load-photons",    "--load-caustics", "--set"};
 
 // What a plan that is there already does not take: neither a scene nor another plan's lines.
-constexpr const char* kDerivation[] = {
-    "--plan",   "--size",  "--spp",  "--photons", "--caustic-photons", "--gather-rays",  "--k",
-    "--radius", "--error", "--seed", "--define",  "--load-photons",    "--load-caustics"};
+constexpr const char* kDerivation[] = {"--plan",
+                                       "--size",
+                                       "--spp",
+                                       "--photons",
+                                       "--caustic-photons",
+                                       "--gather-rays",
+                                       "--k",
+                                       "--radius",
+                                       "--format-error",
+                                       "--seed",
+                                       "--define",
+                                       "--load-photons",
+                                       "--load-caustics"};
 
 }  // namespace
 
@@ -77,7 +87,7 @@ void FrameOptions::add_to(CLI::App& c) {
                "Maximum gather radius of both maps in scene units, 0 for none (default: a formula "
                "of k, photons and surface area, docs/plan.md)")
       ->type_name("R");
-  c.add_option("--error", request_.error,
+  c.add_option("--format-error", request_.format_error,
                "Relative error that the number formats may add; chooses their widths")
       ->type_name("E");
   add_seed_option(c, request_.seed, "Of all randomness (default 1)");
@@ -103,8 +113,9 @@ FrameRequest FrameOptions::request() const {
   if (request.radius && !(*request.radius >= 0 && std::isfinite(*request.radius)))
     throw UsageError(fmt::format(
         "--radius: {}, expected a finite number of scene units, 0 for none", *request.radius));
-  if (request.error && !(*request.error > 0 && *request.error < 1))
-    throw UsageError(fmt::format("--error: {}, expected a number between 0 and 1", *request.error));
+  if (request.format_error && !(*request.format_error > 0 && *request.format_error < 1))
+    throw UsageError(fmt::format("--format-error: {}, expected a number between 0 and 1",
+                                 *request.format_error));
   if (!size_.empty()) request.size = parse_size(size_);
   request.scene_file = scene_.path();
   request.parameters = scene_.parameters();

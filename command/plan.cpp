@@ -8,6 +8,7 @@
 
 #include "command/console.hpp"
 #include "command/frame_options.hpp"
+#include "command/plan_for_error.hpp"
 #include "golden/numeric/output_file.hpp"
 #include "golden/planner/resources.hpp"
 #include "rtl/generate/board_file.hpp"
@@ -18,6 +19,7 @@ namespace {
 
 struct PlanOptions {
   FrameOptions frame;
+  PlanForError for_error;
   ThreadsOption threads;
   std::string output;
   bool json = false;
@@ -123,6 +125,10 @@ void edit(const FrameRequest& request, const PlanOptions& o) {
 
 void plan(const PlanOptions& o) {
   const FrameRequest request = o.frame.request();
+  if (o.for_error.wanted())
+    return o.for_error.run(request, o.output, o.json, o.threads.threads(),
+                           [&](const Plan& plan) { describe(plan, o.output, o); });
+  o.for_error.refuse_alone();
   if (is_plan(request.scene_file)) return edit(request, o);
   if (o.output.empty()) throw UsageError("a scene's plan needs -o FILE (- for standard output)");
   o.threads.apply();
@@ -146,18 +152,23 @@ void add_plan(CLI::App& app) {
       "everything else from them, the scene and the options. The file may be edited; render and\n"
       "cosim take it with --plan, generate in the place of the scene, and refuse what cannot be\n"
       "built. docs/plan.md explains every line.\n\n"
+      "With --error E it measures a few plans on some pixels of the frame and writes the cheapest\n"
+      "that keeps the visible error within E; docs/planner.md says what that promises.\n\n"
       "Of a plan.toml instead of a scene it tells the same, with --set lines changed, and writes "
       "the\n"
       "changed plan only with -o.\n\n"
       "Examples:\n"
       "  photonloom plan scenes/cornell.xml -o plan.toml --photons 50000 --k 16\n"
-      "  photonloom plan scenes/cornell.xml -o - --error 0.001\n"
+      "  photonloom plan scenes/cornell.xml -o - --format-error 0.001\n"
+      "  photonloom plan scenes/cornell_balls.xml --error 0.005 --minimise luts -o plan.toml\n"
+      "  photonloom plan scenes/cornell_balls.xml --explain gather.k\n"
       "  photonloom plan plan.toml --set gather.k=8");
   o->frame.add_to(*c);
   c->get_option("SCENE")->description("A Mitsuba XML scene, or a plan.toml to tell about");
   c->add_option("-o,--output", o->output, "The file to write, - for standard output")
       ->type_name("FILE");
   c->add_flag("--json", o->json, "Print one JSON object: hash, units, memory, predicted resources");
+  o->for_error.add_to(*c);
   o->threads.add_to(*c);
   c->callback([o] { plan(*o); });
 }

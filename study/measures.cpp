@@ -141,24 +141,81 @@ Measurement image_errors(const Planes& a, const Planes& b1, const Planes& b2, co
   return m;
 }
 
+// What pixel p adds to relMSE, beside image_errors, for the noise of the camera's walks: that of
+// this seed gives way to what it is in the mean. Their squared distance from their own mean is
+// taken off and its expectation added. A few pixels that see a lamp in a mirror would else hide
+// what plans differ in.
+double walk_correction(PointRun& run, size_t p) {
+  const SceneReferences& r = run.scene().references();
+  const Planes& walks = run.walks();
+  double sum = 0;
+  for (size_t c = 0; c < 3; ++c) {
+    const double d = walks.c[c][p] - r.walks.c[c][p], b = r.mean.c[c][p];
+    // The mean that d is measured from has noise of its own.
+    const double expected = r.walk_variance.c[c][p] * (1.0 / run.plan().spp + 1 / r.walk_samples);
+    sum += (expected - d * d) / (b * b + 0.01);
+  }
+  return sum / (3.0 * static_cast<double>(walks.c[0].size()));
+}
+
 Measurement measure_visible(PointRun& run) {
   const SceneReferences& r = run.scene().references();
   Measurement m = image_errors(run.golden(), r.b1, r.b2, r.mean);
-  // The noise of this seed's camera walks gives way to what it is in the mean: their squared
-  // distance from their own mean is taken off and their variance added, which changes no
-  // expectation (the mean of kWalkSamples is nearly exact). A few pixels that see a lamp in a
-  // mirror would else hide what plans differ in.
   Blocks& relmse = m.blocks["relmse"];
-  const Planes& walks = run.walks();
-  const double n = 3.0 * static_cast<double>(walks.c[0].size());
-  for (size_t c = 0; c < 3; ++c)
-    for (size_t p = 0; p < walks.c[c].size(); ++p) {
-      const double d = walks.c[c][p] - r.walks.c[c][p], b = r.mean.c[c][p];
-      relmse[block_of(walks, p)] +=
-          (r.walk_variance.c[c][p] / run.plan().spp - d * d) / (b * b + 0.01) / n;
-    }
+  for (size_t p = 0; p < r.mean.c[0].size(); ++p)
+    relmse[block_of(r.mean, p)] += walk_correction(run, p);
   m.values[0] = total(relmse);
   return m;
+}
+
+// The standard error of a mean over parts of a frame of which each has one pixel in the film, drawn
+// by lot, from how neighbours differ: half the mean square of a difference is a part's variance,
+// and a little more where the parts' own means differ.
+double lot_error(const std::vector<double>& values, int width, int height) {
+  const auto w = static_cast<size_t>(width), h = static_cast<size_t>(height);
+  double sum = 0;
+  size_t pairs = 0;
+  for (size_t y = 0; y < h; ++y)
+    for (size_t x = 0; x < w; ++x) {
+      const double v = values[y * w + x];
+      if (x + 1 < w) sum += (v - values[y * w + x + 1]) * (v - values[y * w + x + 1]), ++pairs;
+      if (y + 1 < h) sum += (v - values[y * w + w + x]) * (v - values[y * w + w + x]), ++pairs;
+    }
+  if (pairs == 0) return kNone;
+  return std::sqrt(sum / 2 / static_cast<double>(pairs) / static_cast<double>(values.size()));
+}
+
+// The standard error of relMSE from the references' own noise alone, as the two differ. That of a
+// pixel's channels is taken as one.
+double reference_error(const Planes& a, const SceneReferences& r) {
+  double sum = 0;
+  for (size_t p = 0; p < a.c[0].size(); ++p) {
+    double pixel = 0;
+    for (size_t c = 0; c < 3; ++c) {
+      const double b = r.mean.c[c][p], d = r.b1.c[c][p] - r.b2.c[c][p], e = a.c[c][p] - b;
+      pixel += std::sqrt(e * e * d * d + d * d * d * d / 4) / (b * b + 0.01) / 3;
+    }
+    sum += pixel * pixel;
+  }
+  return std::sqrt(sum) / static_cast<double>(a.c[0].size());
+}
+
+Measurement measure_lot(PointRun& run) {
+  const SceneReferences& r = run.scene().references();
+  const Planes& a = run.golden();
+  if (run.study().frame_width == 0) return {{reference_error(a, r), 0.0}, {}};
+  const size_t pixels = a.c[0].size();
+  std::vector<double> relmse(pixels, 0.0);
+  for (size_t p = 0; p < pixels; ++p) {
+    for (size_t c = 0; c < 3; ++c) {
+      const double v = a.c[c][p], b = r.mean.c[c][p];
+      relmse[p] += (v - r.b1.c[c][p]) * (v - r.b2.c[c][p]) / (b * b + 0.01) / 3;
+    }
+    relmse[p] += static_cast<double>(pixels) * walk_correction(run, p);
+  }
+  // What the references' noise adds to how pixels differ is in it.
+  return {{lot_error(relmse, a.width, a.height), lot_error(hdr_flip(a, r.mean), a.width, a.height)},
+          {}};
 }
 
 Measurement measure_formats(PointRun& run) {
@@ -257,6 +314,12 @@ const std::vector<Measure>& measures() {
         {"bias", "", "ratio of the means, minus 1"},
         {"worst", "", "largest difference of a pixel's channel over the mean"}},
        measure_visible,
+       [](const Study&, const StudyScene& s) { return "references " + s.references().signature; }},
+      {"lot",
+       "standard error of visible from which pixels of a frame the film holds, and from the "
+       "references",
+       {{"relmse", "", "of visible.relmse"}, {"flip", "", "of visible.flip"}},
+       measure_lot,
        [](const Study&, const StudyScene& s) { return "references " + s.references().signature; }},
       {"formats",
        "error against reference arithmetic on the same photons",

@@ -52,6 +52,9 @@ struct Study {
   std::vector<std::string> scenes;  // paths
   std::vector<uint64_t> seeds;
   int width = 64, height = 64;
+  // Not 0: what is measured is one pixel of each of width x height parts of a frame of this size
+  // (struct Film). No key of the file.
+  int frame_width = 0, frame_height = 0;
   std::vector<std::string> measures;
   int reference_spp = 0;        // of each of two references that no file gives; 0: none is made
   std::string reference_files;  // path with {scene} and {n}; empty: none

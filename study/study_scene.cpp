@@ -4,7 +4,9 @@
 #include <fmt/core.h>
 #include <oneapi/tbb/parallel_for.h>
 
+#include <algorithm>
 #include <array>
+#include <chrono>
 #include <filesystem>
 
 #include "golden/image/image.hpp"
@@ -14,16 +16,28 @@
 namespace photonloom {
 namespace {
 
-constexpr size_t kPassesKept = 8;
+// Photons of passes that are kept, some 80 bytes each.
+constexpr uint64_t kPhotonsKept = 6000000;
 // Seeds of references, of no study's.
 constexpr std::array<uint64_t, 2> kReferenceSeeds{1000001, 1000002};
 constexpr uint64_t kWalkSeed = 1000003;
-// Samples of the walks' mean and variance, a pixel.
-constexpr int kWalkSamples = 4096;
+// Samples of the walks' mean and variance, a pixel: kWalkSamples up to kWalkPixels, then as many in
+// all as long as each pixel has kWalkSamplesLeast.
+constexpr int kWalkSamples = 4096, kWalkPixels = 64 * 64, kWalkSamplesLeast = 256;
 
 std::string replaced(std::string text, const std::string& mark, const std::string& by) {
   for (size_t at; (at = text.find(mark)) != std::string::npos;) text.replace(at, mark.size(), by);
   return text;
+}
+
+// Whether a pass is traced already, without a failure, and has so many photons.
+bool holds(const std::shared_future<std::shared_ptr<const PhotonPass>>& pass, uint64_t photons) {
+  if (pass.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return false;
+  try {
+    return pass.get()->photons.size() == photons;
+  } catch (...) {
+    return false;
+  }
 }
 
 // Whether the image was made of this scene; with metadata only.
@@ -45,6 +59,10 @@ Image walk_image(const World& world, const RayCaster& caster, Progress* progress
   Image image;
   image.width = world.scene().film.width;
   image.height = world.scene().film.height;
+  const int samples =
+      std::clamp(static_cast<int>(int64_t{kWalkSamples} * kWalkPixels / image.width / image.height),
+                 kWalkSamplesLeast, kWalkSamples);
+  image.metadata["walkSamples"] = fmt::format("{}", samples);
   for (const char* name : {"R", "G", "B", "variance.R", "variance.G", "variance.B"})
     image.add(name);
   const auto width = static_cast<size_t>(image.width);
@@ -53,7 +71,7 @@ Image walk_image(const World& world, const RayCaster& caster, Progress* progress
     for (size_t x = 0; x < width; ++x) {
       // Welford's running mean and sum of squares.
       Rgb mean(0), squares(0);
-      for (int s = 0; s < kWalkSamples; ++s) {
+      for (int s = 0; s < samples; ++s) {
         const CameraSample sample =
             trace_camera(world, caster, static_cast<int>(x), static_cast<int>(y),
                          static_cast<uint64_t>(s), kWalkSeed);
@@ -65,7 +83,7 @@ Image walk_image(const World& world, const RayCaster& caster, Progress* progress
         const auto i = static_cast<size_t>(c);
         image.channels[i].pixels[y * width + x] = static_cast<float>(mean[c]);
         image.channels[3 + i].pixels[y * width + x] =
-            static_cast<float>(squares[c] / (kWalkSamples - 1));
+            static_cast<float>(squares[c] / (samples - 1));
       }
     }
     phase.advance(1);
@@ -75,11 +93,10 @@ Image walk_image(const World& world, const RayCaster& caster, Progress* progress
 
 }  // namespace
 
-StudyScene::StudyScene(const std::string& file, const Study& study)
+StudyScene::StudyScene(const std::string& file, const Study& study, const Parameters& parameters)
     : file_(file), name_(std::filesystem::path(file).stem().string()) {
-  Scene scene = load_scene(file);
-  scene.film.width = study.width;
-  scene.film.height = study.height;
+  Scene scene = load_scene(file, parameters);
+  scene.film = {study.width, study.height, study.frame_width, study.frame_height};
   world_ = std::make_unique<World>(std::move(scene));
   caster_ = make_double_bvh(*world_);
 }
@@ -92,14 +109,25 @@ std::shared_ptr<const PhotonPass> StudyScene::photons(bool is_caustic, uint64_t 
   std::promise<std::shared_ptr<const PhotonPass>> promise;
   {
     std::unique_lock lock(mutex_);
-    for (const auto& [kept, future] : kept_)
-      if (kept == key) {
-        const PhotonFuture found = future;
-        lock.unlock();
-        return found.get();
-      }
+    for (auto it = kept_.begin(); it != kept_.end(); ++it) {
+      const auto& [of_caustic, asked, of_seed] = it->first;
+      // The path that fills a map is stored whole: who asks for all that a pass has means that
+      // pass.
+      const bool same = it->first == key || (of_caustic == is_caustic && of_seed == seed &&
+                                             asked < stored && holds(it->second, stored));
+      if (!same) continue;
+      const PhotonFuture found = it->second;
+      std::rotate(it, it + 1, kept_.end());
+      lock.unlock();
+      return found.get();
+    }
     kept_.emplace_back(key, promise.get_future().share());
-    if (kept_.size() > kPassesKept) kept_.pop_front();
+    uint64_t photons = 0;
+    for (const auto& [kept, future] : kept_) photons += std::get<1>(kept);
+    while (photons > kPhotonsKept && kept_.size() > 1) {
+      photons -= std::get<1>(kept_.front().first);
+      kept_.pop_front();
+    }
   }
   try {
     auto pass = std::make_shared<const PhotonPass>(
@@ -120,7 +148,11 @@ void StudyScene::load_references(const Study& study, const std::string& folder,
     if (!study.reference_files.empty())
       path = replaced(replaced(study.reference_files, "{scene}", name_), "{n}", which);
     if (path.empty() || (study.reference_spp > 0 && !std::filesystem::exists(path))) {
-      path = fmt::format("{}/{}.{}x{}.{}.exr", folder, name_, study.width, study.height, which);
+      const std::string frame = study.frame_width > 0
+                                    ? fmt::format("of{}x{}.", study.frame_width, study.frame_height)
+                                    : "";
+      path = fmt::format("{}/{}.{}x{}.{}{}.exr", folder, name_, study.width, study.height, frame,
+                         which);
       // The scene or the study may have changed since.
       const std::string made_of = fmt::format("{} {}", hash_text(), study.reference_spp);
       const bool there =
@@ -153,6 +185,9 @@ void StudyScene::load_references(const Study& study, const std::string& folder,
       reference("walks", [&] { return walk_image(*world_, *caster_, progress); });
   references_.walks = planes_of(walks, "", path);
   references_.walk_variance = planes_of(walks, "variance", path);
+  const auto samples = walks.metadata.find("walkSamples");
+  references_.walk_samples =
+      samples == walks.metadata.end() ? kWalkSamples : std::stod(samples->second);
   const Planes &b1 = references_.b1, &b2 = references_.b2;
   references_.mean = b1;
   Sha256 sum;

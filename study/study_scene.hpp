@@ -21,17 +21,18 @@ namespace photonloom {
 // plan, and known from many more samples than a frame has.
 struct SceneReferences {
   Planes b1, b2, mean;
-  Planes walks;           // mean
-  Planes walk_variance;   // of one sample
-  double own_relmse = 0;  // of the mean: mean (b1 - b2)^2 / (4 (b^2 + 0.01))
-  std::string signature;  // 16 hexadecimal digits of all pixels
+  Planes walks;             // mean
+  Planes walk_variance;     // of one sample
+  double walk_samples = 0;  // a pixel, of which the mean is
+  double own_relmse = 0;    // of the mean: mean (b1 - b2)^2 / (4 (b^2 + 0.01))
+  std::string signature;    // 16 hexadecimal digits of all pixels
 };
 
 // May be asked by several threads at once.
 class StudyScene {
  public:
   // Throws SceneError and whatever reading the file throws.
-  StudyScene(const std::string& file, const Study& study);
+  StudyScene(const std::string& file, const Study& study, const Parameters& parameters = {});
 
   const std::string& file() const { return file_; }
   const std::string& name() const { return name_; }  // the file's, without folder and extension
@@ -55,7 +56,7 @@ class StudyScene {
   std::unique_ptr<World> world_;
   std::unique_ptr<RayCaster> caster_;
   std::mutex mutex_;
-  std::deque<std::pair<PhotonKey, PhotonFuture>> kept_;  // the oldest first
+  std::deque<std::pair<PhotonKey, PhotonFuture>> kept_;  // the longest unused first
   SceneReferences references_;
 };
 

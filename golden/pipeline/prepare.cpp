@@ -157,7 +157,7 @@ PreparedFrame prepare_frame(std::unique_ptr<World> world, const FrameRequest& re
   plan_request.caustic_photons = request.caustic_photons.value_or(plan_request.caustic_photons);
   plan_request.k = request.k.value_or(plan_request.k);
   plan_request.radius = request.radius;
-  plan_request.error = request.error;
+  plan_request.format_error = request.format_error;
   plan_request.set = request.set;
 
   // With a plan from a file its maps decide; the photons are counted as stored, so that the same

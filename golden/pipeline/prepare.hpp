@@ -24,7 +24,7 @@ struct FrameRequest {
   std::optional<std::pair<int, int>> size;  // of the film
   std::optional<int> spp, gather_rays, k;
   std::optional<uint64_t> photons, caustic_photons;
-  std::optional<double> radius, error;
+  std::optional<double> radius, format_error;
   std::vector<std::string> set;             // lines of the plan
   std::string plan_file;                    // empty: the planner's
   std::string load_photons, load_caustics;  // photon files; empty: traced

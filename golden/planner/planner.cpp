@@ -196,7 +196,8 @@ void choose_pixel(Plan& plan, const World& world, const PlanRequest& request, Pl
   const int sum = plan.pixel_sum_bits() - plan.integer_bits;
   // A frame is refused only if it is coarse beside all light that is emitted: photons carry that.
   const double most = mean_of(max_component(world.emitted_power()));
-  const int fine = request.error ? std::clamp(ceil_log2(1 / *request.error) + 31, 32, 48) : 40;
+  const int fine =
+      request.format_error ? std::clamp(ceil_log2(1 / *request.format_error) + 31, 32, 48) : 40;
   const int wanted = fine - exponent_above(mean), least = 24 - exponent_above(most);
   plan.fraction_bits = std::clamp(std::min(wanted, 128 - sum - plan.integer_bits), -64, 96);
   if (most < 0x1p-84)
@@ -252,7 +253,7 @@ PlannedFrame make_plan(const World& world, const PlanRequest& request, const Pho
         fmt::format("plan: gather.k is {}, expected an integer from 1 to 256", request.k));
   if (request.radius && !(*request.radius >= 0 && std::isfinite(*request.radius)))
     throw PlanError("plan: the radius must be a finite number of at least 0");
-  if (request.error && !(*request.error > 0 && *request.error < 1))
+  if (request.format_error && !(*request.format_error > 0 && *request.format_error < 1))
     throw PlanError("plan: the error must lie between 0 and 1");
 
   const Scene& scene = world.scene();
@@ -305,20 +306,21 @@ PlannedFrame make_plan(const World& world, const PlanRequest& request, const Pho
   const int wanted = extra_position_bits(global, plan.extent), extra = std::min(wanted, 4);
   plan.position_bits += extra;
   why["photon.position_bits"] =
-      extra > 0 ? fmt::format("98 % of the photons lie within 2^-{} of the cube; --error chooses",
-                              wanted + 3)
-                : "default; --error chooses";
-  why["photon.mantissa_bits"] = "default, as RGB9E5; --error chooses";
-  why["photon.direction_bits"] = why["gather.normal_bits"] = "default; --error chooses";
+      extra > 0
+          ? fmt::format("98 % of the photons lie within 2^-{} of the cube; --format-error chooses",
+                        wanted + 3)
+          : "default; --format-error chooses";
+  why["photon.mantissa_bits"] = "default, as RGB9E5; --format-error chooses";
+  why["photon.direction_bits"] = why["gather.normal_bits"] = "default; --format-error chooses";
   why["gather.reciprocal_bits"] = why["pixel.weight_bits"] =
-      "default, far finer than a mantissa; --error chooses";
+      "default, far finer than a mantissa; --format-error chooses";
   set_by_hand();
   choose_maps(plan, world, request, global, caustic, why);
-  if (request.error) {
+  if (request.format_error) {
     double smallest = plan.extent;
     for (const MapPlan* m : {&plan.global, &plan.caustic})
       if (m->present && m->radius > 0) smallest = std::min(smallest, m->radius);
-    choose_formats(plan, *request.error, smallest, why);
+    choose_formats(plan, *request.format_error, smallest, why);
     set_by_hand();
     choose_maps(plan, world, request, global, caustic, why);  // power units follow from mantissas
   }

@@ -20,7 +20,7 @@ struct PlanRequest {
   int spp = 16;
   int gather_rays = 16;
   // Relative error that the formats may add to an estimate. Else the formats of struct Plan.
-  std::optional<double> error;
+  std::optional<double> format_error;
   std::vector<std::string> set;  // "section.key=value", over everything
 };
 

@@ -80,6 +80,9 @@ struct Camera {
 
 struct Film {
   int width = 768, height = 576;
+  // Not 0: the film holds one pixel, drawn by lot, of each of width x height equal parts of a frame
+  // of this size, as wide as the frame's are. What is measured on it has the frame's expectation.
+  int frame_width = 0, frame_height = 0;
 };
 
 struct Scene {

@@ -22,9 +22,10 @@ class Lens {
   bool project(const Vec3& point, double& x, double& y, double& density) const;
 
  private:
+  Film film_;
   Mat4 to_world_;
-  double width_, height_;
-  double tan_x_, tan_y_;  // of half the field of view
+  double width_, height_;  // of the frame
+  double tan_x_, tan_y_;   // of half the field of view
   double near_, far_;
 };
 

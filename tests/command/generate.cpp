@@ -385,8 +385,8 @@ TEST_CASE("a plan takes no option that derives one") {
   const std::string plan = scratch / "plan.toml";
   write_plan(gatherer_plan(), plan);
   for (const char* option :
-       {"--size 8x8", "--spp 4", "--k 8", "--seed 3", "--define a=b", "--error 0.1", "--photons 9",
-        "--gather-rays 2", "--radius 1", "--load-photons x.ply"}) {
+       {"--size 8x8", "--spp 4", "--k 8", "--seed 3", "--define a=b", "--format-error 0.1",
+        "--photons 9", "--gather-rays 2", "--radius 1", "--load-photons x.ply"}) {
     INFO(option);
     const std::string name = std::string(option).substr(0, std::string(option).find(' '));
     for (const char* command : {"generate", "plan"}) {

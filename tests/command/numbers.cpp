@@ -34,7 +34,7 @@ TEST_CASE("what is no number is refused by the name of its option") {
       {"cosim " + scene + frame + "-o " + out, "--watchdog", "-1"},
       {"cosim " + scene + frame + "-o " + out, "--bank-cycles", "nan"},
       {"render " + scene + frame + "-o " + out, "--radius", "nan"},
-      {"render " + scene + frame + "-o " + out, "--error", "nan"},
+      {"render " + scene + frame + "-o " + out, "--format-error", "nan"},
       {"render " + scene + " -o " + out, "--spp", "nan"},
       {"sheet x.exr -o x.png", "--exposure", "nan"},
       {"compare x.exr x.exr", "--max-rmse", "nan"},

@@ -195,11 +195,11 @@ TEST_CASE("a plan is complete, says why, and reads back") {
     CHECK(line.find(": ", comment) != std::string::npos);
   }
   const Plan fine =
-      parse_plan(good("plan" + box() + "--photons 4000 --error 0.0005 -o -").out, "fine");
+      parse_plan(good("plan" + box() + "--photons 4000 --format-error 0.0005 -o -").out, "fine");
   const Plan coarse =
-      parse_plan(good("plan" + box() + "--photons 4000 --error 0.05 -o -").out, "coarse");
+      parse_plan(good("plan" + box() + "--photons 4000 --format-error 0.05 -o -").out, "coarse");
   // What no format reaches is not promised.
-  const std::string finest = good("plan" + box() + "--photons 400 --error 1e-9 -o -").out;
+  const std::string finest = good("plan" + box() + "--photons 400 --format-error 1e-9 -o -").out;
   CHECK(finest.find("1e-09 of") == std::string::npos);
   CHECK(finest.find("too few for 1e-09") != std::string::npos);
   CHECK(fine.position_bits > coarse.position_bits);
@@ -242,8 +242,9 @@ TEST_CASE("what cannot be is one clear error, and nothing is left behind") {
     fails("render" + box() + kSmall + " --photons 100 --radius " + radius + out, 2,
           {"--radius: " + radius + ", expected"});
   for (const std::string error : {"0", "-0.1", "1", "nan", "inf"})
-    fails("plan" + box() + "--photons 100 --error " + error + " -o" + quoted(scratch / "p.toml"), 2,
-          {"--error: " + error + ", expected"});
+    fails("plan" + box() + "--photons 100 --format-error " + error + " -o" +
+              quoted(scratch / "p.toml"),
+          2, {"--format-error: " + error + ", expected"});
   fails("rendre" + box() + out, 2, {"'rendre' is no command"});
   fails("render" + box() + "--arithmetic exact" + out, 2, {"--arithmetic"});
   fails("render" + box() + "-D x" + out, 2, {"-D"});

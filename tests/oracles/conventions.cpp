@@ -70,6 +70,45 @@ TEST_CASE("the camera: +x of the local frame to the image's left, +y up, distanc
   CHECK(channel_mean(path_image(s, 1, 1), "Z") == 0);
 }
 
+TEST_CASE("a film of some pixels of a frame: each as wide as the frame's, in its own part, once") {
+  Scene s;
+  s.film = {60, 44};
+  s.camera.fov = 70;
+  s.camera.to_world[3] = {1, 2, 3, 1};
+  const Lens whole(s);
+  s.film = {7, 5, 60, 44};
+  const Lens some(s);
+  bool moved = false;
+  for (int y = 0; y < 5; ++y)
+    for (int x = 0; x < 7; ++x) {
+      // The rays are those of one of the frame's pixels.
+      const Vec3 inside = some.through(x + 0.25, y + 0.75).ray.direction;
+      double px, py, pixels, some_x, some_y, some_pixels;
+      const Vec3 point = Vec3(s.camera.to_world[3]) + 4.0 * inside;
+      REQUIRE(whole.project(point, px, py, pixels));
+      CHECK(px - std::floor(px) == Approx(0.25));
+      CHECK(py - std::floor(py) == Approx(0.75));
+      CHECK((px >= x * 60 / 7 && px < (x + 1) * 60 / 7));
+      CHECK((py >= y * 44 / 5 && py < (y + 1) * 44 / 5));
+      moved |= std::floor(px) != x * 60 / 7;
+      // What is seen there is in that pixel of the film, with the frame's density.
+      REQUIRE(some.project(point, some_x, some_y, some_pixels));
+      CHECK(some_x == Approx(x + 0.25));
+      CHECK(some_y == Approx(y + 0.75));
+      CHECK(some_pixels == pixels);
+    }
+  CHECK(moved);
+  // All other pixels of the frame are not in the film.
+  int seen = 0;
+  for (int y = 0; y < 44; ++y)
+    for (int x = 0; x < 60; ++x) {
+      double px, py, pixels;
+      const Vec3 direction = whole.through(x + 0.5, y + 0.5).ray.direction;
+      seen += some.project(Vec3(s.camera.to_world[3]) + 4.0 * direction, px, py, pixels) ? 1 : 0;
+    }
+  CHECK(seen == 7 * 5);
+}
+
 TEST_CASE("area emitters radiate from the normal side only") {
   for (bool front : {true, false}) {
     Scene s;

@@ -6,6 +6,8 @@
 
 #include "golden/numeric/random.hpp"
 #include "study/collector.hpp"
+#include "study/error_model.hpp"
+#include "study/plan_search.hpp"
 #include "study/points.hpp"
 #include "tests/catch.hpp"
 
@@ -116,4 +118,67 @@ TEST_CASE("a result reads back as it was written, and any changed byte is seen")
     CHECK_THROWS_AS(parse_result(damaged), std::runtime_error);
     CHECK_THROWS_AS(parse_result(text.substr(0, i)), std::runtime_error);
   }
+}
+
+TEST_CASE("the error's model learns which lines cost error, and knows how well") {
+  Plan base;
+  base.global = {true, 65536, 0, 0.1, 0};
+  // A scene that has noise of few global photons, blur, and positions that round; nothing else.
+  const auto truth = [&](const Plan& p) {
+    const double area = p.k / 50.0 * 65536 / static_cast<double>(p.global.photons);
+    return 0.6 + 0.1 * 65536 / static_cast<double>(p.global.photons) + 0.3 * area +
+           0.05 * std::ldexp(1.0, 2 * (10 - p.position_bits)) / area;
+  };
+  const auto made = [&](int k, uint64_t photons, int bits) {
+    Plan p = base;
+    p.k = k;
+    p.global.photons = photons;
+    p.global.radius =
+        base.global.radius * std::sqrt(k / 50.0 * 65536 / static_cast<double>(photons));
+    p.position_bits = bits;
+    return p;
+  };
+  const auto sample = [&](const Plan& p) {
+    return ErrorSample{error_terms(p, base),
+                       {std::log2(p.k), std::log2(static_cast<double>(p.global.photons)),
+                        static_cast<double>(p.position_bits)},
+                       truth(p)};
+  };
+  std::vector<ErrorSample> samples;
+  for (const Plan& p : {base, made(8, 65536, 16), made(50, 8192, 16), made(8, 8192, 16),
+                        made(50, 65536, 10), made(16, 16384, 12)})
+    samples.push_back(sample(p));
+  const ErrorModel model(samples);
+  // Of what it has seen and of what lies between.
+  for (const Plan& p : {base, made(8, 8192, 16), made(12, 16384, 16), made(24, 32768, 11)}) {
+    const ErrorSample s = sample(p);
+    CHECK(model.predict(s.terms, s.place) == Approx(s.error).epsilon(0.05));
+  }
+  CHECK(model.cross_validated() > 0);
+  CHECK(model.cross_validated() < 0.25);
+  for (const double part : model.parts(samples[3].terms)) CHECK(part >= 0);
+  // Worse lines never help.
+  const auto predicted = [&](const Plan& p) {
+    const ErrorSample s = sample(p);
+    return model.predict(s.terms, s.place);
+  };
+  CHECK(predicted(made(8, 8192, 9)) > predicted(made(8, 8192, 12)));
+  CHECK(predicted(made(8, 2048, 16)) > predicted(made(8, 8192, 16)));
+}
+
+TEST_CASE("the bound of a run is above what nineteen of twenty runs have") {
+  // Errors of runs of a frame; the measured mean is off by its own standard error.
+  const double truth = 0.01, run_error = 0.001, pixel_error = 0.0005;
+  const int seeds = 6, trials = 4000;
+  int above = 0;
+  for (uint64_t t = 0; t < trials; ++t) {
+    MeasuredError e;
+    e.mean = truth + pixel_error * noise(t, 1, 1) + run_error / std::sqrt(seeds) * noise(t, 2, 1);
+    e.seed_error = run_error / std::sqrt(seeds);
+    e.pixel_error = pixel_error;
+    e.seeds = seeds;
+    above += truth + run_error * noise(t, 3, 1) > e.bound() ? 1 : 0;
+  }
+  CHECK(above > 0.03 * trials);
+  CHECK(above < 0.07 * trials);
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// --error E: golden arithmetic, in the formats that E chooses, stays within E of reference
+// --format-error E: golden arithmetic, in the formats that E chooses, stays within E of reference
 // arithmetic with the same photons, queries and directions.
 #include <fmt/core.h>
 
@@ -11,17 +11,18 @@
 
 using namespace photonloom::test;
 
-TEST_CASE("--error: root of relMSE, mean absolute relative error and bias are within E") {
+TEST_CASE("--format-error: root of relMSE, mean absolute relative error and bias are within E") {
   const Scratch scratch;
   for (const char* scene : {"cornell_balls", "cornell_glossy"}) {
     double before = 1;
     for (const double error : {0.1, 0.01, 0.001}) {
       const auto image = [&](const char* arithmetic) {
         const std::string file = scratch / (std::string(arithmetic) + ".exr");
-        const Outcome o = run(fmt::format(
-            "render '{}' --arithmetic {} --error {} --size 24x24 --spp 2 --gather-rays 16 --k 50 "
-            "--photons 20000 --caustic-photons 20000 -o '{}'",
-            source(fmt::format("scenes/{}.xml", scene)), arithmetic, error, file));
+        const Outcome o =
+            run(fmt::format("render '{}' --arithmetic {} --format-error {} --size 24x24 --spp 2 "
+                            "--gather-rays 16 --k 50 "
+                            "--photons 20000 --caustic-photons 20000 -o '{}'",
+                            source(fmt::format("scenes/{}.xml", scene)), arithmetic, error, file));
         INFO(o.err);
         REQUIRE(o.status == 0);
         return file;

@@ -1,0 +1,361 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "command/plan_for_error.hpp"
+
+#include <fmt/core.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "command/console.hpp"
+#include "command/frame_options.hpp"
+#include "study/plan_search.hpp"
+#include "study/point_plan.hpp"
+
+namespace photonloom {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// What goes with --error or --explain alone.
+constexpr const char* kSearchOptions[] = {"--metric", "--board",        "--minimise",     "--work",
+                                          "--advise", "--check",        "--measure-size", "--seeds",
+                                          "--points", "--reference-spp"};
+
+// The lines that the user fixed, as a study's [base].
+LineValues asked_lines(const FrameRequest& r) {
+  LineValues lines;
+  const auto add = [&](const char* name, const auto& value) {
+    if (value) lines.emplace_back(name, fmt::format("{}", *value));
+  };
+  add("photons", r.photons);
+  add("caustic_photons", r.caustic_photons);
+  add("frame.spp", r.spp);
+  add("frame.gather_rays", r.gather_rays);
+  add("gather.k", r.k);
+  add("global.radius", r.radius);
+  add("caustic.radius", r.radius);
+  for (const std::string& line : r.set) {
+    const size_t at = line.find('=');
+    if (at == std::string::npos)
+      throw UsageError(fmt::format("--set: '{}', expected section.key=value", line));
+    lines.emplace_back(line.substr(0, at), line.substr(at + 1));
+  }
+  return lines;
+}
+
+// The plan's lines that a line of a study decides.
+std::vector<std::string> decided_lines(const std::string& line) {
+  if (line == "photons") return {"global.photons"};
+  if (line == "caustic_photons") return {"caustic.photons"};
+  if (line == "radius_scale") return {"global.radius", "caustic.radius"};
+  if (line == "packed") return {"photon.photon_bytes", "gatherer.beat_bits"};
+  return {line};
+}
+
+struct Limit {
+  double value = 0;
+  bool is_factor = false;  // of the default plan's error
+};
+// "0.005" or "1.5x"; nothing for an empty text.
+std::optional<Limit> parse_limit(const std::string& text) {
+  if (text.empty()) return std::nullopt;
+  Limit limit;
+  limit.is_factor = text.back() == 'x';
+  const char* const end = text.data() + text.size() - (limit.is_factor ? 1 : 0);
+  const auto [rest, problem] = std::from_chars(text.data(), end, limit.value);
+  if (problem != std::errc() || rest != end || !(limit.value > 0 && std::isfinite(limit.value)))
+    throw UsageError(fmt::format(
+        "--error: {}, expected a number above 0, or one with an x for so many times the default "
+        "plan's error",
+        text));
+  return limit;
+}
+
+std::string row(const PlanSearch& search, const std::string& name, const MeasuredPlan& m) {
+  const double predicted = search.objective(m.predicted_cost);
+  const std::string cost_then = predicted > 0 ? fmt::format("{:.1f}", predicted) : "-";
+  const std::string error_then =
+      m.predicted_error > 0 ? fmt::format("{:.5f}", m.predicted_error) : "-";
+  return fmt::format(
+      "  {:<10} {:>8.5f} ±{:>8.5f} {:>8.5f} {:>9} {:>7.4f} {:>7.1f} {:>7.0f} {:>7.0f} "
+      "{:>7.0f} {:>9}  {}\n",
+      name, m.error.mean, m.error.error(), m.error.bound(), error_then, m.flip, m.cost.cycles,
+      m.cost.bytes, m.cost.gatherer_lut, m.cost.lut, cost_then, lines_text(m.lines));
+}
+
+std::string header() {
+  return fmt::format("  {:<10} {:>8} {:>9} {:>8} {:>9} {:>7} {:>7} {:>7} {:>7} {:>7} {:>9}  {}\n",
+                     "plan", "error", "", "a run <", "predicted", "FLIP", "cycles", "bytes",
+                     "LUT-eq", "all LUT", "predicted", "lines");
+}
+
+Json measured_json(const MeasuredPlan& m) {
+  Json j;
+  j["lines"] = Json::object();
+  for (const auto& [name, value] : m.lines) j["lines"][name] = value;
+  j["error"] = m.error.mean;
+  j["standard_error"] = m.error.error();
+  j["from_seeds"] = m.error.seed_error;
+  j["from_pixels"] = m.error.pixel_error;
+  j["bound_of_a_run"] = m.error.bound();
+  j["seeds"] = m.error.seeds;
+  j["predicted_error"] = m.predicted_error > 0 ? Json(m.predicted_error) : Json();
+  j["relmse"] = m.relmse;
+  j["flip"] = m.flip;
+  j["cycles"] = m.cost.cycles;
+  j["bytes"] = m.cost.bytes;
+  j["luts"] = m.cost.gatherer_lut;
+  j["all_luts"] = m.cost.lut;
+  return j;
+}
+
+// Why a measured plan is not the one.
+std::string why_it_lost(const PlanSearch& search, const MeasuredPlan& m, const MeasuredPlan& best,
+                        double limit) {
+  const double more = search.objective(m.cost) / search.objective(best.cost) - 1;
+  if (m.error.mean > limit)
+    return fmt::format("its error is {:.1f} % above the limit", 100 * (m.error.mean / limit - 1));
+  if (more < 0)
+    return fmt::format("{:.1f} % cheaper, but a run of it may have {:.5f}, above the limit",
+                       -100 * more, m.error.bound());
+  return fmt::format("costs {:.1f} % more", 100 * more);
+}
+
+}  // namespace
+
+void PlanForError::add_to(CLI::App& c) {
+  command_ = &c;
+  const char* const group = "For a visible error";
+  c.add_option("--error", error_,
+               "Visible error that one run of the frame may have against path tracing: search for "
+               "the cheapest plan that keeps it (docs/planner.md); 1.5x: so many times the default "
+               "plan's")
+      ->type_name("E")
+      ->group(group);
+  c.add_option("--metric", metric_,
+               "What --error is of: relmse (default) or flip, the mean HDR-FLIP")
+      ->check(CLI::IsMember({"relmse", "flip"}))
+      ->type_name("METRIC")
+      ->group(group);
+  c.add_option("--minimise", minimise_,
+               "cycles a gather (default), luts of the gatherer, or bytes read a gather")
+      ->check(CLI::IsMember({"cycles", "luts", "bytes"}))
+      ->type_name("COST")
+      ->group(group);
+  c.add_option("--board", board_, "A board of fpga/boards that the plan must fit")
+      ->type_name("BOARD")
+      ->group(group);
+  c.add_option("--explain", explain_,
+               "Print error and cost over values of this line of the plan, around the plan that is "
+               "found, without --error around the default one; photons, caustic_photons and "
+               "radius_scale too")
+      ->type_name("LINE")
+      ->group(group);
+  c.add_flag("--advise", advise_,
+             "Print how error and cost go with photons, k and radius around the plan")
+      ->group(group);
+  c.add_option(
+       "--check", check_,
+       "Also run the whole frame with this seed and tell its error; exit status 1 if that is "
+       "above E")
+      ->type_name("SEED")
+      ->group(group);
+  c.add_option("--work", work_,
+               "Folder of references and results, to go on with (default build/plan)")
+      ->type_name("DIR")
+      ->group(group);
+  c.add_option("--measure-size", measured_size_,
+               "Pixels measured, one of each of so many equal parts of the frame (default 64x64)")
+      ->type_name("WxH")
+      ->group(group);
+  c.add_option("--seeds", seeds_, "Seeds that confirm a plan (default 6)")
+      ->check(CLI::Range(2, 64))
+      ->type_name("N")
+      ->group(group);
+  c.add_option("--points", points_, "Plans measured at most (default 24)")
+      ->check(CLI::Range(1, 1000))
+      ->type_name("N")
+      ->group(group);
+  c.add_option("--reference-spp", reference_spp_,
+               "Samples per pixel of each of the two references (default 2048)")
+      ->check(CLI::Range(1, 1 << 20))
+      ->type_name("N")
+      ->group(group);
+}
+
+bool PlanForError::wanted() const { return !error_.empty() || !explain_.empty(); }
+
+void PlanForError::refuse_alone() const {
+  for (const char* option : kSearchOptions)
+    if (command_->count(option) > 0) throw UsageError(fmt::format("{}: goes with --error", option));
+}
+
+void PlanForError::run(const FrameRequest& request, const std::string& output, bool json,
+                       int workers, const std::function<void(const Plan&)>& describe) const {
+  const std::optional<Limit> asked = parse_limit(error_);
+  if (!asked) {
+    if (advise_) throw UsageError("--advise: goes with --error");
+    if (check_) throw UsageError("--check: goes with --error");
+    if (!output.empty()) throw UsageError("--explain: writes no plan without --error; no -o");
+  }
+  if (request.format_error)
+    throw UsageError("--format-error: --error chooses the formats; give one of them");
+  if (!request.plan_file.empty() || is_plan(request.scene_file))
+    throw UsageError("--error: searches from a scene, not from a plan");
+  if (!request.load_photons.empty() || !request.load_caustics.empty())
+    throw UsageError(
+        "--load-photons, --load-caustics: --error measures with photons of several "
+        "seeds, which it traces");
+  if (asked && output.empty() && !json)
+    throw UsageError("a scene's plan needs -o FILE (- for standard output)");
+
+  ConsoleProgress progress;
+  PlanSearchRequest r;
+  r.scene_file = request.scene_file;
+  r.parameters = request.parameters;
+  r.size = request.size;
+  if (!measured_size_.empty())
+    std::tie(r.measured_width, r.measured_height) = parse_size(measured_size_);
+  r.asked = asked_lines(request);
+  r.flip = metric_ == "flip";
+  r.objective = minimise_ == "cycles" ? PlanObjective::kCycles
+                : minimise_ == "luts" ? PlanObjective::kLuts
+                                      : PlanObjective::kBytes;
+  r.board = board_;
+  r.seed = request.seed;
+  r.seeds = seeds_;
+  r.points = points_;
+  r.reference_spp = reference_spp_;
+  r.work = work_;
+  r.workers = workers;
+  r.progress = isatty(STDERR_FILENO) == 1 ? &progress : nullptr;
+  r.say = [](const std::string& sentence) { fmt::print(stderr, "photonloom: {}\n", sentence); };
+  PlanSearch search(r);
+  // Text goes where it does not mix with the plan or with JSON.
+  FILE* const text = json || output == "-" ? stderr : stdout;
+
+  const auto [width, height] = search.frame();
+  const std::string name = metric_ == "flip" ? "HDR-FLIP" : "relMSE";
+  Json j;
+  j["scene"] = search.scene_name();
+  j["frame"] = {width, height};
+  j["metric"] = metric_;
+  j["minimised"] = minimise_;
+  LineValues around;
+  double limit = 0;
+  if (asked) {
+    limit = asked->value * (asked->is_factor ? search.standard().error.mean : 1);
+    const PlanSearchResult found = search.meet(limit);
+    if (!found.best) throw CheckFailed("--error: " + found.binds);
+    const MeasuredPlan& best = *found.best;
+    around = best.lines;
+    fmt::print(text, "{}, {}x{}: least {} with a visible error ({}) of at most {:g}\n",
+               search.scene_name(), width, height, minimise_, name, limit);
+    fmt::print(text, "{}{}{}", header(), row(search, "best", best),
+               row(search, "default", found.standard));
+    std::vector<const MeasuredPlan*> runners;
+    for (const MeasuredPlan& m : found.points) {
+      const bool other = m.lines != best.lines && m.lines != found.standard.lines;
+      if (other && m.error.mean <= 1.1 * limit) runners.push_back(&m);
+    }
+    std::stable_sort(runners.begin(), runners.end(), [&](auto* a, auto* b) {
+      return std::fabs(std::log(search.objective(a->cost) / search.objective(best.cost))) <
+             std::fabs(std::log(search.objective(b->cost) / search.objective(best.cost)));
+    });
+    if (runners.size() > 3) runners.resize(3);
+    Json& losers = j["runners_up"] = Json::array();
+    for (size_t i = 0; i < runners.size(); ++i) {
+      const std::string why = why_it_lost(search, *runners[i], best, limit);
+      fmt::print(text, "{}    lost: {}\n", row(search, fmt::format("{}.", i + 2), *runners[i]),
+                 why);
+      losers.push_back(measured_json(*runners[i]));
+      losers.back()["lost"] = why;
+    }
+    const auto saved = [&](double mine, double standard) { return 100 * (1 - mine / standard); };
+    fmt::print(
+        text,
+        "  saves, of the default plan: {:.0f} % of the cycles, {:.0f} % of the bytes, {:.0f} % "
+        "of the gatherer's LUT-eq\n",
+        saved(best.cost.cycles, found.standard.cost.cycles),
+        saved(best.cost.bytes, found.standard.cost.bytes),
+        saved(best.cost.gatherer_lut, found.standard.cost.gatherer_lut));
+    const int columns = std::min(r.measured_width, width),
+              rows = std::min(r.measured_height, height);
+    fmt::print(
+        text,
+        "  measured: {}, seeds {} to {}, two references of {} samples a pixel; ± is a "
+        "standard error; 'a run <' is what a run with another seed exceeds in one case of "
+        "twenty\n"
+        "  predicted before they were measured: {} plans; errors of the model, each plan from "
+        "the others, {:.1f} % (root mean square), of {} {:.1f} %\n",
+        columns == width && rows == height
+            ? "all pixels"
+            : fmt::format("one pixel of each of {}x{} parts of the frame", columns, rows),
+        r.seed, r.seed + static_cast<uint64_t>(seeds_) - 1, reference_spp_, found.points.size(),
+        100 * found.error_prediction, minimise_, 100 * found.cost_prediction);
+    j["limit"] = limit;
+    j["best"] = measured_json(best);
+    j["default"] = measured_json(found.standard);
+    j["measured_plans"] = found.points.size();
+    j["error_prediction_rms"] = found.error_prediction;
+    j["cost_prediction_rms"] = found.cost_prediction;
+  }
+  const auto print_curve = [&](const std::string& line) {
+    fmt::print(text, "{} over {}, all else as in {}\n{}", name, line,
+               asked ? "the plan above" : "the default plan", header());
+    Json& points = j["curves"][line] = Json::array();
+    for (const PlanSearch::CurvePoint& p : search.curve(line, around)) {
+      if (!p.measured) {
+        fmt::print(text, "  {:<10} no plan: {}\n", p.value, p.refused);
+        points.push_back({{"value", p.value}, {"refused", p.refused}});
+        continue;
+      }
+      fmt::print(text, "{}", row(search, p.value, *p.measured));
+      points.push_back(measured_json(*p.measured));
+      points.back()["value"] = p.value;
+    }
+  };
+  if (advise_)
+    for (const char* line : {"photons", "gather.k", "radius_scale"}) print_curve(line);
+  if (!explain_.empty()) print_curve(explain_);
+  if (asked) {
+    PlanSearch::Written written = search.write(around);
+    for (const auto& [line, value] : joined_lines({}, around))
+      for (const std::string& decided : decided_lines(line))
+        written.reasons[decided] =
+            fmt::format("for {} of at most {:g} with the least {}", name, limit, minimise_);
+    j["command"] = written.command;
+    fmt::print(text, "  the same without searching: {}\n", written.command);
+    if (output == "-") {
+      fmt::print("{}", plan_text(written.plan, written.reasons));
+    } else if (!output.empty()) {
+      write_plan(written.plan, output, written.reasons);
+      fmt::print(text, "wrote {} (hash {})\n", output, plan_hash_text(written.plan));
+      j["plan"] = output;
+    }
+    j["hash"] = plan_hash_text(written.plan);
+    if (!json && output != "-") describe(written.plan);
+  }
+  std::string missed;
+  if (check_) {
+    const MeasuredPlan m = search.check(around, *check_);
+    fmt::print(text,
+               "  the whole frame with seed {}, against references of {} samples a pixel: {} "
+               "{:.5f}, HDR-FLIP {:.4f}, "
+               "{:.1f} cycles and {:.0f} bytes a gather\n",
+               *check_, search.check_spp(), name, m.error.mean, m.flip, m.cost.cycles,
+               m.cost.bytes);
+    j["check"] = {{"seed", *check_}, {"error", m.error.mean},   {"relmse", m.relmse},
+                  {"flip", m.flip},  {"cycles", m.cost.cycles}, {"bytes", m.cost.bytes}};
+    if (m.error.mean > limit)
+      missed = fmt::format("--check: the whole frame with seed {} has {:.5f}, above {:g}", *check_,
+                           m.error.mean, limit);
+  }
+  if (json) fmt::print("{}\n", j.dump(2));
+  if (!missed.empty()) throw CheckFailed(missed);
+}
+
+}  // namespace photonloom

@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: Apache-2.0
+// plan SCENE --error E as a user runs it, on few pixels: the plan keeps its promise in another run,
+// an error out of reach is said to be, wrong command lines are refused.
+#include <fmt/core.h>
+
+#include <nlohmann/json.hpp>
+
+#include "golden/plan/plan_file.hpp"
+#include "tests/catch.hpp"
+#include "tests/command/run.hpp"
+
+using namespace photonloom;
+using photonloom::test::run;
+using photonloom::test::Scratch;
+
+namespace {
+
+std::string box() { return " '" + photonloom::test::source("scenes/cornell.xml") + "' "; }
+
+// A frame whose every pixel is measured, and few plans.
+std::string small(const Scratch& s) {
+  return "--size 16x16 --spp 4 --gather-rays 8 --photons 4000 --measure-size 16x16 --seeds 3 "
+         "--points 12 --reference-spp 256 --work '" +
+         s / "work" + "' ";
+}
+
+double relmse(const std::string& a, const std::string& b) {
+  const auto o = run("compare '" + a + "' '" + b + "' --json");
+  INFO(o.err);
+  REQUIRE(o.status == 0);
+  return nlohmann::json::parse(o.out)["relmse"].get<double>();
+}
+
+}  // namespace
+
+TEST_CASE("plan --error: the plan keeps the error in a run with another seed, and costs less") {
+  const Scratch s;
+  const std::string file = s / "plan.toml";
+  const auto o =
+      run("plan" + box() + small(s) + "--error 1.6x --check 77 --json -o '" + file + "'");
+  INFO(o.out << o.err);
+  REQUIRE(o.status == 0);
+  const auto j = nlohmann::json::parse(o.out);
+  const double limit = j["limit"].get<double>();
+  CHECK(limit == Approx(1.6 * j["default"]["error"].get<double>()));
+  CHECK(j["best"]["bound_of_a_run"].get<double>() <= limit);
+  CHECK(j["best"]["error"].get<double>() < j["best"]["bound_of_a_run"].get<double>());
+  CHECK(j["best"]["standard_error"].get<double>() > 0);
+  CHECK(j["best"]["cycles"].get<double>() < 0.7 * j["default"]["cycles"].get<double>());
+  CHECK(j["runners_up"].size() == 3);
+  for (const auto& m : j["runners_up"]) CHECK(!m["lost"].get<std::string>().empty());
+  CHECK(j["error_prediction_rms"].get<double>() > 0);
+  CHECK(j["check"]["error"].get<double>() <= limit);
+  const Plan plan = read_plan(file);
+  CHECK(plan.width == 16);
+  CHECK(plan.spp == 4);
+
+  // The run as a user makes it. Its error has the noise of the camera's walks, which the check has
+  // in the mean.
+  const std::string frame = s / "frame.exr", truth = s / "truth.exr";
+  REQUIRE(run("render" + box() + "--plan '" + file + "' --seed 77 -o '" + frame + "'").status == 0);
+  REQUIRE(run("render" + box() + "--integrator path --size 16x16 --spp 1024 --seed 5 -o '" + truth +
+              "'")
+              .status == 0);
+  const double seen = relmse(frame, truth), checked = j["check"]["error"].get<double>();
+  CHECK(seen > 0.5 * checked);
+  CHECK(seen < 2 * checked);
+
+  // What was measured is there: the same answer without rendering a frame again.
+  const auto again = run("plan" + box() + small(s) + "--error 1.6x -o -");
+  INFO(again.err);
+  REQUIRE(again.status == 0);
+  CHECK(again.out == read_file(file));
+
+  // The command that it names writes the same plan.
+  std::string command = j["command"].get<std::string>();
+  command = command.substr(command.find(' ') + 1);
+  const std::string same = s / "same.toml";
+  command.replace(command.find("plan.toml"), 9, "'" + same + "'");
+  REQUIRE(run(command).status == 0);
+  CHECK(plan_hash_text(read_plan(same)) == plan_hash_text(plan));
+}
+
+TEST_CASE("plan --error: what cannot be met is said, with the best found and what binds") {
+  const Scratch s;
+  const auto o = run("plan" + box() + small(s) + "--error 1e-5 -o '" + s / "plan.toml" + "'");
+  INFO(o.err);
+  CHECK(o.status == 1);
+  for (const char* part : {"no plan of cornell", "1e-05", "the best found has 0.", " ± ",
+                           "what binds is samples of pixel and hemisphere", "--gather-rays"})
+    CHECK(o.err.find(part) != std::string::npos);
+  CHECK(!std::filesystem::exists(s / "plan.toml"));
+}
+
+TEST_CASE(
+    "plan --explain: error and cost of a line over its values; --board keeps the plan small") {
+  const Scratch s;
+  const auto o = run("plan" + box() + small(s) + "--explain gatherer.lanes --json");
+  INFO(o.err);
+  REQUIRE(o.status == 0);
+  const auto points = nlohmann::json::parse(o.out)["curves"]["gatherer.lanes"];
+  CHECK(points.size() == 5);
+  double lanes = 0;
+  for (const auto& p : points)
+    if (p.contains("refused")) {
+      CHECK(p["value"] == "16");  // more than a line of 8 photons
+    } else {
+      CHECK(p["error"] == points[0]["error"]);  // the same image
+      CHECK(p["luts"].get<double>() > lanes);
+      lanes = p["luts"].get<double>();
+    }
+}
+
+TEST_CASE("plan --error: wrong command lines name the option and what was expected") {
+  const Scratch s;
+  const std::string end = " -o '" + s / "p.toml" + "'";
+  const struct {
+    std::string arguments, said;
+    int status;
+  } wrong[] = {
+      {"--error 0" + end, "--error: 0, expected a number above 0", 2},
+      {"--error nan" + end, "--error: nan, expected a number above 0", 2},
+      {"--error 2y" + end, "--error: 2y, expected a number above 0", 2},
+      {"--explain gather.k" + end, "--explain: writes no plan without --error", 2},
+      {"--explain gather.nothing", "the plan has no line gather.nothing", 1},
+      {"--error 0.1", "needs -o FILE", 2},
+      {"--metric flip" + end, "--metric: goes with --error", 2},
+      {"--board ulx3s-85f" + end, "--board: goes with --error", 2},
+      {"--advise" + end, "--advise: goes with --error", 2},
+      {"--error 0.1 --metric ssim" + end, "--metric", 2},
+      {"--error 0.1 --minimise money" + end, "--minimise", 2},
+      {"--error 0.1 --format-error 0.1" + end, "--format-error", 2},
+      {"--error 0.1 --board nowhere" + end, "there is no board nowhere, expected one of ulx3s-85f",
+       1},
+      {"--error 0.1 --board up5k" + end, "up5k states no ", 1},
+      {"--error 0.1 --set gather.k=0" + end, "gather.k", 1},
+      {"--error 0.1 --set gather.no_line=0" + end, "gather.no_line", 1},
+  };
+  for (const auto& w : wrong) {
+    const auto o = run("plan" + box() + small(s) + w.arguments);
+    INFO(w.arguments << "\n" << o.err);
+    CHECK(o.status == w.status);
+    CHECK(o.err.find(w.said) != std::string::npos);
+  }
+}
