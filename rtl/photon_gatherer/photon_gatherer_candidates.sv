@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Beats to the lists of their queries, a candidate a cycle: pairs of neighbouring candidates come from
-// photon_gatherer_pairs, the oldest is compared with the bound again until it is in hand, and what is in hand goes to
-// photon_gatherer_list. So candidates that lie behind the surface or that the bound has left behind seldom take a cycle
-// of the list.
+// Beats to the lists of their queries, a candidate a cycle. Of several of these each has some of the unit's contexts. Pairs
+// of neighbouring candidates come from photon_gatherer_pairs, the oldest is compared with the bound again until it is in
+// hand, and what is in hand goes to photon_gatherer_list. So candidates that lie behind the surface or that the bound has
+// left behind seldom take a cycle of the list.
 //
 // What goes to the list, without stall, in the order of slots: tokens {a candidate, the last of its leaf, a start, a
 // snapshot}. Starts and snapshots carry only a context and go before the next pair, within two cycles. leaf_done_o
@@ -66,7 +66,6 @@ module photon_gatherer_candidates #(
     // what was found for a context
     input  logic [          ContextBits-1:0] found_context_i,
     output logic [            CountBits-1:0] found_count_o,
-    output logic [               R2Bits-1:0] found_r2_o,
     output logic [              IndexBits:0] found_insertions_o,
     // its photons: load, d2, index, a cycle after the address
     input  logic                             store_read_i,
@@ -80,9 +79,9 @@ module photon_gatherer_candidates #(
     output logic                             snapshot_done_o,
     output logic [            CountBits-1:0] snapshot_count_o,
     output logic [          K*PlaceBits-1:0] snapshot_places_o,
-    // counted events: how many came to the list, entered it
-    output logic [                      1:0] candidates_o,
-    output logic [                      1:0] insertions_o
+    // counted events: one came to the list, entered it
+    output logic                             candidates_o,
+    output logic                             insertions_o
 );
   localparam int unsigned SlotBits = $clog2(Bucket);
   localparam int unsigned LaneBits = Lanes > 1 ? $clog2(Lanes) : 1;
@@ -247,8 +246,6 @@ module photon_gatherer_candidates #(
     token_load_q <= choice;
   end
 
-  logic insertion;
-
   photon_gatherer_list #(
       .K(K),
       .R2Bits(R2Bits),
@@ -281,7 +278,7 @@ module photon_gatherer_candidates #(
       .snapshot_o(snapshot_done_o),
       .snapshot_count_o(snapshot_count_o),
       .snapshot_places_o(snapshot_places_o),
-      .insert_o(insertion)
+      .insert_o(insertions_o)
   );
   lut_ram #(
       .Width(R2Bits),
@@ -294,17 +291,5 @@ module photon_gatherer_candidates #(
       .read_address_i(wait_bound_context),
       .read_data_o(wait_bound)
   );
-  lut_ram #(
-      .Width(R2Bits),
-      .Depth(Contexts)
-  ) bounds_found (
-      .clk_i(clk_i),
-      .write_i(bound_write_o),
-      .write_address_i(bound_context_o),
-      .write_data_i(bound_o),
-      .read_address_i(found_context_i),
-      .read_data_o(found_r2_o)
-  );
-  assign candidates_o = {1'b0, hand_q && token_candidate};
-  assign insertions_o = {1'b0, insertion};
+  assign candidates_o = hand_q && token_candidate;
 endmodule
