@@ -30,13 +30,13 @@ struct Options {
 
 // The wide plan of a k: what differs from the options, and how many cycles a gather may take.
 struct WidePlan {
-  int k, contexts, lanes, nodes, candidates, powers, misses;
+  int k, contexts, lanes, nodes, candidates, powers, ways, misses;
   double ideal, slow;
 };
 constexpr WidePlan kWidePlans[] = {
-    {8, 32, 8, 2, 2, 2, 16, 15, 22},
-    {16, 32, 8, 2, 2, 2, 16, 20, 28},
-    {50, 64, 8, 2, 4, 4, 16, 34, 42},
+    {8, 32, 8, 2, 2, 2, 4, 16, 15, 22},
+    {16, 32, 8, 2, 2, 2, 4, 16, 20, 28},
+    {50, 64, 8, 2, 4, 4, 4, 16, 34, 42},
 };
 
 // What cycles per gather may be over the bound, by memory and k, with the plan of the defaults
@@ -148,9 +148,9 @@ int run(const Options& o) {
   queries = reordered(plan, queries);
 
   fmt::print(
-      "photon_gatherer: {} photons, {} queries, cache {} bytes in {} ways; widths: nodes, lanes, "
-      "candidates, powers a cycle\n",
-      map.count, queries.size(), plan.cache_bytes, plan.cache_ways);
+      "photon_gatherer: {} photons, {} queries, cache {} bytes; widths: nodes, lanes, candidates, "
+      "powers a cycle\n",
+      map.count, queries.size(), plan.cache_bytes);
   fmt::print(
       "{:>3} {:<8} {:>8} {:<20} {:>6} {:>6} {:>10} {:>6} {:>13} {:>6} {:>5} {:>7} {:>6} "
       "{:>10} {:>9}\n",
@@ -174,6 +174,7 @@ int run(const Options& o) {
       wide.nodes_per_cycle = w.nodes;
       wide.candidates_per_cycle = w.candidates;
       wide.powers_per_cycle = w.powers;
+      wide.cache_ways = w.ways;
       wide.cache_misses = w.misses;
       check_plan(wide);
       const Goal goals[2] = {{{}, w.ideal}, {{}, w.slow}};
