@@ -140,9 +140,10 @@ double modelled_cycles(const Plan& plan, const GatherLoad& load, int latency) {
   // What one query waits for when it is alone.
   const double alone = 3 * load.nodes + 1.5 * (load.nodes + 1) + 27 * load.leaves +
                        load.insertions + load.misses * (latency + beats) + plan.k;
-  const double bounds[] = {f.nodes * load.nodes, f.lanes * parts * load.leaves,
-                           f.insertions * load.insertions, f.memory * beats * load.misses,
-                           f.latency * alone / plan.contexts};
+  const double bounds[] = {f.nodes * load.nodes / plan.nodes_per_cycle,
+                           f.lanes * parts * load.leaves,
+                           f.insertions * load.insertions / plan.candidates_per_cycle,
+                           f.memory * beats * load.misses, f.latency * alone / plan.contexts};
   double sum = 0;
   for (const double b : bounds) sum += std::pow(b, f.power);
   return f.fixed + std::pow(sum, 1 / f.power);

@@ -69,6 +69,9 @@ struct Plan {
   // [gatherer]: changes when packets come, never which
   int contexts = 16;
   int lanes = 4;
+  int nodes_per_cycle = 1;
+  int candidates_per_cycle = 1;
+  int powers_per_cycle = 1;
   int cache_bytes = 16384;
   int cache_ways = 2;
   int cache_misses = 8;
@@ -197,8 +200,13 @@ struct Plan {
       "leaves visited per query at most, 0 for no limit");
     v("gather", "reciprocal_bits", p.reciprocal_bits, 0, 24,
       "W of reciprocal(r^2), 0 for none, else at least 8");
-    v("gatherer", "contexts", p.contexts, 1, 32, "queries in flight");
+    v("gatherer", "contexts", p.contexts, 1, 64, "queries in flight");
     v("gatherer", "lanes", p.lanes, 1, 16, "distances per cycle");
+    v("gatherer", "nodes_per_cycle", p.nodes_per_cycle, 1, 2, "inner nodes per cycle");
+    v("gatherer", "candidates_per_cycle", p.candidates_per_cycle, 1, 4,
+      "candidates per cycle that enter lists: 1, 2 or 4");
+    v("gatherer", "powers_per_cycle", p.powers_per_cycle, 1, 4,
+      "powers summed per cycle: 1, 2 or 4, at most candidates_per_cycle");
     v("gatherer", "cache_bytes", p.cache_bytes, 0, 1 << 20, "leaf cache");
     v("gatherer", "cache_ways", p.cache_ways, 1, 8, "its associativity");
     v("gatherer", "cache_misses", p.cache_misses, 1, 32, "misses outstanding");

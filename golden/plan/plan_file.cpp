@@ -281,6 +281,21 @@ std::optional<PlanProblem> find_problem(const Plan& plan) {
     return fail("gatherer.lanes",
                 fmt::format("is {}, expected a power of two up to the bucket of {}", plan.lanes,
                             plan.bucket));
+  for (const auto& [line, width] :
+       {std::pair{"gatherer.nodes_per_cycle", plan.nodes_per_cycle},
+        std::pair{"gatherer.candidates_per_cycle", plan.candidates_per_cycle},
+        std::pair{"gatherer.powers_per_cycle", plan.powers_per_cycle}}) {
+    if (!power_of_two(width)) return fail(line, fmt::format("is {}, expected 1, 2 or 4", width));
+    if (width > plan.contexts)
+      return fail(line, fmt::format("is {}, expected at most the {} of gatherer.contexts, which "
+                                    "are dealt to the {} of them",
+                                    width, plan.contexts, width));
+  }
+  if (plan.powers_per_cycle > plan.candidates_per_cycle)
+    return fail("gatherer.powers_per_cycle",
+                fmt::format("is {}, expected at most candidates_per_cycle = {}: a sum reads what "
+                            "one list or more have kept",
+                            plan.powers_per_cycle, plan.candidates_per_cycle));
   {
     const int way = plan.line_bytes() * plan.cache_ways;
     if (plan.cache_bytes % way != 0 || !power_of_two(plan.cache_bytes / way))
@@ -382,10 +397,21 @@ std::map<std::string, std::string> line_values(const Plan& plan) {
 }  // namespace
 
 bool may_be_left_out(const std::string& line) {
-  static const std::set<std::string> kLines{
-      "cache.present",    "cache.records",    "cache.hits",        "cache.passes",
-      "cache.accuracy",   "cache.radius",     "cache.probe_rays",  "cache.radius_min",
-      "cache.radius_max", "cache.angle_bits", "cache.weight_bits", "cache.glossy"};
+  static const std::set<std::string> kLines{"cache.present",
+                                            "cache.records",
+                                            "cache.hits",
+                                            "cache.passes",
+                                            "cache.accuracy",
+                                            "cache.radius",
+                                            "cache.probe_rays",
+                                            "cache.radius_min",
+                                            "cache.radius_max",
+                                            "cache.angle_bits",
+                                            "cache.weight_bits",
+                                            "cache.glossy",
+                                            "gatherer.nodes_per_cycle",
+                                            "gatherer.candidates_per_cycle",
+                                            "gatherer.powers_per_cycle"};
   return kLines.count(line) != 0;
 }
 

@@ -41,12 +41,32 @@ uint64_t power_of_two(int n) { return uint64_t{1} << clog2(static_cast<uint64_t>
 
 int load_bits(const Plan& p) { return p.photon_bits() - 3 * p.position_bits; }
 
+struct Shape {
+  int width;
+  uint64_t depth;
+};
+// With two ports that both read, 18 bits are the widest.
+constexpr Shape kTwoReads[] = {{1, 16384}, {2, 8192}, {4, 4096}, {9, 2048}, {18, 1024}};
+constexpr Shape kOneRead[] = {{1, 16384}, {2, 8192}, {4, 4096}, {9, 2048}, {18, 1024}, {36, 512}};
+
+int fewest(std::span<const Shape> shapes, int width, uint64_t depth) {
+  int best = 0;
+  for (const Shape& s : shapes) {
+    const int n =
+        (width + s.width - 1) / s.width * static_cast<int>((depth + s.depth - 1) / s.depth);
+    if (best == 0 || n < best) best = n;
+  }
+  return best;
+}
+
 // A unit's instances of block_ram: block RAM, or LUT RAM, a choice between its 16 words a cell and
 // a register behind it, for those of board.lut_ram_words words at most.
 class Memories {
  public:
   explicit Memories(const Plan& plan) : lut_words_(static_cast<uint64_t>(plan.lut_ram_words)) {}
 
+  // An instance of block_ram_two_reads.
+  void add_two_reads(int width, uint64_t depth) { blocks += fewest(kTwoReads, width, depth); }
   void add(int width, uint64_t depth, int instances = 1) {
     if (depth > lut_words_) {
       blocks += instances * block_rams(width, depth);
@@ -99,18 +119,30 @@ Memories gatherer_memories(const Plan& p) {
                     : address == 11 ? 9
                     : address == 10 ? 18
                                     : 36;
-  for (int left = p.position_bits + 2; left > 0; left -= slice) m.add(std::min(left, slice), nodes);
+  // Two trees read on both ports of a block, which has 18 bits there at most.
+  const int two = std::min(slice, 18);
+  for (int left = p.position_bits + 2; left > 0; left -= p.nodes_per_cycle > 1 ? two : slice)
+    if (p.nodes_per_cycle > 1)
+      m.add_two_reads(std::min(left, two), nodes);
+    else
+      m.add(std::min(left, slice), nodes);
 
-  const uint64_t contexts = power_of_two(std::max(2, p.contexts));
-  const uint64_t places = contexts * power_of_two(std::max(2, p.k));
-  m.add(load_bits(p) + p.r2_bits() + p.index_bits(), places);
-  m.add(p.r2_bits(), places);
+  // Trees and lists have their contexts each.
+  const auto contexts_of = [&](int parts) {
+    return power_of_two(std::max(2, (p.contexts + parts - 1) / parts));
+  };
+  const uint64_t contexts = contexts_of(1);
+  const uint64_t places = contexts_of(p.candidates_per_cycle) * power_of_two(std::max(2, p.k));
+  const int lists = p.candidates_per_cycle;
+  m.add(load_bits(p) + p.r2_bits() + p.index_bits(), places, lists);
+  m.add(p.r2_bits(), places, lists);
   m.add(2 + p.line_bits() + 3 * (p.position_bits + 1) + p.r2_bits() +
             clog2(static_cast<uint64_t>(p.epsilon_factor)),
-        contexts * power_of_two(p.line_bits() + 1) / 2, 2);
+        contexts_of(p.nodes_per_cycle) * power_of_two(p.line_bits() + 1) / 2,
+        2 * p.nodes_per_cycle);
   const uint64_t rows = uint64_t{1} << clog2(std::max<uint64_t>(16, 2 * parts) + 24);
-  m.add(p.lanes * load_bits(p), rows);
-  m.add(2 * p.lanes * p.direction_bits, rows);
+  m.add(p.lanes * load_bits(p), rows, lists);
+  m.add(2 * p.lanes * p.direction_bits, rows, lists);
 
   // Of a result: what is known of it at the start, at the end, and its reciprocal.
   const uint64_t slots = contexts > 16 ? 2 * contexts : 4 * contexts;
@@ -128,9 +160,10 @@ Terms terms_of(Gatherer, const Plan& p, const std::string& resource) {
   // Squares of offsets in the lanes and in the nodes, two tests of a direction (a lane gives one
   // at a time), powers' exponents.
   if (resource == "dsp")
-    return {{"products", 3 * (p.lanes + 1) * multipliers(p.position_bits + 1) +
-                             3 * std::min(p.lanes, 2) + p.channels}};
-  const int list = p.k * (p.r2_bits() + p.index_bits());
+    return {{"products", 3 * (p.lanes + p.nodes_per_cycle) * multipliers(p.position_bits + 1) +
+                             3 * std::min(p.lanes, 2) * p.candidates_per_cycle +
+                             p.channels * p.powers_per_cycle}};
+  const int list = p.k * (p.r2_bits() + p.index_bits()) * p.candidates_per_cycle;
   Terms terms = {{"list", list},
                  {"lanes", p.lanes * p.position_bits},
                  {"flux", p.channels * p.flux_bits()},
@@ -258,25 +291,6 @@ MemoryBits memory_bits_of(Sampler, const Plan& p) {
   if (!p.global.present) return {};
   return {{"two tables", 2 * (uint64_t{1} << (2 * p.cell_bits)) * u64(p.total_bits())}};
 }
-
-struct Shape {
-  int width;
-  uint64_t depth;
-};
-// With two ports that both read, 18 bits are the widest.
-constexpr Shape kTwoReads[] = {{1, 16384}, {2, 8192}, {4, 4096}, {9, 2048}, {18, 1024}};
-constexpr Shape kOneRead[] = {{1, 16384}, {2, 8192}, {4, 4096}, {9, 2048}, {18, 1024}, {36, 512}};
-
-int fewest(std::span<const Shape> shapes, int width, uint64_t depth) {
-  int best = 0;
-  for (const Shape& s : shapes) {
-    const int n =
-        (width + s.width - 1) / s.width * static_cast<int>((depth + s.depth - 1) / s.depth);
-    if (best == 0 || n < best) best = n;
-  }
-  return best;
-}
-
 // As photon_ram and photon_sdram keep them.
 int photon_memory_blocks(const Plan& p) {
   const int beats = 8 * p.line_bytes() / p.beat_bits;

@@ -2,7 +2,7 @@
 // reciprocal(x) of golden/numeric/reciprocal.hpp: x > 0 is normalised and rounded half up to W+1 bits m, then
 // R = floor(2^(2W) / m) by non-restoring division, two bits a cycle, so it is the definition for every m by construction.
 // 1/x = mantissa * 2^-(W + exponent). One at a time; each takes ceil((W+1)/2) + 5 cycles, and to normalise it one for
-// each four leading zeros and one for each of the up to three that remain. out_valid_o is one cycle long.
+// each four leading zeros and one for each of the up to three that remain, and until out_ready_i.
 module reciprocal #(
     parameter int unsigned XBits = 34,
     parameter int unsigned W = 18,
@@ -14,6 +14,7 @@ module reciprocal #(
     output logic                    in_ready_o,
     input  logic [       XBits-1:0] in_i,
     output logic                    out_valid_o,
+    input  logic                    out_ready_i,
     output logic [             W:0] mantissa_o,
     output logic [ExponentBits-1:0] exponent_o
 );
@@ -91,7 +92,7 @@ module reciprocal #(
         step_q <= step_q - 1'b1;
         if (step_q == '0) state_q <= Out;
       end
-      default: state_q <= Idle;
+      default: if (out_ready_i) state_q <= Idle;
     endcase
     if (rst_i) state_q <= Idle;
   end

@@ -8,14 +8,18 @@
 // answers are made. Up to Contexts queries are in flight. Each is at any time in one place: descending through inner
 // nodes, waiting for its leaf line, in the lanes, entering its list, or taking subtrees off its stack; its next decision
 // waits for its last insertion. Nodes, dropped stack entries, leaf beats and insertions each have a port of their own
-// that takes one a cycle. docs/photon_gatherer.md has the drawing, the modules, the address map of cfg_*, the figures,
-// and the files that more a cycle would touch.
+// that takes one a cycle. Of trees, lists and sums there may be several: number n of N has the contexts c with c % N = n.
+// docs/photon_gatherer.md has the drawing, the modules, the address map of cfg_*, and the figures.
 //
 // Latency: about 3 cycles an inner node, 3 for one or two stack entries, 40 a leaf in the cache, 1 a candidate.
-// Throughput: cycles per query near max(inner nodes, Bucket / Lanes * leaves, insertions).
+// Throughput: cycles per query near max(inner nodes / Trees, Bucket / Lanes * leaves, insertions / Lists,
+// (K + 1) / Sums).
 module photon_gatherer #(
     // These change when packets come, never which.
     parameter int unsigned Contexts = photonloom_pkg::Contexts,
+    parameter int unsigned Trees = photonloom_pkg::NodesPerCycle,
+    parameter int unsigned Lists = photonloom_pkg::CandidatesPerCycle,
+    parameter int unsigned Sums = photonloom_pkg::PowersPerCycle,
     parameter int unsigned Lanes = photonloom_pkg::Lanes,
     parameter int unsigned CacheBytes = photonloom_pkg::CacheBytes,
     parameter int unsigned CacheWays = photonloom_pkg::CacheWays,
@@ -66,6 +70,12 @@ module photon_gatherer #(
     output logic [31:0] count_stalled_lines_o  // cycles a line request waited to be taken
 );
   localparam int unsigned ContextBits = Contexts > 1 ? $clog2(Contexts) : 1;
+  localparam int unsigned TreeContexts = (Contexts + Trees - 1) / Trees;
+  localparam int unsigned TreeContextBits = TreeContexts > 1 ? $clog2(TreeContexts) : 1;
+  localparam int unsigned ListContexts = (Contexts + Lists - 1) / Lists;
+  localparam int unsigned ListContextBits = ListContexts > 1 ? $clog2(ListContexts) : 1;
+  localparam int unsigned SumContexts = (Contexts + Sums - 1) / Sums;
+  localparam int unsigned SumContextBits = SumContexts > 1 ? $clog2(SumContexts) : 1;
   localparam int unsigned PositionBits = photonloom_pkg::PositionBits;
   localparam int unsigned NormalBits = photonloom_pkg::NormalBits;
   localparam int unsigned DirectionBits = photonloom_pkg::DirectionBits;
@@ -123,13 +133,18 @@ module photon_gatherer #(
 
   photonloom_pkg::gather_query_t query;
   logic start, search, search_inner, search_leaf, hold, slot_ready, flush_ready, busy;
-  logic token, token_taken, token_done, empty_done, tree_done, sum_free, photons_free;
-  logic [ContextBits-1:0] search_context, token_context, tree_done_context, sum_free_context, photons_free_context;
+  logic token, token_taken, token_done, empty_done, photons_free;
+  logic [Trees-1:0] tree_done;
+  logic [Sums-1:0] sum_free;
+  logic [ContextBits-1:0] search_context, token_context, photons_free_context;
+  logic [Trees*TreeContextBits-1:0] tree_done_context;
+  logic [Sums*SumContextBits-1:0] sum_free_context;
   logic [3*(NormalBits+2)-1:0] search_normal;
   logic [R2Bits-1:0] token_r2_max;
 
   photon_gatherer_start #(
-      .Contexts(Contexts)
+      .Contexts(Contexts),
+      .Sums(Sums)
   ) starts (
       .clk_i(clk_i),
       .rst_i(rst_i),
@@ -154,7 +169,7 @@ module photon_gatherer #(
       .token_done_i(token_done),
       .token_r2_max_o(token_r2_max),
       .empty_done_o(empty_done),
-      .tree_done_i(tree_done),
+      .tree_done_i(tree_done[32'(token_context)&(Trees-1)]),
       .sum_free_i(sum_free),
       .sum_free_context_i(sum_free_context),
       .photons_free_i(photons_free),
@@ -162,19 +177,30 @@ module photon_gatherer #(
       .busy_o(busy)
   );
 
-  logic leaf_valid, leaf_map, leaf_first, finish_valid, finish_ready, finish_stop, bound_write;
-  logic [ContextBits-1:0] leaf_context, finish_context, bound_context;
-  logic [LineBits-1:0] leaf_line;
-  logic [StackBits-1:0] leaf_stack, leaf_steps, finish_stack;
-  logic [R2Bits-1:0] bound;
-  logic [1:0] nodes, dropped, candidates, insertions;
+  // Of counted events there are two of each tree's and list's at most in a cycle.
+  localparam int unsigned StepBits = $clog2(2 * (Trees > Lists ? Trees : Lists) + 1);
 
-  photon_gatherer_tree #(
+  logic leaf_valid, leaf_map, leaf_first;
+  logic [Trees-1:0] finish_valid, finish_ready, finish_stop;
+  logic [Lists-1:0] bound_write;
+  logic [ContextBits-1:0] leaf_context;
+  logic [Trees*TreeContextBits-1:0] finish_context;
+  logic [Lists*ListContextBits-1:0] bound_context;
+  logic [LineBits-1:0] leaf_line;
+  logic [StackBits-1:0] leaf_stack, leaf_steps;
+  logic [Trees*StackBits-1:0] finish_stack;
+  logic [Lists*R2Bits-1:0] bound;
+  logic [$clog2(2*Trees+1)-1:0] nodes, dropped;
+  logic [$clog2(2*Lists+1)-1:0] candidates, insertions;
+
+  photon_gatherer_trees #(
       .Contexts(Contexts),
+      .Trees(Trees),
+      .Lists(Lists),
       .GlobalLines(GlobalLines),
       .CausticLines(CausticLines),
       .NodeWords(NodeWords)
-  ) tree (
+  ) trees (
       .clk_i(clk_i),
       .rst_i(rst_i),
       .node_write_i(node_write),
@@ -209,18 +235,25 @@ module photon_gatherer #(
       .dropped_o(dropped)
   );
 
-  logic leaf, hit, miss, store_read, snapshot, snapshot_taken, snapshot_done;
-  logic [ContextBits-1:0] found_context, store_context, snapshot_context;
-  logic [CountBits-1:0] found_count, snapshot_count;
-  logic [R2Bits-1:0] found_r2;
-  logic [IndexBits:0] found_insertions;
-  logic [NodeBits-1:0] found_leaves, found_nodes;
-  logic [PlaceBits-1:0] store_place;
-  logic [StoreBits-1:0] store_word;
+  logic leaf, hit, miss, snapshot, snapshot_taken, snapshot_done;
+  logic [Lists-1:0] store_read;
+  logic [ContextBits-1:0] snapshot_context;
+  logic [Sums*SumContextBits-1:0] found_context;
+  logic [Lists*ListContextBits-1:0] store_context;
+  logic [Sums*CountBits-1:0] found_count;
+  logic [CountBits-1:0] snapshot_count;
+  logic [Sums*R2Bits-1:0] found_r2;
+  logic [Sums*(IndexBits+1)-1:0] found_insertions;
+  logic [Sums*NodeBits-1:0] found_leaves, found_nodes;
+  logic [Lists*PlaceBits-1:0] store_place;
+  logic [Lists*StoreBits-1:0] store_word;
   logic [K*PlaceBits-1:0] snapshot_places;
 
   photon_gatherer_leaves #(
       .Contexts(Contexts),
+      .Trees(Trees),
+      .Lists(Lists),
+      .Sums(Sums),
       .Lanes(Lanes),
       .Sets(Sets),
       .CacheWays(CacheWays),
@@ -287,7 +320,10 @@ module photon_gatherer #(
   );
 
   photon_gatherer_answers #(
-      .Contexts(Contexts)
+      .Contexts(Contexts),
+      .Trees(Trees),
+      .Lists(Lists),
+      .Sums(Sums)
   ) answers (
       .clk_i(clk_i),
       .rst_i(rst_i),
@@ -329,13 +365,16 @@ module photon_gatherer #(
       .photon_o(photon_o)
   );
 
-  photon_gatherer_counters counters (
+  photon_gatherer_counters #(
+      .StepBits(StepBits)
+  ) counters (
       .clk_i(clk_i),
       .rst_i(rst_i),
       .step_i({
-        {1'b0, line_req_valid_o && !line_req_ready_i, 1'b0, photon_valid_o && !photon_ready_i},
-        {1'b0, result_valid_o && !result_ready_i, 1'b0, in_valid_i && !in_ready_o, 1'b0, miss, 1'b0, hit},
-        {insertions, candidates, 1'b0, leaf, dropped, nodes, 1'b0, search, 1'b0, busy}
+        {StepBits'(line_req_valid_o && !line_req_ready_i), StepBits'(photon_valid_o && !photon_ready_i)},
+        {StepBits'(result_valid_o && !result_ready_i), StepBits'(in_valid_i && !in_ready_o)},
+        {StepBits'(miss), StepBits'(hit), StepBits'(insertions), StepBits'(candidates), StepBits'(leaf)},
+        {StepBits'(dropped), StepBits'(nodes), StepBits'(search), StepBits'(busy)}
       }),
       .count_o({
         {count_stalled_lines_o, count_stalled_photons_o, count_stalled_results_o, count_stalled_in_o},

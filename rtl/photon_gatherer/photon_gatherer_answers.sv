@@ -3,12 +3,24 @@
 // photon_gatherer_results in the order of the queries, photons by photon_gatherer_photons, and neither waits for the
 // other. A query in an empty map is done when its list is empty; no leaf and no inner node were counted for it.
 //
-// The slot store is read by the sum, else by the photons. What belongs to the context is read when the sum takes it,
-// since the context may start anew before the sum is out. A query takes count + 1 cycles of the sum, latency
-// count + 8 from its turn to the end of its sum. Mirrors the end of search_gather in golden/unit/photon_gatherer.cpp.
+// Trees, lists and sums each have their part of the contexts: number n of N has the contexts c with c % N = n, as c / N.
+//
+// The slot store of a list is read by its sum, else by the photons. What belongs to the context is read when the sum
+// takes it, since the context may start anew before the sum is out. A query takes count + 1 cycles of its sum, and
+// where there are several up to Sums - 1 more; latency count + 8 from its turn to the end of its sum. Mirrors the end
+// of search_gather in golden/unit/photon_gatherer.cpp.
 module photon_gatherer_answers #(
     parameter int unsigned Contexts = 16,
+    parameter int unsigned Trees = 1,
+    parameter int unsigned Lists = 1,
+    parameter int unsigned Sums = 1,  // at most Lists
     localparam int unsigned ContextBits = Contexts > 1 ? $clog2(Contexts) : 1,
+    localparam int unsigned TreeContexts = (Contexts + Trees - 1) / Trees,
+    localparam int unsigned TreeContextBits = TreeContexts > 1 ? $clog2(TreeContexts) : 1,
+    localparam int unsigned ListContexts = (Contexts + Lists - 1) / Lists,
+    localparam int unsigned ListContextBits = ListContexts > 1 ? $clog2(ListContexts) : 1,
+    localparam int unsigned SumContexts = (Contexts + Sums - 1) / Sums,
+    localparam int unsigned SumContextBits = SumContexts > 1 ? $clog2(SumContexts) : 1,
     localparam int unsigned K = photonloom_pkg::K,
     localparam int unsigned CountBits = photonloom_pkg::CountBits,
     localparam int unsigned PlaceBits = K > 1 ? $clog2(K) : 1,
@@ -21,146 +33,220 @@ module photon_gatherer_answers #(
     localparam int unsigned PowerBits = MantissasBits + ExponentBits,
     localparam int unsigned StoreBits = 2 * DirectionBits + PowerBits + R2Bits + IndexBits
 ) (
-    input  logic                           clk_i,
-    input  logic                           rst_i,
+    input  logic                             clk_i,
+    input  logic                             rst_i,
     // a query or a flush starts; a query does, in a context
-    output logic                           slot_ready_o,
-    output logic                           flush_ready_o,         // and a flush may
-    input  logic                           start_i,
-    input  logic                           search_i,
-    input  logic [        ContextBits-1:0] search_context_i,
+    output logic                             slot_ready_o,
+    output logic                             flush_ready_o,           // and a flush may
+    input  logic                             start_i,
+    input  logic                             search_i,
+    input  logic [          ContextBits-1:0] search_context_i,
     /* verilator lint_off UNUSEDSIGNAL */  // position and normal are for the search
-    input  photonloom_pkg::gather_query_t  query_i,
+    input  photonloom_pkg::gather_query_t    query_i,
     /* verilator lint_on UNUSEDSIGNAL */
-    // a query is done: in the tree, or else in an empty map
-    input  logic                           tree_done_i,
-    input  logic [        ContextBits-1:0] tree_done_context_i,
-    input  logic                           empty_done_i,
-    input  logic [        ContextBits-1:0] empty_done_context_i,
-    // what was found for a context
-    output logic [        ContextBits-1:0] found_context_o,
-    input  logic [          CountBits-1:0] found_count_i,
-    input  logic [             R2Bits-1:0] found_r2_i,
-    input  logic [            IndexBits:0] found_insertions_i,
-    input  logic [           NodeBits-1:0] found_leaves_i,
-    input  logic [           NodeBits-1:0] found_nodes_i,
-    // its photons: load, d2, index, a cycle after the address
-    output logic                           store_read_o,
-    output logic [        ContextBits-1:0] store_context_o,
-    output logic [          PlaceBits-1:0] store_place_o,
-    input  logic [          StoreBits-1:0] store_word_i,
+    // a query is done: in a tree, or else in an empty map
+    input  logic [                Trees-1:0] tree_done_i,
+    input  logic [Trees*TreeContextBits-1:0] tree_done_context_i,
+    input  logic                             empty_done_i,
+    input  logic [          ContextBits-1:0] empty_done_context_i,
+    // what was found for a context, for each sum
+    output logic [  Sums*SumContextBits-1:0] found_context_o,
+    input  logic [       Sums*CountBits-1:0] found_count_i,
+    input  logic [          Sums*R2Bits-1:0] found_r2_i,
+    input  logic [   Sums*(IndexBits+1)-1:0] found_insertions_i,
+    input  logic [        Sums*NodeBits-1:0] found_leaves_i,
+    input  logic [        Sums*NodeBits-1:0] found_nodes_i,
+    // its photons, of each list: load, d2, index, a cycle after the address
+    output logic [                Lists-1:0] store_read_o,
+    output logic [Lists*ListContextBits-1:0] store_context_o,
+    output logic [      Lists*PlaceBits-1:0] store_place_o,
+    input  logic [      Lists*StoreBits-1:0] store_word_i,
     // a snapshot of their places in list order
-    output logic                           snapshot_o,
-    input  logic                           snapshot_taken_i,
-    output logic [        ContextBits-1:0] snapshot_context_o,
-    input  logic                           snapshot_done_i,
-    input  logic [          CountBits-1:0] snapshot_count_i,
-    input  logic [        K*PlaceBits-1:0] snapshot_places_i,
+    output logic                             snapshot_o,
+    input  logic                             snapshot_taken_i,
+    output logic [          ContextBits-1:0] snapshot_context_o,
+    input  logic                             snapshot_done_i,
+    input  logic [            CountBits-1:0] snapshot_count_i,
+    input  logic [          K*PlaceBits-1:0] snapshot_places_i,
     // nothing more is read for the sum, for the photons
-    output logic                           sum_free_o,
-    output logic [        ContextBits-1:0] sum_free_context_o,
-    output logic                           photons_free_o,
-    output logic [        ContextBits-1:0] photons_free_context_o,
+    output logic [                 Sums-1:0] sum_free_o,
+    output logic [  Sums*SumContextBits-1:0] sum_free_context_o,
+    output logic                             photons_free_o,
+    output logic [          ContextBits-1:0] photons_free_context_o,
     // results
-    output logic                           result_valid_o,
-    input  logic                           result_ready_i,
-    output photonloom_pkg::gather_result_t result_o,
+    output logic                             result_valid_o,
+    input  logic                             result_ready_i,
+    output photonloom_pkg::gather_result_t   result_o,
     // photons
-    output logic                           photon_valid_o,
-    input  logic                           photon_ready_i,
-    output photonloom_pkg::gather_photon_t photon_o
+    output logic                             photon_valid_o,
+    input  logic                             photon_ready_i,
+    output photonloom_pkg::gather_photon_t   photon_o
 );
   localparam int unsigned QueueDepth = Contexts > 2 ? (1 << $clog2(Contexts)) : 2;
   // Of results; 64 of them are enough, and as many as LUTs hold well.
   localparam int unsigned Slots = QueueDepth > 16 ? 2 * QueueDepth : 4 * QueueDepth;
   localparam int unsigned SlotBits = $clog2(Slots);
   localparam int unsigned RideBits = SlotBits + 1 + R2Bits + 2 * NodeBits + IndexBits + 1;
+  localparam int unsigned FluxesBits = photonloom_pkg::Channels * photonloom_pkg::FluxBits;
+  localparam int unsigned SumBits = CountBits + RideBits + FluxesBits;
 
   // ---- queries that are done ----
-  logic done, done_valid, done_empty, sum_ready, place_free, sum_take;
-  logic [ContextBits-1:0] done_context;
-  /* verilator lint_off UNUSEDSIGNAL */  // the queue holds every context
-  logic done_ready;
-  /* verilator lint_on UNUSEDSIGNAL */
+  // A queue holds the ends of one tree that go to one sum, so that each has one side at each end.
+  localparam int unsigned Queues = Trees > Sums ? Trees : Sums;
+  localparam int unsigned EndContexts = (Contexts + Queues - 1) / Queues;
+  localparam int unsigned EndDepth = EndContexts > 2 ? (1 << $clog2(EndContexts)) : 2;
+  localparam int unsigned EndBits = SumContextBits + 1;  // in an empty map
+  logic [Trees-1:0] done;
+  logic [Trees*TreeContextBits-1:0] done_context;
+  logic [Queues-1:0] waiting, taken;
+  logic [Queues*EndBits-1:0] oldest;
 
-  assign done = tree_done_i || empty_done_i;
-  assign done_context = tree_done_i ? tree_done_context_i : empty_done_context_i;
+  for (genvar tree = 0; tree < Trees; tree++) begin : gen_done
+    assign done[tree] = tree_done_i[tree] || (empty_done_i && (32'(empty_done_context_i) & (Trees - 1)) == tree);
+    assign done_context[TreeContextBits*tree+:TreeContextBits] =
+        tree_done_i[tree] ? tree_done_context_i[TreeContextBits*tree+:TreeContextBits] :
+        TreeContextBits'(empty_done_context_i >> $clog2(Trees));
+  end
 
-  fifo #(
-      .Width(ContextBits + 1),
-      .Depth(QueueDepth)
-  ) done_queue (
-      .clk_i(clk_i),
-      .rst_i(rst_i),
-      .in_valid_i(done),
-      .in_ready_o(done_ready),
-      .in_i({done_context, !tree_done_i}),
-      .out_valid_o(done_valid),
-      .out_ready_i(sum_ready && place_free),
-      .out_o({found_context_o, done_empty})
-  );
-  assign sum_take = done_valid && sum_ready && place_free;
+  for (genvar q = 0; q < Queues; q++) begin : gen_queue
+    localparam int unsigned Tree = q % Trees;
+    logic [ContextBits-1:0] context_done;
+    /* verilator lint_off UNUSEDSIGNAL */  // the queue holds every context
+    logic ready;
+    /* verilator lint_on UNUSEDSIGNAL */
+    assign context_done = ContextBits'(32'(done_context[TreeContextBits*Tree+:TreeContextBits]) * Trees + Tree);
+    fifo #(
+        .Width(EndBits),
+        .Depth(EndDepth)
+    ) ends (
+        .clk_i(clk_i),
+        .rst_i(rst_i),
+        .in_valid_i(done[Tree] && (32'(context_done) & (Queues - 1)) == q),
+        .in_ready_o(ready),
+        .in_i({SumContextBits'(context_done >> $clog2(Sums)), !tree_done_i[Tree]}),
+        .out_valid_o(waiting[q]),
+        .out_ready_i(taken[q]),
+        .out_o(oldest[EndBits*q+:EndBits])
+    );
+  end
 
   // ---- sums ----
-  logic [SlotBits:0] start_slot, done_slot, sum_slot;
-  logic sum_read, sum_valid;
-  logic [ContextBits-1:0] sum_read_context;
-  logic [PlaceBits-1:0] sum_read_place;
+  logic place_free;
+  logic [SlotBits:0] start_slot, sum_slot;
+  logic [Sums-1:0] sum_take, sum_read, sum_valid;
+  logic [Sums*SumContextBits-1:0] sum_read_context;
+  logic [Sums*PlaceBits-1:0] sum_read_place;
+  logic [Sums*SumBits-1:0] sums;
   logic [CountBits-1:0] sum_count;
   logic [photonloom_pkg::Channels*photonloom_pkg::FluxBits-1:0] sum_flux;
   logic [R2Bits-1:0] sum_r2;
   logic [NodeBits-1:0] sum_leaves, sum_nodes;
   logic [IndexBits:0] sum_insertions;
 
-  lut_ram #(
-      .Width(SlotBits + 1),
-      .Depth(Contexts)
-  ) result_slots (
-      .clk_i(clk_i),
-      .write_i(search_i),
-      .write_address_i(search_context_i),
-      .write_data_i(start_slot),
-      .read_address_i(found_context_o),
-      .read_data_o(done_slot)
-  );
+  for (genvar s = 0; s < Sums; s++) begin : gen_sum
+    localparam int unsigned Choices = Lists / Sums;
+    logic ready, ends, empty;
+    logic [SumContextBits-1:0] context_done;
+    logic [SlotBits:0] done_slot;
+    logic [PowerBits-1:0] power;
 
-  photon_gatherer_sum #(
-      .K(K),
-      .Contexts(Contexts),
-      .Channels(photonloom_pkg::Channels),
-      .MantissaBits(photonloom_pkg::MantissaBits),
-      .ExponentBits(ExponentBits),
-      .FluxBits(photonloom_pkg::FluxBits),
-      .RideBits(RideBits)
-  ) sum (
-      .clk_i(clk_i),
-      .rst_i(rst_i),
-      .in_valid_i(sum_take),
-      .in_ready_o(sum_ready),
-      .in_context_i(found_context_o),
-      .in_count_i(found_count_i),
-      .in_ride_i({
-        done_slot,
-        found_r2_i,
-        found_insertions_i,
-        done_empty ? NodeBits'(0) : found_leaves_i,
-        done_empty ? NodeBits'(0) : found_nodes_i
-      }),
-      .read_o(sum_read),
-      .read_context_o(sum_read_context),
-      .read_place_o(sum_read_place),
-      .read_power_i(store_word_i[StoreBits-1-:PowerBits]),
-      .free_o(sum_free_o),
-      .free_context_o(sum_free_context_o),
-      .out_valid_o(sum_valid),
-      .out_count_o(sum_count),
-      .out_ride_o({sum_slot, sum_r2, sum_insertions, sum_leaves, sum_nodes}),
-      .out_flux_o(sum_flux)
-  );
+    // The first queue of the sum's in which one waits.
+    always_comb begin
+      ends = 1'b0;
+      {context_done, empty} = oldest[EndBits*s+:EndBits];
+      for (int unsigned q = Queues; q > 0; q--) begin
+        if (((q - 1) & (Sums - 1)) == s && waiting[q-1]) begin
+          ends = 1'b1;
+          {context_done, empty} = oldest[EndBits*(q-1)+:EndBits];
+        end
+      end
+    end
+    for (genvar q = s; q < Queues; q = q + Sums) begin : gen_taken
+      logic [Queues-1:0] before_it;
+      for (genvar other = 0; other < Queues; other++) begin : gen_before
+        assign before_it[other] = other < q && other % Sums == s && waiting[other];
+      end
+      assign taken[q] = ready && place_free && before_it == '0;
+    end
+    assign sum_take[s] = ends && ready && place_free;
+    assign found_context_o[SumContextBits*s+:SumContextBits] = context_done;
+
+    lut_ram #(
+        .Width(SlotBits + 1),
+        .Depth(SumContexts)
+    ) result_slots (
+        .clk_i(clk_i),
+        .write_i(search_i && (32'(search_context_i) & (Sums - 1)) == s),
+        .write_address_i(SumContextBits'(search_context_i >> $clog2(Sums))),
+        .write_data_i(start_slot),
+        .read_address_i(context_done),
+        .read_data_o(done_slot)
+    );
+
+    // The power is in the slot store of the list that had the context a cycle ago.
+    if (Choices == 1) begin : gen_one_store
+      assign power = store_word_i[StoreBits*s+StoreBits-1-:PowerBits];
+    end else begin : gen_stores
+      logic [SumContextBits-1:0] context_q;
+      always_ff @(posedge clk_i) context_q <= sum_read_context[SumContextBits*s+:SumContextBits];
+      always_comb begin
+        power = '0;
+        for (int unsigned i = 0; i < Choices; i++)
+          if ((32'(context_q) & (Choices - 1)) == i)
+            power = power | store_word_i[StoreBits*(Sums*i+s)+StoreBits-1-:PowerBits];
+      end
+    end
+
+    photon_gatherer_sum #(
+        .K(K),
+        .Contexts(SumContexts),
+        .Sums(Sums),
+        .Sum(s),
+        .Channels(photonloom_pkg::Channels),
+        .MantissaBits(photonloom_pkg::MantissaBits),
+        .ExponentBits(ExponentBits),
+        .FluxBits(photonloom_pkg::FluxBits),
+        .RideBits(RideBits)
+    ) sum (
+        .clk_i(clk_i),
+        .rst_i(rst_i),
+        .in_valid_i(sum_take[s]),
+        .in_ready_o(ready),
+        .in_context_i(context_done),
+        .in_count_i(found_count_i[CountBits*s+:CountBits]),
+        .in_ride_i({
+          done_slot,
+          found_r2_i[R2Bits*s+:R2Bits],
+          found_insertions_i[(IndexBits+1)*s+:IndexBits+1],
+          empty ? NodeBits'(0) : found_leaves_i[NodeBits*s+:NodeBits],
+          empty ? NodeBits'(0) : found_nodes_i[NodeBits*s+:NodeBits]
+        }),
+        .read_o(sum_read[s]),
+        .read_context_o(sum_read_context[SumContextBits*s+:SumContextBits]),
+        .read_place_o(sum_read_place[PlaceBits*s+:PlaceBits]),
+        .read_power_i(power),
+        .free_o(sum_free_o[s]),
+        .free_context_o(sum_free_context_o[SumContextBits*s+:SumContextBits]),
+        .out_valid_o(sum_valid[s]),
+        .out_count_o(sums[SumBits*s+:CountBits]),
+        .out_ride_o(sums[SumBits*s+CountBits+:RideBits]),
+        .out_flux_o(sums[SumBits*s+CountBits+RideBits+:FluxesBits])
+    );
+  end
+
+  // One sum a cycle is done.
+  logic [SumBits-1:0] sum_done;
+  always_comb begin
+    sum_done = '0;
+    for (int unsigned s = 0; s < Sums; s++)
+      if (Sums == 1 || sum_valid[s]) sum_done = sum_done | sums[SumBits*s+:SumBits];
+  end
+  assign {sum_flux, sum_slot, sum_r2, sum_insertions, sum_leaves, sum_nodes, sum_count} = sum_done;
 
   // ---- results ----
   photon_gatherer_results #(
-      .Slots(Slots)
+      .Slots(Slots),
+      .Sums(Sums)
   ) results (
       .clk_i(clk_i),
       .rst_i(rst_i),
@@ -175,7 +261,7 @@ module photon_gatherer_answers #(
       .start_slot_o(start_slot),
       .take_ready_o(place_free),
       .take_i(sum_take),
-      .finish_i(sum_valid),
+      .finish_i(sum_valid != '0),
       .finish_slot_i(sum_slot),
       .finish_count_i(sum_count),
       .finish_r2_i(sum_r2),
@@ -192,11 +278,13 @@ module photon_gatherer_answers #(
   logic photons_read, photon_last;
   logic [ContextBits-1:0] photons_read_context;
   logic [PlaceBits-1:0] photons_read_place;
-  logic [StoreBits-1:0] photon_word;
+  logic [StoreBits-1:0] photon_word, read_word;
+  logic [Lists-1:0] summed;  // the list's slot store is read by its sum
 
   photon_gatherer_photons #(
       .K(K),
       .Contexts(Contexts),
+      .Trees(Trees),
       .StoreBits(StoreBits)
   ) photons (
       .clk_i(clk_i),
@@ -212,10 +300,10 @@ module photon_gatherer_answers #(
       .snapshot_count_i(snapshot_count_i),
       .snapshot_places_i(snapshot_places_i),
       .read_valid_o(photons_read),
-      .read_ready_i(!sum_read),
+      .read_ready_i(!summed[32'(photons_read_context)&(Lists-1)]),
       .read_context_o(photons_read_context),
       .read_place_o(photons_read_place),
-      .read_data_i(store_word_i),
+      .read_data_i(read_word),
       .free_o(photons_free_o),
       .free_context_o(photons_free_context_o),
       .out_valid_o(photon_valid_o),
@@ -233,7 +321,26 @@ module photon_gatherer_answers #(
     photon_o.last = photon_last;
   end
 
-  assign store_read_o = sum_read || photons_read;
-  assign {store_context_o, store_place_o} =
-      sum_read ? {sum_read_context, sum_read_place} : {photons_read_context, photons_read_place};
+  // ---- the slot stores ----
+  for (genvar l = 0; l < Lists; l++) begin : gen_store
+    localparam int unsigned Sum = l % Sums;
+    logic [SumContextBits-1:0] context_summed;
+    assign context_summed = sum_read_context[SumContextBits*Sum+:SumContextBits];
+    assign summed[l] = sum_read[Sum] && (32'(context_summed) & (Lists / Sums - 1)) == l / Sums;
+    assign store_read_o[l] = summed[l] || (photons_read && (32'(photons_read_context) & (Lists - 1)) == l);
+    assign {store_context_o[ListContextBits*l+:ListContextBits], store_place_o[PlaceBits*l+:PlaceBits]} = summed[l] ?
+        {ListContextBits'(context_summed >> $clog2(Lists / Sums)), sum_read_place[PlaceBits*Sum+:PlaceBits]} :
+        {ListContextBits'(photons_read_context >> $clog2(Lists)), photons_read_place};
+  end
+  if (Lists == 1) begin : gen_one_word
+    assign read_word = store_word_i;
+  end else begin : gen_words
+    logic [ContextBits-1:0] context_q;
+    always_ff @(posedge clk_i) context_q <= photons_read_context;
+    always_comb begin
+      read_word = '0;
+      for (int unsigned l = 0; l < Lists; l++)
+        if ((32'(context_q) & (Lists - 1)) == l) read_word = read_word | store_word_i[StoreBits*l+:StoreBits];
+    end
+  end
 endmodule

@@ -1,19 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
-// From a leaf to beats of candidates: its line comes through the cache, Lanes photons a cycle, and the lanes keep what
-// lies within the bound of the query. Wires the cache, the lanes, and the positions and bounds of queries
-// that these read.
+// From a leaf to beats of candidates: its line comes through the cache, Lanes photons a cycle, the lanes keep what
+// lies within the bound of the query, and it waits for the query's list, each of which has a queue. Wires the cache, the
+// lanes, the queues, and the positions and bounds of queries that the lanes read. List l has the contexts c with
+// c % Lists = l, as c / Lists. A line is read when each queue has room for it.
 //
 // One leaf lookup and one beat a cycle, leaves in any order. Latency of a leaf in the cache 5 cycles to its first beat
 // and 6 to the lanes' FIFO.
 module photon_gatherer_beats #(
     parameter int unsigned Contexts = 16,
+    parameter int unsigned Lists = 1,
     parameter int unsigned Lanes = 4,
     parameter int unsigned Sets = 64,
     parameter int unsigned CacheWays = 2,
     parameter int unsigned CacheMisses = 8,
     parameter int unsigned LineBeatBits = 128,
-    parameter int unsigned Behind = 24,  // beats that may be between the lanes' FIFO and the list
+    parameter int unsigned Behind = 24,  // beats that may be between a queue and its list
     localparam int unsigned ContextBits = Contexts > 1 ? $clog2(Contexts) : 1,
+    localparam int unsigned ListContexts = (Contexts + Lists - 1) / Lists,
+    localparam int unsigned ListContextBits = ListContexts > 1 ? $clog2(ListContexts) : 1,
     localparam int unsigned PositionBits = photonloom_pkg::PositionBits,
     localparam int unsigned R2Bits = photonloom_pkg::R2Bits,
     localparam int unsigned LineBits = photonloom_pkg::LineBits,
@@ -29,58 +33,59 @@ module photon_gatherer_beats #(
     localparam int unsigned SetBits = Sets > 1 ? $clog2(Sets) : 1,
     localparam int unsigned TagBits = CacheMisses > 1 ? $clog2(CacheMisses) : 1
 ) (
-    input  logic                             clk_i,
-    input  logic                             rst_i,
+    input  logic                                   clk_i,
+    input  logic                                   rst_i,
     // configuration of the cache
-    input  logic                             forget_i,
-    input  logic [              SetBits-1:0] set_mask_i,
-    input  logic                             bypass_i,
+    input  logic                                   forget_i,
+    input  logic [                    SetBits-1:0] set_mask_i,
+    input  logic                                   bypass_i,
     // a query starts
-    input  logic                             start_i,
-    input  logic [          ContextBits-1:0] start_context_i,
-    input  logic [       3*PositionBits-1:0] start_position_i,
+    input  logic                                   start_i,
+    input  logic [                ContextBits-1:0] start_context_i,
+    input  logic [             3*PositionBits-1:0] start_position_i,
     // a leaf is reached
-    input  logic                             leaf_valid_i,
-    input  logic [          ContextBits-1:0] leaf_context_i,
-    input  logic [               LineBits:0] leaf_address_i,     // map, line
+    input  logic                                   leaf_valid_i,
+    input  logic [                ContextBits-1:0] leaf_context_i,
+    input  logic [                     LineBits:0] leaf_address_i,    // map, line
     // leaf lines
-    output logic                             line_req_valid_o,
-    input  logic                             line_req_ready_i,
-    output logic [               LineBits:0] line_req_addr_o,
-    output logic [              TagBits-1:0] line_req_tag_o,
-    input  logic                             line_rsp_valid_i,
-    input  logic [              TagBits-1:0] line_rsp_tag_i,
-    input  logic [         LineBeatBits-1:0] line_rsp_data_i,
-    // a bound is written
-    input  logic                             bound_write_i,
-    input  logic [          ContextBits-1:0] bound_context_i,
-    input  logic [               R2Bits-1:0] bound_i,
+    output logic                                   line_req_valid_o,
+    input  logic                                   line_req_ready_i,
+    output logic [                     LineBits:0] line_req_addr_o,
+    output logic [                    TagBits-1:0] line_req_tag_o,
+    input  logic                                   line_rsp_valid_i,
+    input  logic [                    TagBits-1:0] line_rsp_tag_i,
+    input  logic [               LineBeatBits-1:0] line_rsp_data_i,
+    // a bound is written, by each list for its contexts
+    input  logic [                      Lists-1:0] bound_write_i,
+    input  logic [      Lists*ListContextBits-1:0] bound_context_i,
+    input  logic [               Lists*R2Bits-1:0] bound_i,
     // leaves without candidates
-    output logic                             empty_valid_o,
-    output logic [          ContextBits-1:0] empty_context_o,
-    // beats of candidates
-    output logic                             out_valid_o,
-    input  logic                             out_ready_i,
-    output logic [          ContextBits-1:0] out_context_o,
-    output logic [             BeatBits-1:0] out_beat_o,
-    output logic [              RowBits-1:0] out_row_o,
-    output logic                             out_last_o,
-    output logic [                Lanes-1:0] out_mask_o,
-    output logic [         Lanes*R2Bits-1:0] out_d2_o,
+    output logic                                   empty_valid_o,
+    output logic [                ContextBits-1:0] empty_context_o,
+    // beats of candidates, for each list
+    output logic [                      Lists-1:0] out_valid_o,
+    input  logic [                      Lists-1:0] out_ready_i,
+    output logic [      Lists*ListContextBits-1:0] out_context_o,
+    output logic [             Lists*BeatBits-1:0] out_beat_o,
+    output logic [              Lists*RowBits-1:0] out_row_o,
+    output logic [                      Lists-1:0] out_last_o,
+    output logic [                Lists*Lanes-1:0] out_mask_o,
+    output logic [         Lists*Lanes*R2Bits-1:0] out_d2_o,
     // directions of a beat, read when it is taken, and loads of a row: both in the next cycle
-    input  logic                             direction_read_i,
-    output logic [2*Lanes*DirectionBits-1:0] directions_o,
-    input  logic [              RowBits-1:0] load_row_i,
-    output logic [       Lanes*LoadBits-1:0] loads_o,
+    input  logic [                      Lists-1:0] direction_read_i,
+    output logic [2*Lists*Lanes*DirectionBits-1:0] directions_o,
+    input  logic [              Lists*RowBits-1:0] load_row_i,
+    output logic [       Lists*Lanes*LoadBits-1:0] loads_o,
     // counted events
-    output logic                             hit_o,
-    output logic                             miss_o
+    output logic                                   hit_o,
+    output logic                                   miss_o
 );
   if (8 * photonloom_pkg::PhotonBytes < PhotonBits) begin : gen_bad_photon
     photon_bytes_must_hold_all_fields_of_a_photon bad_photon ();
   end
 
-  logic lanes_ready, line_issue, line_valid;
+  logic line_issue, line_valid;
+  logic [Lists-1:0] queue_ready;
   logic [ContextBits-1:0] line_context, lane_context, lane_bound_context;
   logic [BeatBits-1:0] line_beat;
   logic [Lanes*PhotonBits-1:0] line_photons;
@@ -107,7 +112,7 @@ module photon_gatherer_beats #(
       .in_valid_i(leaf_valid_i),
       .in_client_i(leaf_context_i),
       .in_address_i(leaf_address_i),
-      .ready_i(lanes_ready),
+      .ready_i(queue_ready == '1),
       .issue_o(line_issue),
       .out_valid_o(line_valid),
       .out_client_o(line_context),
@@ -135,33 +140,37 @@ module photon_gatherer_beats #(
       .read_address_i(lane_context),
       .read_data_o(lane_position)
   );
-  lut_ram #(
-      .Width(R2Bits),
-      .Depth(Contexts)
+  photon_gatherer_bounds #(
+      .Contexts(Contexts),
+      .Lists(Lists),
+      .R2Bits(R2Bits)
   ) bounds (
       .clk_i(clk_i),
       .write_i(bound_write_i),
-      .write_address_i(bound_context_i),
-      .write_data_i(bound_i),
-      .read_address_i(lane_bound_context),
-      .read_data_o(lane_bound)
+      .write_context_i(bound_context_i),
+      .write_bound_i(bound_i),
+      .read_context_i(lane_bound_context),
+      .read_bound_o(lane_bound)
   );
+
+  logic kept_valid, keep, kept_last;
+  logic [ContextBits-1:0] kept_context;
+  logic [BeatBits-1:0] kept_beat;
+  logic [Lanes-1:0] kept_mask;
+  logic [Lanes*R2Bits-1:0] kept_d2;
+  logic [Lanes*LoadBits-1:0] kept_loads;
 
   photon_gatherer_lanes #(
       .PositionBits(PositionBits),
       .Contexts(Contexts),
       .Bucket(Bucket),
       .Lanes(Lanes),
-      .DirectionBits(DirectionBits),
       .LoadBits(LoadBits),
       .MantissasBits(MantissasBits),
-      .ExponentBits(ExponentBits),
-      .Behind(Behind)
+      .ExponentBits(ExponentBits)
   ) lanes (
       .clk_i(clk_i),
       .rst_i(rst_i),
-      .ready_o(lanes_ready),
-      .issue_i(line_issue),
       .in_valid_i(line_valid),
       .in_context_i(line_context),
       .in_beat_i(line_beat),
@@ -172,17 +181,50 @@ module photon_gatherer_beats #(
       .bound_i(lane_bound),
       .empty_valid_o(empty_valid_o),
       .empty_context_o(empty_context_o),
-      .out_valid_o(out_valid_o),
-      .out_ready_i(out_ready_i),
-      .out_context_o(out_context_o),
-      .out_beat_o(out_beat_o),
-      .out_row_o(out_row_o),
-      .out_last_o(out_last_o),
-      .out_mask_o(out_mask_o),
-      .out_d2_o(out_d2_o),
-      .direction_read_i(direction_read_i),
-      .directions_o(directions_o),
-      .load_row_i(load_row_i),
-      .loads_o(loads_o)
+      .out_valid_o(kept_valid),
+      .out_keep_o(keep),
+      .out_context_o(kept_context),
+      .out_beat_o(kept_beat),
+      .out_last_o(kept_last),
+      .out_mask_o(kept_mask),
+      .out_d2_o(kept_d2),
+      .out_loads_o(kept_loads)
   );
+
+  for (genvar l = 0; l < Lists; l++) begin : gen_queue
+    photon_gatherer_beat_queue #(
+        .R2Bits(R2Bits),
+        .Contexts(ListContexts),
+        .Bucket(Bucket),
+        .Lanes(Lanes),
+        .DirectionBits(DirectionBits),
+        .LoadBits(LoadBits),
+        .Behind(Behind)
+    ) queue (
+        .clk_i(clk_i),
+        .rst_i(rst_i),
+        .ready_o(queue_ready[l]),
+        .issue_i(line_issue),
+        .in_valid_i(kept_valid),
+        .in_keep_i(keep && (32'(kept_context) & (Lists - 1)) == l),
+        .in_context_i(ListContextBits'(kept_context >> $clog2(Lists))),
+        .in_beat_i(kept_beat),
+        .in_last_i(kept_last),
+        .in_mask_i(kept_mask),
+        .in_d2_i(kept_d2),
+        .in_loads_i(kept_loads),
+        .out_valid_o(out_valid_o[l]),
+        .out_ready_i(out_ready_i[l]),
+        .out_context_o(out_context_o[ListContextBits*l+:ListContextBits]),
+        .out_beat_o(out_beat_o[BeatBits*l+:BeatBits]),
+        .out_row_o(out_row_o[RowBits*l+:RowBits]),
+        .out_last_o(out_last_o[l]),
+        .out_mask_o(out_mask_o[Lanes*l+:Lanes]),
+        .out_d2_o(out_d2_o[Lanes*R2Bits*l+:Lanes*R2Bits]),
+        .direction_read_i(direction_read_i[l]),
+        .directions_o(directions_o[2*Lanes*DirectionBits*l+:2*Lanes*DirectionBits]),
+        .load_row_i(load_row_i[RowBits*l+:RowBits]),
+        .loads_o(loads_o[Lanes*LoadBits*l+:Lanes*LoadBits])
+    );
+  end
 endmodule

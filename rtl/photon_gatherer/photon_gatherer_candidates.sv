@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// Beats to the lists of their queries, a candidate a cycle: pairs of neighbouring candidates come from
-// photon_gatherer_pairs, the oldest is compared with the bound again until it is in hand, and what is in hand goes to
-// photon_gatherer_list. So candidates that lie behind the surface or that the bound has left behind seldom take a cycle
-// of the list.
+// Beats to the lists of their queries, a candidate a cycle. Of several of these each has some of the unit's contexts. Pairs
+// of neighbouring candidates come from photon_gatherer_pairs, the oldest is compared with the bound again until it is in
+// hand, and what is in hand goes to photon_gatherer_list. So candidates that lie behind the surface or that the bound has
+// left behind seldom take a cycle of the list.
 //
 // What goes to the list, without stall, in the order of slots: tokens {a candidate, the last of its leaf, a start, a
 // snapshot}. Starts and snapshots carry only a context and go before the next pair, within two cycles. leaf_done_o
 // follows the last token of a leaf by a cycle. Where all candidates went before it was known that they were the last,
-// the end takes a token of its own. Latency 9 from a beat to its first token.
+// the end goes beside what is in hand, or takes a token of its own if that ends a leaf too. Latency 9 from a beat to its
+// first token.
 module photon_gatherer_candidates #(
     parameter int unsigned Contexts = 16,
     parameter int unsigned Lanes = 4,
@@ -66,7 +67,6 @@ module photon_gatherer_candidates #(
     // what was found for a context
     input  logic [          ContextBits-1:0] found_context_i,
     output logic [            CountBits-1:0] found_count_o,
-    output logic [               R2Bits-1:0] found_r2_o,
     output logic [              IndexBits:0] found_insertions_o,
     // its photons: load, d2, index, a cycle after the address
     input  logic                             store_read_i,
@@ -80,9 +80,9 @@ module photon_gatherer_candidates #(
     output logic                             snapshot_done_o,
     output logic [            CountBits-1:0] snapshot_count_o,
     output logic [          K*PlaceBits-1:0] snapshot_places_o,
-    // counted events: how many came to the list, entered it
-    output logic [                      1:0] candidates_o,
-    output logic [                      1:0] insertions_o
+    // counted events: one came to the list, entered it
+    output logic                             candidates_o,
+    output logic                             insertions_o
 );
   localparam int unsigned SlotBits = $clog2(Bucket);
   localparam int unsigned LaneBits = Lanes > 1 ? $clog2(Lanes) : 1;
@@ -141,15 +141,16 @@ module photon_gatherer_candidates #(
   );
 
   // ---- the oldest pair loses what the bound leaves behind while it waits ----
-  // When nothing is left of it, it goes without being taken, unless it ends its leaf; an end is merged with the pair in
-  // hand if that is of the same leaf. The bound is that of a cycle ago: it only shrinks, so what is beyond it stays so.
-  logic wait_valid_q, wait_last_q, wait_first_q, gone, first_gone_q, wait_merge, wait_take;
+  // When nothing is left of it, it goes without being taken. If it ends its leaf, that is merged with the pair in hand where
+  // this is of the same leaf, and else is done now where the hand does not end another one. The bound is that of a cycle
+  // ago: it only shrinks, so what is beyond it stays so.
+  logic wait_valid_q, wait_last_q, wait_first_q, gone, first_gone_q, wait_alone, wait_merge, wait_end, wait_take;
   logic [ContextBits-1:0] wait_context_q, wait_bound_context;
   logic [RowBits-1:0] wait_row_q;
   logic [1:0] wait_mask_q, wait_near;
   logic [R2Bits-1:0] wait_bound, wait_bound_q;
   logic [2*CandidateBits-1:0] wait_candidates_q;
-  logic hand_q, hand_last_q, hand_other_q, ask, hand_two, hand_free;
+  logic hand_q, hand_last_q, hand_other_q, ask, hand_two, hand_free, hand_end;
   logic [LineBits-1:0] hand_line_q;
   logic token_candidate, token_start_q, token_snapshot_q;
   logic [ContextBits-1:0] token_context_q;
@@ -159,9 +160,11 @@ module photon_gatherer_candidates #(
   logic [2*CandidateBits-1:0] hand_candidates_q;
 
   assign gone = wait_valid_q && wait_mask_q == '0 && !wait_last_q;
-  assign wait_merge = wait_valid_q && wait_mask_q == '0 && wait_last_q && !wait_first_q && hand_q && !hand_other_q;
-  assign wait_take = wait_valid_q && !gone && !wait_merge && hand_free && !ask;
-  assign pair_taken = !wait_valid_q || gone || wait_merge || wait_take;
+  assign wait_alone = wait_valid_q && wait_mask_q == '0 && wait_last_q;
+  assign wait_merge = wait_alone && !wait_first_q && hand_q && !hand_other_q;
+  assign wait_end = wait_alone && !wait_merge && !hand_end;
+  assign wait_take = wait_valid_q && !gone && !wait_merge && !wait_end && hand_free && !ask;
+  assign pair_taken = !wait_valid_q || gone || wait_merge || wait_end || wait_take;
   for (genvar c = 0; c < 2; c++) begin : gen_near
     logic beyond;
     less_than #(
@@ -197,6 +200,7 @@ module photon_gatherer_candidates #(
   assign line_context_o = wait_context_q;
   assign hand_two = hand_mask_q == 2'b11;
   assign hand_free = !hand_q || !hand_two;
+  assign hand_end = hand_q && !hand_two && hand_last_q;
   assign ask = start_i || snapshot_i;
   assign start_taken_o = start_i && hand_free;
   assign snapshot_taken_o = snapshot_i && !start_i && hand_free;
@@ -217,8 +221,8 @@ module photon_gatherer_candidates #(
       hand_mask_q <= 2'b10;
       if (wait_merge) hand_last_q <= 1'b1;
     end
-    leaf_done_o <= hand_q && !hand_two && (hand_last_q || wait_merge);
-    leaf_done_context_o <= token_context_q;
+    leaf_done_o <= hand_end || (wait_merge && !hand_two) || wait_end;
+    leaf_done_context_o <= wait_end ? wait_context_q : token_context_q;
     if (rst_i) begin
       hand_q <= 1'b0;
       leaf_done_o <= 1'b0;
@@ -246,8 +250,6 @@ module photon_gatherer_candidates #(
       loads_q[LoadBits*i+:LoadBits] <= lane_1_q == LaneBits'(i) ? loads_i[LoadBits*i+:LoadBits] : '0;
     token_load_q <= choice;
   end
-
-  logic insertion;
 
   photon_gatherer_list #(
       .K(K),
@@ -281,7 +283,7 @@ module photon_gatherer_candidates #(
       .snapshot_o(snapshot_done_o),
       .snapshot_count_o(snapshot_count_o),
       .snapshot_places_o(snapshot_places_o),
-      .insert_o(insertion)
+      .insert_o(insertions_o)
   );
   lut_ram #(
       .Width(R2Bits),
@@ -294,17 +296,5 @@ module photon_gatherer_candidates #(
       .read_address_i(wait_bound_context),
       .read_data_o(wait_bound)
   );
-  lut_ram #(
-      .Width(R2Bits),
-      .Depth(Contexts)
-  ) bounds_found (
-      .clk_i(clk_i),
-      .write_i(bound_write_o),
-      .write_address_i(bound_context_o),
-      .write_data_i(bound_o),
-      .read_address_i(found_context_i),
-      .read_data_o(found_r2_o)
-  );
-  assign candidates_o = {1'b0, hand_q && token_candidate};
-  assign insertions_o = {1'b0, insertion};
+  assign candidates_o = hand_q && token_candidate;
 endmodule

@@ -5,22 +5,25 @@
 // What is free is known a cycle late, so takes are at least two cycles apart. The lowest free context is the next.
 module photon_gatherer_contexts #(
     parameter int unsigned Contexts = 16,
-    localparam int unsigned ContextBits = Contexts > 1 ? $clog2(Contexts) : 1
+    parameter int unsigned Sums = 1,  // sum s has the contexts c with c % Sums = s, as c / Sums
+    localparam int unsigned ContextBits = Contexts > 1 ? $clog2(Contexts) : 1,
+    localparam int unsigned SumContexts = (Contexts + Sums - 1) / Sums,
+    localparam int unsigned SumContextBits = SumContexts > 1 ? $clog2(SumContexts) : 1
 ) (
-    input  logic                   clk_i,
-    input  logic                   rst_i,
-    output logic                   free_o,
-    output logic [ContextBits-1:0] context_o,
+    input  logic                           clk_i,
+    input  logic                           rst_i,
+    output logic                           free_o,
+    output logic [        ContextBits-1:0] context_o,
     // a query takes context_o
-    input  logic                   take_i,
-    input  logic                   take_photons_i,        // it wants its photons
+    input  logic                           take_i,
+    input  logic                           take_photons_i,          // it wants its photons
     // nothing more is read for the sum, for the photons
-    input  logic                   sum_free_i,
-    input  logic [ContextBits-1:0] sum_free_context_i,
-    input  logic                   photons_free_i,
-    input  logic [ContextBits-1:0] photons_free_context_i,
+    input  logic [               Sums-1:0] sum_free_i,
+    input  logic [Sums*SumContextBits-1:0] sum_free_context_i,
+    input  logic                           photons_free_i,
+    input  logic [        ContextBits-1:0] photons_free_context_i,
     // one is in use
-    output logic                   busy_o
+    output logic                           busy_o
 );
   logic [Contexts-1:0] summing_q, streaming_q;
 
@@ -35,7 +38,8 @@ module photon_gatherer_contexts #(
         summing_q[c] <= 1'b1;
         streaming_q[c] <= take_photons_i;
       end
-      if (sum_free_i && sum_free_context_i == ContextBits'(c)) summing_q[c] <= 1'b0;
+      if (sum_free_i[c%Sums] && sum_free_context_i[SumContextBits*(c%Sums)+:SumContextBits] == SumContextBits'(c / Sums))
+        summing_q[c] <= 1'b0;
       if (photons_free_i && photons_free_context_i == ContextBits'(c)) streaming_q[c] <= 1'b0;
     end
     if (rst_i) begin

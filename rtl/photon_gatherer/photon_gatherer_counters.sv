@@ -1,23 +1,25 @@
 // SPDX-License-Identifier: Apache-2.0
 // Count counters of 32 bits, of which only one adder is wide: each counts its lowest bits alone and notes a carry;
-// once in 16 cycles its turn comes, when the carry is added to the upper bits, in LUT RAM, and the output is refreshed.
-// Each takes steps of two at most. Modulo 2^32; an output shows its counter as it was at most 18 cycles ago, exactly.
+// once in 16 cycles its turn comes, when the carry is added to the upper bits, in LUT RAM, and the output is
+// refreshed. Each takes steps of 2^(StepBits-1) at most. Modulo 2^32; an output shows its counter as it was at most 18
+// cycles ago, exactly.
 module photon_gatherer_counters #(
-    parameter int unsigned Count = 13  // at most 16
+    parameter int unsigned Count = 13,  // at most 16
+    parameter int unsigned StepBits = 2
 ) (
-    input  logic                clk_i,
-    input  logic                rst_i,
-    input  logic [ 2*Count-1:0] step_i,  // 0, 1 or 2 each
-    output logic [32*Count-1:0] count_o
+    input  logic                      clk_i,
+    input  logic                      rst_i,
+    input  logic [StepBits*Count-1:0] step_i,
+    output logic [      32*Count-1:0] count_o
 );
-  localparam int unsigned LowBits = 5;  // 16 cycles with steps of two carry at most once
+  localparam int unsigned LowBits = StepBits + 3;  // 16 of the largest steps carry at most once
   localparam int unsigned HighBits = 32 - LowBits;
 
   logic [3:0] turn_q, turn_1_q;
   logic first_round_q, carry_q;
   logic [Count-1:0] carry, turn;
   logic [HighBits-1:0] high, high_q, sum;
-  logic [2*Count-1:0] step_q;
+  logic [StepBits*Count-1:0] step_q;
 
   always_ff @(posedge clk_i) begin
     step_q <= step_i;
@@ -52,7 +54,7 @@ module photon_gatherer_counters #(
     logic carry_i_q, turn_i_q;
     logic [31:0] count_q;
 
-    assign low_next = {1'b0, low_q} + (LowBits + 1)'(step_q[2*i+:2]);
+    assign low_next = {1'b0, low_q} + (LowBits + 1)'(step_q[StepBits*i+:StepBits]);
     assign turn[i] = turn_q == 4'(i);
     assign carry[i] = carry_i_q;
 

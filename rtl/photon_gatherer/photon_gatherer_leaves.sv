@@ -1,18 +1,29 @@
 // SPDX-License-Identifier: Apache-2.0
 // Searches leaves: from a leaf that is reached, through its line, its photons and the candidates among them, to the
 // lists of their queries and back to the tree. Wires three modules: photon_gatherer_leaf_state keeps what belongs to the
-// leaf meanwhile, photon_gatherer_beats reads the line and measures distances, photon_gatherer_candidates tests sides
-// and holds the lists. Mirrors the leaf step of search_gather in golden/unit/photon_gatherer.cpp.
+// leaf meanwhile, photon_gatherer_beats reads the line and measures distances, photon_gatherer_candidates, of which there
+// are Lists, tests sides and holds lists. Mirrors the leaf step of search_gather in golden/unit/photon_gatherer.cpp.
 //
-// One leaf, one beat and one candidate a cycle; about 27 cycles from a leaf in the cache to its last insertion.
+// Trees, lists and sums each have their part of the contexts: number n of N has the contexts c with c % N = n, as c / N.
+//
+// One leaf, one beat and Lists candidates a cycle; about 27 cycles from a leaf in the cache to its last insertion.
 module photon_gatherer_leaves #(
     parameter int unsigned Contexts = 16,
+    parameter int unsigned Trees = 1,
+    parameter int unsigned Lists = 1,
+    parameter int unsigned Sums = 1,
     parameter int unsigned Lanes = 4,
     parameter int unsigned Sets = 64,
     parameter int unsigned CacheWays = 2,
     parameter int unsigned CacheMisses = 8,
     parameter int unsigned LineBeatBits = 128,
     localparam int unsigned ContextBits = Contexts > 1 ? $clog2(Contexts) : 1,
+    localparam int unsigned TreeContexts = (Contexts + Trees - 1) / Trees,
+    localparam int unsigned TreeContextBits = TreeContexts > 1 ? $clog2(TreeContexts) : 1,
+    localparam int unsigned ListContexts = (Contexts + Lists - 1) / Lists,
+    localparam int unsigned ListContextBits = ListContexts > 1 ? $clog2(ListContexts) : 1,
+    localparam int unsigned SumContexts = (Contexts + Sums - 1) / Sums,
+    localparam int unsigned SumContextBits = SumContexts > 1 ? $clog2(SumContexts) : 1,
     localparam int unsigned K = photonloom_pkg::K,
     localparam int unsigned CountBits = photonloom_pkg::CountBits,
     localparam int unsigned PlaceBits = K > 1 ? $clog2(K) : 1,
@@ -28,76 +39,77 @@ module photon_gatherer_leaves #(
         photonloom_pkg::ExponentBits,
     localparam int unsigned StoreBits = LoadBits + R2Bits + IndexBits,
     localparam int unsigned SetBits = Sets > 1 ? $clog2(Sets) : 1,
-    localparam int unsigned TagBits = CacheMisses > 1 ? $clog2(CacheMisses) : 1
+    localparam int unsigned TagBits = CacheMisses > 1 ? $clog2(CacheMisses) : 1,
+    localparam int unsigned StepBits = $clog2(2 * Lists + 1)
 ) (
-    input  logic                        clk_i,
-    input  logic                        rst_i,
+    input  logic                             clk_i,
+    input  logic                             rst_i,
     // configuration of the cache
-    input  logic                        forget_i,
-    input  logic [         SetBits-1:0] set_mask_i,
-    input  logic                        bypass_i,
+    input  logic                             forget_i,
+    input  logic [              SetBits-1:0] set_mask_i,
+    input  logic                             bypass_i,
     // a query starts
-    input  logic                        start_i,
-    input  logic [     ContextBits-1:0] start_context_i,
-    input  logic [  3*PositionBits-1:0] start_position_i,
-    input  logic [3*(NormalBits+2)-1:0] start_normal_i,      // decoded, z negated
+    input  logic                             start_i,
+    input  logic [          ContextBits-1:0] start_context_i,
+    input  logic [       3*PositionBits-1:0] start_position_i,
+    input  logic [     3*(NormalBits+2)-1:0] start_normal_i,      // decoded, z negated
     // its list is emptied
-    input  logic                        token_i,
-    output logic                        token_taken_o,
-    input  logic [     ContextBits-1:0] token_context_i,
-    input  logic [          R2Bits-1:0] token_r2_max_i,
-    output logic                        token_done_o,
+    input  logic                             token_i,
+    output logic                             token_taken_o,
+    input  logic [          ContextBits-1:0] token_context_i,
+    input  logic [               R2Bits-1:0] token_r2_max_i,
+    output logic                             token_done_o,
     // a leaf is reached
-    input  logic                        leaf_valid_i,
-    input  logic [     ContextBits-1:0] leaf_context_i,
-    input  logic                        leaf_map_i,
-    input  logic                        leaf_first_i,
-    input  logic [        LineBits-1:0] leaf_line_i,
-    input  logic [       StackBits-1:0] leaf_stack_i,
-    input  logic [       StackBits-1:0] leaf_steps_i,
-    // and done
-    output logic                        finish_valid_o,
-    input  logic                        finish_ready_i,
-    output logic [     ContextBits-1:0] finish_context_o,
-    output logic [       StackBits-1:0] finish_stack_o,
-    output logic                        finish_stop_o,
-    // a bound is written
-    output logic                        bound_write_o,
-    output logic [     ContextBits-1:0] bound_context_o,
-    output logic [          R2Bits-1:0] bound_o,
+    input  logic                             leaf_valid_i,
+    input  logic [          ContextBits-1:0] leaf_context_i,
+    input  logic                             leaf_map_i,
+    input  logic                             leaf_first_i,
+    input  logic [             LineBits-1:0] leaf_line_i,
+    input  logic [            StackBits-1:0] leaf_stack_i,
+    input  logic [            StackBits-1:0] leaf_steps_i,
+    // and done, for each tree
+    output logic [                Trees-1:0] finish_valid_o,
+    input  logic [                Trees-1:0] finish_ready_i,
+    output logic [Trees*TreeContextBits-1:0] finish_context_o,
+    output logic [      Trees*StackBits-1:0] finish_stack_o,
+    output logic [                Trees-1:0] finish_stop_o,
+    // a bound is written, by each list
+    output logic [                Lists-1:0] bound_write_o,
+    output logic [Lists*ListContextBits-1:0] bound_context_o,
+    output logic [         Lists*R2Bits-1:0] bound_o,
     // leaf lines
-    output logic                        line_req_valid_o,
-    input  logic                        line_req_ready_i,
-    output logic [          LineBits:0] line_req_addr_o,
-    output logic [         TagBits-1:0] line_req_tag_o,
-    input  logic                        line_rsp_valid_i,
-    input  logic [         TagBits-1:0] line_rsp_tag_i,
-    input  logic [    LineBeatBits-1:0] line_rsp_data_i,
-    // what was found for a context
-    input  logic [     ContextBits-1:0] found_context_i,
-    output logic [       CountBits-1:0] found_count_o,
-    output logic [          R2Bits-1:0] found_r2_o,
-    output logic [         IndexBits:0] found_insertions_o,
-    output logic [        NodeBits-1:0] found_leaves_o,
-    output logic [        NodeBits-1:0] found_nodes_o,
-    // its photons: load, d2, index, a cycle after the address
-    input  logic                        store_read_i,
-    input  logic [     ContextBits-1:0] store_context_i,
-    input  logic [       PlaceBits-1:0] store_place_i,
-    output logic [       StoreBits-1:0] store_word_o,
+    output logic                             line_req_valid_o,
+    input  logic                             line_req_ready_i,
+    output logic [               LineBits:0] line_req_addr_o,
+    output logic [              TagBits-1:0] line_req_tag_o,
+    input  logic                             line_rsp_valid_i,
+    input  logic [              TagBits-1:0] line_rsp_tag_i,
+    input  logic [         LineBeatBits-1:0] line_rsp_data_i,
+    // what was found for a context, for each sum
+    input  logic [  Sums*SumContextBits-1:0] found_context_i,
+    output logic [       Sums*CountBits-1:0] found_count_o,
+    output logic [          Sums*R2Bits-1:0] found_r2_o,
+    output logic [   Sums*(IndexBits+1)-1:0] found_insertions_o,
+    output logic [        Sums*NodeBits-1:0] found_leaves_o,
+    output logic [        Sums*NodeBits-1:0] found_nodes_o,
+    // its photons, of each list: load, d2, index, a cycle after the address
+    input  logic [                Lists-1:0] store_read_i,
+    input  logic [Lists*ListContextBits-1:0] store_context_i,
+    input  logic [      Lists*PlaceBits-1:0] store_place_i,
+    output logic [      Lists*StoreBits-1:0] store_word_o,
     // a snapshot of their places in list order
-    input  logic                        snapshot_i,
-    output logic                        snapshot_taken_o,
-    input  logic [     ContextBits-1:0] snapshot_context_i,
-    output logic                        snapshot_done_o,
-    output logic [       CountBits-1:0] snapshot_count_o,
-    output logic [     K*PlaceBits-1:0] snapshot_places_o,
+    input  logic                             snapshot_i,
+    output logic                             snapshot_taken_o,
+    input  logic [          ContextBits-1:0] snapshot_context_i,
+    output logic                             snapshot_done_o,
+    output logic [            CountBits-1:0] snapshot_count_o,
+    output logic [          K*PlaceBits-1:0] snapshot_places_o,
     // counted events
-    output logic                        leaf_o,
-    output logic                        hit_o,
-    output logic                        miss_o,
-    output logic [                 1:0] candidates_o,        // how many
-    output logic [                 1:0] insertions_o
+    output logic                             leaf_o,
+    output logic                             hit_o,
+    output logic                             miss_o,
+    output logic [             StepBits-1:0] candidates_o,        // how many
+    output logic [             StepBits-1:0] insertions_o
 );
   // Between a beat's place in the FIFO and its candidates' loads: the beat in hand, 16 pairs tested and to be tested, the
   // pair that waits, the pair in hand and 3 stages of the list.
@@ -106,13 +118,17 @@ module photon_gatherer_leaves #(
   localparam int unsigned BeatBits = Beats > 1 ? $clog2(Beats) : 1;
   localparam int unsigned RowBits = $clog2((2 * Beats > 16 ? 1 << $clog2(2 * Beats) : 16) + Behind);
 
-  logic [ContextBits-1:0] line_context;
-  logic [LineBits-1:0] line;
-  logic leaf_done, leaf_empty;
-  logic [ContextBits-1:0] leaf_done_context, leaf_empty_context;
+  logic [Lists*ListContextBits-1:0] line_context, leaf_done_context;
+  logic [Lists*LineBits-1:0] lines;
+  logic [Lists-1:0] leaf_done;
+  logic leaf_empty;
+  logic [ContextBits-1:0] leaf_empty_context;
 
   photon_gatherer_leaf_state #(
-      .Contexts(Contexts)
+      .Contexts(Contexts),
+      .Trees(Trees),
+      .Lists(Lists),
+      .Sums(Sums)
   ) state (
       .clk_i(clk_i),
       .rst_i(rst_i),
@@ -123,7 +139,7 @@ module photon_gatherer_leaves #(
       .leaf_stack_i(leaf_stack_i),
       .leaf_steps_i(leaf_steps_i),
       .line_context_i(line_context),
-      .line_o(line),
+      .line_o(lines),
       .done_i(leaf_done),
       .done_context_i(leaf_done_context),
       .empty_i(leaf_empty),
@@ -139,17 +155,18 @@ module photon_gatherer_leaves #(
       .leaf_o(leaf_o)
   );
 
-  logic beat_valid, beat_ready, beat_last, direction_read;
-  logic [ContextBits-1:0] beat_context;
-  logic [BeatBits-1:0] beat_number;
-  logic [RowBits-1:0] beat_row, load_row;
-  logic [Lanes-1:0] beat_mask;
-  logic [Lanes*R2Bits-1:0] beat_d2;
-  logic [2*Lanes*DirectionBits-1:0] directions;
-  logic [Lanes*LoadBits-1:0] loads;
+  logic [Lists-1:0] beat_valid, beat_ready, beat_last, direction_read;
+  logic [Lists*ListContextBits-1:0] beat_context;
+  logic [Lists*BeatBits-1:0] beat_number;
+  logic [Lists*RowBits-1:0] beat_row, load_row;
+  logic [Lists*Lanes-1:0] beat_mask;
+  logic [Lists*Lanes*R2Bits-1:0] beat_d2;
+  logic [2*Lists*Lanes*DirectionBits-1:0] directions;
+  logic [Lists*Lanes*LoadBits-1:0] loads;
 
   photon_gatherer_beats #(
       .Contexts(Contexts),
+      .Lists(Lists),
       .Lanes(Lanes),
       .Sets(Sets),
       .CacheWays(CacheWays),
@@ -196,55 +213,113 @@ module photon_gatherer_leaves #(
       .miss_o(miss_o)
   );
 
-  photon_gatherer_candidates #(
-      .Contexts(Contexts),
-      .Lanes(Lanes),
-      .RowBits(RowBits)
-  ) candidates (
-      .clk_i(clk_i),
-      .rst_i(rst_i),
-      .search_i(start_i),
-      .search_context_i(start_context_i),
-      .search_normal_i(start_normal_i),
-      .start_i(token_i),
-      .start_taken_o(token_taken_o),
-      .start_context_i(token_context_i),
-      .start_r2_max_i(token_r2_max_i),
-      .start_done_o(token_done_o),
-      .in_valid_i(beat_valid),
-      .in_ready_o(beat_ready),
-      .in_context_i(beat_context),
-      .in_beat_i(beat_number),
-      .in_row_i(beat_row),
-      .in_last_i(beat_last),
-      .in_mask_i(beat_mask),
-      .in_d2_i(beat_d2),
-      .direction_read_o(direction_read),
-      .directions_i(directions),
-      .load_row_o(load_row),
-      .loads_i(loads),
-      .line_context_o(line_context),
-      .line_i(line),
-      .leaf_done_o(leaf_done),
-      .leaf_done_context_o(leaf_done_context),
-      .bound_write_o(bound_write_o),
-      .bound_context_o(bound_context_o),
-      .bound_o(bound_o),
-      .found_context_i(found_context_i),
-      .found_count_o(found_count_o),
-      .found_r2_o(found_r2_o),
-      .found_insertions_o(found_insertions_o),
-      .store_read_i(store_read_i),
-      .store_context_i(store_context_i),
-      .store_place_i(store_place_i),
-      .store_word_o(store_word_o),
-      .snapshot_i(snapshot_i),
-      .snapshot_taken_o(snapshot_taken_o),
-      .snapshot_context_i(snapshot_context_i),
-      .snapshot_done_o(snapshot_done_o),
-      .snapshot_count_o(snapshot_count_o),
-      .snapshot_places_o(snapshot_places_o),
-      .candidates_o(candidates_o),
-      .insertions_o(insertions_o)
-  );
+  logic [Lists-1:0] token_taken, token_done, snapshot_taken, snapshot_done, candidate, insertion;
+  logic [Lists*CountBits-1:0] counts, snapshot_count;
+  logic [Lists*(IndexBits+1)-1:0] insertions;
+  logic [Lists*K*PlaceBits-1:0] snapshot_places;
+
+  for (genvar l = 0; l < Lists; l++) begin : gen_list
+    localparam int unsigned Sum = l % Sums;
+    photon_gatherer_candidates #(
+        .Contexts(ListContexts),
+        .Lanes(Lanes),
+        .RowBits(RowBits)
+    ) candidates (
+        .clk_i(clk_i),
+        .rst_i(rst_i),
+        .search_i(start_i && (32'(start_context_i) & (Lists - 1)) == l),
+        .search_context_i(ListContextBits'(start_context_i >> $clog2(Lists))),
+        .search_normal_i(start_normal_i),
+        .start_i(token_i && (32'(token_context_i) & (Lists - 1)) == l),
+        .start_taken_o(token_taken[l]),
+        .start_context_i(ListContextBits'(token_context_i >> $clog2(Lists))),
+        .start_r2_max_i(token_r2_max_i),
+        .start_done_o(token_done[l]),
+        .in_valid_i(beat_valid[l]),
+        .in_ready_o(beat_ready[l]),
+        .in_context_i(beat_context[ListContextBits*l+:ListContextBits]),
+        .in_beat_i(beat_number[BeatBits*l+:BeatBits]),
+        .in_row_i(beat_row[RowBits*l+:RowBits]),
+        .in_last_i(beat_last[l]),
+        .in_mask_i(beat_mask[Lanes*l+:Lanes]),
+        .in_d2_i(beat_d2[Lanes*R2Bits*l+:Lanes*R2Bits]),
+        .direction_read_o(direction_read[l]),
+        .directions_i(directions[2*Lanes*DirectionBits*l+:2*Lanes*DirectionBits]),
+        .load_row_o(load_row[RowBits*l+:RowBits]),
+        .loads_i(loads[Lanes*LoadBits*l+:Lanes*LoadBits]),
+        .line_context_o(line_context[ListContextBits*l+:ListContextBits]),
+        .line_i(lines[LineBits*l+:LineBits]),
+        .leaf_done_o(leaf_done[l]),
+        .leaf_done_context_o(leaf_done_context[ListContextBits*l+:ListContextBits]),
+        .bound_write_o(bound_write_o[l]),
+        .bound_context_o(bound_context_o[ListContextBits*l+:ListContextBits]),
+        .bound_o(bound_o[R2Bits*l+:R2Bits]),
+        .found_context_i(ListContextBits'(found_context_i[SumContextBits*Sum+:SumContextBits] >> $clog2(Lists / Sums))),
+        .found_count_o(counts[CountBits*l+:CountBits]),
+        .found_insertions_o(insertions[(IndexBits+1)*l+:IndexBits+1]),
+        .store_read_i(store_read_i[l]),
+        .store_context_i(store_context_i[ListContextBits*l+:ListContextBits]),
+        .store_place_i(store_place_i[PlaceBits*l+:PlaceBits]),
+        .store_word_o(store_word_o[StoreBits*l+:StoreBits]),
+        .snapshot_i(snapshot_i && (32'(snapshot_context_i) & (Lists - 1)) == l),
+        .snapshot_taken_o(snapshot_taken[l]),
+        .snapshot_context_i(ListContextBits'(snapshot_context_i >> $clog2(Lists))),
+        .snapshot_done_o(snapshot_done[l]),
+        .snapshot_count_o(snapshot_count[CountBits*l+:CountBits]),
+        .snapshot_places_o(snapshot_places[K*PlaceBits*l+:K*PlaceBits]),
+        .candidates_o(candidate[l]),
+        .insertions_o(insertion[l])
+    );
+  end
+
+  // ---- one token and one snapshot are under way ----
+  assign token_taken_o = token_taken != '0;
+  assign token_done_o = token_done != '0;
+  assign snapshot_taken_o = snapshot_taken != '0;
+  assign snapshot_done_o = snapshot_done != '0;
+  always_comb begin
+    snapshot_count_o = '0;
+    snapshot_places_o = '0;
+    candidates_o = '0;
+    insertions_o = '0;
+    for (int unsigned l = 0; l < Lists; l++) begin
+      if (Lists == 1 || snapshot_done[l]) begin
+        snapshot_count_o = snapshot_count_o | snapshot_count[CountBits*l+:CountBits];
+        snapshot_places_o = snapshot_places_o | snapshot_places[K*PlaceBits*l+:K*PlaceBits];
+      end
+      candidates_o = candidates_o + StepBits'(candidate[l]);
+      insertions_o = insertions_o + StepBits'(insertion[l]);
+    end
+  end
+
+  // ---- what was found: of the list that has the context ----
+  for (genvar sum = 0; sum < Sums; sum++) begin : gen_found
+    localparam int unsigned Choices = Lists / Sums;
+    logic [SumContextBits-1:0] context_found;
+    assign context_found = found_context_i[SumContextBits*sum+:SumContextBits];
+    photon_gatherer_bounds #(
+        .Contexts(Contexts),
+        .Lists(Lists),
+        .Copies(Sums),
+        .Copy(sum),
+        .R2Bits(R2Bits)
+    ) bounds (
+        .clk_i(clk_i),
+        .write_i(bound_write_o),
+        .write_context_i(bound_context_o),
+        .write_bound_i(bound_o),
+        .read_context_i(context_found),
+        .read_bound_o(found_r2_o[R2Bits*sum+:R2Bits])
+    );
+    always_comb begin
+      found_count_o[CountBits*sum+:CountBits] = counts[CountBits*sum+:CountBits];
+      found_insertions_o[(IndexBits+1)*sum+:IndexBits+1] = insertions[(IndexBits+1)*sum+:IndexBits+1];
+      for (int unsigned i = 1; i < Choices; i++) begin
+        if ((32'(context_found) & (Choices - 1)) == i) begin
+          found_count_o[CountBits*sum+:CountBits] = counts[CountBits*(Sums*i+sum)+:CountBits];
+          found_insertions_o[(IndexBits+1)*sum+:IndexBits+1] = insertions[(IndexBits+1)*(Sums*i+sum)+:IndexBits+1];
+        end
+      end
+    end
+  end
 endmodule

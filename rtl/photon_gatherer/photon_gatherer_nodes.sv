@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Inner nodes: a ring of three stages through the node memory, so three descents share it at one node a cycle. A
+// Inner nodes: a ring of three stages through a port of the node memory, so three descents share it at one node a cycle. A
 // descent enters at any inner node, goes to the near child of each and leaves at a leaf; every far child is pushed on
 // its query's stack with its offsets and its scaled squared distance. Mirrors the inner-node step of the search in
 // golden/unit/photon_gatherer.cpp; offsets are signed here, which their squares do not show.
@@ -25,9 +25,8 @@ module photon_gatherer_nodes #(
 ) (
     input  logic                       clk_i,
     input  logic                       rst_i,
-    // node memory, written while idle
-    input  logic                       node_write_i,
-    input  logic [NodeAddressBits-1:0] node_address_i,
+    // node memory: the word is there in the cycle after its address
+    output logic [NodeAddressBits-1:0] node_address_o,
     input  logic [   PositionBits+1:0] node_data_i,      // axis, split
     // context state, read by context in stage 1
     output logic [    ContextBits-1:0] context_o,
@@ -67,30 +66,9 @@ module photon_gatherer_nodes #(
   logic [ContextBits-1:0] context_0_q;
   logic [NodeBits-1:0] node_0_q;
   logic [StackBits-1:0] stack_0_q, start_0_q;
-  logic [NodeAddressBits-1:0] address_0;
-  logic [P+1:0] node_data;
   logic loop;
 
-  assign address_0 = NodeAddressBits'(node_0_q) + (map_0_q ? NodeAddressBits'(CausticBase) : '0);
-
-  // Slices so narrow that no choice between blocks follows them: a block of 16 kbit is 2^14 x 1 to 2^9 x 32.
-  localparam int unsigned Widest = NodeAddressBits >= 14 ? 1 : NodeAddressBits == 13 ? 2 : NodeAddressBits == 12 ? 4 :
-      NodeAddressBits == 11 ? 9 : NodeAddressBits == 10 ? 18 : 36;
-  for (genvar low = 0; low < P + 2; low = low + Widest) begin : gen_slice
-    localparam int unsigned Width = P + 2 - low < Widest ? P + 2 - low : Widest;
-    block_ram #(
-        .Width(Width),
-        .Depth(NodeWords)
-    ) nodes (
-        .clk_i(clk_i),
-        .write_i(node_write_i),
-        .write_address_i(node_address_i),
-        .write_data_i(node_data_i[low+:Width]),
-        .read_i(1'b1),
-        .read_address_i(address_0),
-        .read_data_o(node_data[low+:Width])
-    );
-  end
+  assign node_address_o = NodeAddressBits'(node_0_q) + (map_0_q ? NodeAddressBits'(CausticBase) : '0);
 
   // ---- stage 1 ----
   logic valid_1_q, map_1_q, first_1_q;
@@ -150,7 +128,7 @@ module photon_gatherer_nodes #(
     start_2_q <= start_1_q;
     query_2_q <= query_i;
     offsets_2_q <= first_1_q ? '0 : offsets_i;
-    {axis_2_q, split_2_q} <= node_data;
+    {axis_2_q, split_2_q} <= node_data_i;
     line_2_q <= line_1[LineBits-1:0];
     left_leaf_2_q <= !line_1[NodeBits+1];
     right_leaf_2_q <= !line_1[NodeBits+1] || line_1 == '1;

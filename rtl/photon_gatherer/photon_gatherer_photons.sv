@@ -5,40 +5,43 @@
 module photon_gatherer_photons #(
     parameter int unsigned K = 16,
     parameter int unsigned Contexts = 16,
+    parameter int unsigned Trees = 1,  // tree t has the contexts c with c % Trees = t, as c / Trees
     parameter int unsigned StoreBits = 98,
     localparam int unsigned ContextBits = Contexts > 1 ? $clog2(Contexts) : 1,
+    localparam int unsigned TreeContexts = (Contexts + Trees - 1) / Trees,
+    localparam int unsigned TreeContextBits = TreeContexts > 1 ? $clog2(TreeContexts) : 1,
     localparam int unsigned PlaceBits = K > 1 ? $clog2(K) : 1,
     localparam int unsigned CountBits = $clog2(K + 1)
 ) (
-    input  logic                   clk_i,
-    input  logic                   rst_i,
+    input  logic                             clk_i,
+    input  logic                             rst_i,
     // queries that want photons, in order
-    input  logic                   start_i,
-    input  logic [ContextBits-1:0] start_context_i,
-    // a query finished (of any kind)
-    input  logic                   done_i,
-    input  logic [ContextBits-1:0] done_context_i,
+    input  logic                             start_i,
+    input  logic [          ContextBits-1:0] start_context_i,
+    // a query finished (of any kind), one of each tree's
+    input  logic [                Trees-1:0] done_i,
+    input  logic [Trees*TreeContextBits-1:0] done_context_i,
     // snapshot
-    output logic                   snapshot_valid_o,
-    input  logic                   snapshot_ready_i,
-    output logic [ContextBits-1:0] snapshot_context_o,
-    input  logic                   snapshot_i,
-    input  logic [  CountBits-1:0] snapshot_count_i,
-    input  logic [K*PlaceBits-1:0] snapshot_places_i,
+    output logic                             snapshot_valid_o,
+    input  logic                             snapshot_ready_i,
+    output logic [          ContextBits-1:0] snapshot_context_o,
+    input  logic                             snapshot_i,
+    input  logic [            CountBits-1:0] snapshot_count_i,
+    input  logic [          K*PlaceBits-1:0] snapshot_places_i,
     // slot store: data a cycle after the address
-    output logic                   read_valid_o,
-    input  logic                   read_ready_i,
-    output logic [ContextBits-1:0] read_context_o,
-    output logic [  PlaceBits-1:0] read_place_o,
-    input  logic [  StoreBits-1:0] read_data_i,
+    output logic                             read_valid_o,
+    input  logic                             read_ready_i,
+    output logic [          ContextBits-1:0] read_context_o,
+    output logic [            PlaceBits-1:0] read_place_o,
+    input  logic [            StoreBits-1:0] read_data_i,
     // context free
-    output logic                   free_o,
-    output logic [ContextBits-1:0] free_context_o,
+    output logic                             free_o,
+    output logic [          ContextBits-1:0] free_context_o,
     // photons
-    output logic                   out_valid_o,
-    input  logic                   out_ready_i,
-    output logic [  StoreBits-1:0] out_data_o,
-    output logic                   out_last_o
+    output logic                             out_valid_o,
+    input  logic                             out_ready_i,
+    output logic [            StoreBits-1:0] out_data_o,
+    output logic                             out_last_o
 );
   localparam int unsigned OrderDepth = Contexts > 2 ? (1 << $clog2(Contexts)) : 2;
   localparam logic [1:0] Idle = 2'd0, Ask = 2'd1, Wait = 2'd2, Stream = 2'd3;
@@ -94,7 +97,8 @@ module photon_gatherer_photons #(
     end
     for (int unsigned c = 0; c < Contexts; c++) begin
       if (start_i && start_context_i == ContextBits'(c)) done_q[c] <= 1'b0;
-      if (done_i && done_context_i == ContextBits'(c)) done_q[c] <= 1'b1;
+      if (done_i[c%Trees] && done_context_i[TreeContextBits*(c%Trees)+:TreeContextBits] == TreeContextBits'(c / Trees))
+        done_q[c] <= 1'b1;
     end
 
     // One photon is on its way to the output or there.

@@ -2,7 +2,8 @@
 // Results leave in the order of their queries although queries finish in any. Every query takes a slot when it starts;
 // its numbers are written when its sum is done, its reciprocal when that is; the head slot leaves when it is complete.
 // There are Slots of them, more than contexts, so a slow query does not stop those behind it. A flush takes a slot and
-// is complete at once. take_i holds one of the reciprocal's places for a query whose sum begins.
+// is complete at once. take_i holds one of the reciprocals' places for a query whose sum begins; of these modules there
+// are as many as of sums.
 //
 // What is written last has the lap of its slot beside it: how often, modulo 2, the slots had gone round when the query
 // took it. A slot is complete iff it shows the lap of the head. A flush writes it when it starts, so it waits where
@@ -11,6 +12,7 @@
 // Latency from finish to output 4 cycles, with a reciprocal 5 more than that takes; one result each 3 cycles at best.
 module photon_gatherer_results #(
     parameter int unsigned Slots = 64,
+    parameter int unsigned Sums = 1,
     localparam int unsigned SlotBits = $clog2(Slots)
 ) (
     input  logic                                                            clk_i,
@@ -25,9 +27,9 @@ module photon_gatherer_results #(
     input  logic [                           photonloom_pkg::SampleBits-1:0] start_sample_i,
     input  logic [                            photonloom_pkg::PixelBits-1:0] start_pixel_i,
     output logic [                                              SlotBits:0] start_slot_o,   // lap, slot
-    // its sum begins, and is done
+    // its sum begins, in each of the sums, and is done, in one of them
     output logic                                                            take_ready_o,
-    input  logic                                                            take_i,
+    input  logic [                                                Sums-1:0] take_i,
     input  logic                                                            finish_i,
     input  logic [                                              SlotBits:0] finish_slot_i,  // lap, slot
     input  logic [                           photonloom_pkg::CountBits-1:0] finish_count_i,
@@ -126,11 +128,15 @@ module photon_gatherer_results #(
   if (HasReciprocal) begin : gen_reciprocal
     localparam int unsigned MantissaBits = photonloom_pkg::ReciprocalBits + 1;
     localparam int unsigned ExponentBits = photonloom_pkg::ReciprocalExponentBits;
-    localparam int unsigned Places = 8;
+    localparam int unsigned Places = Sums > 2 ? 4 * Sums : 8;
     localparam int unsigned PlacesBits = $clog2(Places + 1);
-    logic [PlacesBits-1:0] places_q;
-    logic wait_valid, unit_ready, unit_done;
-    logic [SlotBits:0] wait_slot, unit_slot_q;
+    localparam int unsigned UnitBits = SlotBits + 1 + MantissaBits + ExponentBits;
+    logic [PlacesBits-1:0] places_q, taken;
+    logic wait_valid;
+    logic [Sums-1:0] unit_ready, unit_done;
+    logic [Sums*UnitBits-1:0] unit_words;
+    logic [UnitBits-1:0] unit_word;
+    logic [SlotBits:0] wait_slot;
     logic [R2Bits-1:0] wait_r2;
     logic [MantissaBits-1:0] mantissa;
     logic [ExponentBits-1:0] exponent;
@@ -139,7 +145,7 @@ module photon_gatherer_results #(
     logic wait_ready;
     /* verilator lint_on UNUSEDSIGNAL */
 
-    assign take_ready_o = places_q != '0;
+    assign take_ready_o = places_q >= PlacesBits'(Sums);
 
     fifo #(
         .Width(SlotBits + 1 + R2Bits),
@@ -151,23 +157,47 @@ module photon_gatherer_results #(
         .in_ready_o(wait_ready),
         .in_i({finish_slot_i, finish_r2_i < photonloom_pkg::R2Floor ? photonloom_pkg::R2Floor : finish_r2_i}),
         .out_valid_o(wait_valid),
-        .out_ready_i(unit_ready),
+        .out_ready_i(unit_ready != '0),
         .out_o({wait_slot, wait_r2})
     );
 
-    reciprocal #(
-        .XBits(R2Bits),
-        .W(photonloom_pkg::ReciprocalBits)
-    ) unit (
-        .clk_i(clk_i),
-        .rst_i(rst_i),
-        .in_valid_i(wait_valid),
-        .in_ready_o(unit_ready),
-        .in_i(wait_r2),
-        .out_valid_o(unit_done),
-        .mantissa_o(mantissa),
-        .exponent_o(exponent)
-    );
+    // The first unit that is free takes the oldest; of those that are done the first gives its result.
+    for (genvar u = 0; u < Sums; u++) begin : gen_unit
+      logic first_free, first_done;
+      logic [SlotBits:0] slot_q;
+      if (u == 0) begin : gen_first
+        assign first_free = 1'b1;
+        assign first_done = 1'b1;
+      end else begin : gen_other
+        assign first_free = unit_ready[u-1:0] == '0;
+        assign first_done = unit_done[u-1:0] == '0;
+      end
+      reciprocal #(
+          .XBits(R2Bits),
+          .W(photonloom_pkg::ReciprocalBits)
+      ) unit (
+          .clk_i(clk_i),
+          .rst_i(rst_i),
+          .in_valid_i(wait_valid && first_free),
+          .in_ready_o(unit_ready[u]),
+          .in_i(wait_r2),
+          .out_valid_o(unit_done[u]),
+          .out_ready_i(first_done),
+          .mantissa_o(unit_words[UnitBits*u+ExponentBits+:MantissaBits]),
+          .exponent_o(unit_words[UnitBits*u+:ExponentBits])
+      );
+      assign unit_words[UnitBits*u+ExponentBits+MantissaBits+:SlotBits+1] = slot_q;
+      always_ff @(posedge clk_i) if (unit_ready[u]) slot_q <= wait_slot;
+    end
+
+    always_comb begin
+      unit_word = unit_words[0+:UnitBits];
+      taken = '0;
+      for (int unsigned u = Sums; u > 0; u--) begin
+        if (unit_done[u-1]) unit_word = unit_words[UnitBits*(u-1)+:UnitBits];
+        taken = taken + PlacesBits'(take_i[u-1]);
+      end
+    end
 
     block_ram #(
         .Width(BodyBits),
@@ -196,13 +226,12 @@ module photon_gatherer_results #(
     );
 
     always_ff @(posedge clk_i) begin
-      if (unit_ready) unit_slot_q <= wait_slot;
-      places_q <= places_q - PlacesBits'(take_i) + PlacesBits'(unit_done);
+      places_q <= places_q - taken + PlacesBits'(done);
       if (rst_i) places_q <= PlacesBits'(Places);
     end
 
-    assign done = unit_done;
-    assign {done_slot_lap, done_slot} = unit_slot_q;
+    assign done = unit_done != '0;
+    assign {done_slot_lap, done_slot, mantissa, exponent} = unit_word;
 
     always_comb begin
       result.reciprocal = flush_q ? '0 : word[ExponentBits+:MantissaBits];
@@ -210,7 +239,7 @@ module photon_gatherer_results #(
     end
   end else begin : gen_no_reciprocal
     /* verilator lint_off UNUSEDSIGNAL */  // nothing to hold places for
-    logic take;
+    logic [Sums-1:0] take;
     /* verilator lint_on UNUSEDSIGNAL */
     assign take = take_i;
     assign take_ready_o = 1'b1;

@@ -10,47 +10,50 @@
 // golden/unit/photon_gatherer.cpp.
 module photon_gatherer_start #(
     parameter int unsigned Contexts = 16,
+    parameter int unsigned Sums = 1,  // sum s has the contexts c with c % Sums = s, as c / Sums
     localparam int unsigned ContextBits = Contexts > 1 ? $clog2(Contexts) : 1,
+    localparam int unsigned SumContexts = (Contexts + Sums - 1) / Sums,
+    localparam int unsigned SumContextBits = SumContexts > 1 ? $clog2(SumContexts) : 1,
     localparam int unsigned R2Bits = photonloom_pkg::R2Bits,
     localparam int unsigned NormalBits = photonloom_pkg::NormalBits,
     localparam int unsigned NodeBits = photonloom_pkg::LineBits + 1
 ) (
-    input  logic                          clk_i,
-    input  logic                          rst_i,
-    input  logic                          in_valid_i,
-    output logic                          in_ready_o,
-    input  photonloom_pkg::gather_query_t in_i,
+    input  logic                           clk_i,
+    input  logic                           rst_i,
+    input  logic                           in_valid_i,
+    output logic                           in_ready_o,
+    input  photonloom_pkg::gather_query_t  in_i,
     // maps: of the caustic, the global one
-    input  logic [        2*NodeBits-1:0] lines_i,
-    input  logic [          2*R2Bits-1:0] r2_max_i,
+    input  logic [         2*NodeBits-1:0] lines_i,
+    input  logic [           2*R2Bits-1:0] r2_max_i,
     // what a start waits for
-    input  logic                          hold_i,
-    input  logic                          slot_ready_i,
-    input  logic                          flush_ready_i,
+    input  logic                           hold_i,
+    input  logic                           slot_ready_i,
+    input  logic                           flush_ready_i,
     // a query or a flush starts; a query does, in a context
-    output logic                          start_o,
-    output logic                          search_o,
-    output logic                          search_inner_o,         // its root is an inner node
-    output logic                          search_leaf_o,          // its root is a leaf
-    output logic [       ContextBits-1:0] context_o,
-    output photonloom_pkg::gather_query_t query_o,
-    output logic [  3*(NormalBits+2)-1:0] normal_o,               // decoded, z negated
+    output logic                           start_o,
+    output logic                           search_o,
+    output logic                           search_inner_o,          // its root is an inner node
+    output logic                           search_leaf_o,           // its root is a leaf
+    output logic [        ContextBits-1:0] context_o,
+    output photonloom_pkg::gather_query_t  query_o,
+    output logic [   3*(NormalBits+2)-1:0] normal_o,                // decoded, z negated
     // the token that empties the list
-    output logic                          token_o,
-    input  logic                          token_taken_i,
-    output logic [       ContextBits-1:0] token_context_o,
-    input  logic                          token_done_i,
-    output logic [            R2Bits-1:0] token_r2_max_o,
+    output logic                           token_o,
+    input  logic                           token_taken_i,
+    output logic [        ContextBits-1:0] token_context_o,
+    input  logic                           token_done_i,
+    output logic [             R2Bits-1:0] token_r2_max_o,
     // the end of a query in an empty map, where the tree ends none
-    output logic                          empty_done_o,
-    input  logic                          tree_done_i,
+    output logic                           empty_done_o,
+    input  logic                           tree_done_i,             // the tree of its context ends one
     // contexts that are given back
-    input  logic                          sum_free_i,
-    input  logic [       ContextBits-1:0] sum_free_context_i,
-    input  logic                          photons_free_i,
-    input  logic [       ContextBits-1:0] photons_free_context_i,
+    input  logic [               Sums-1:0] sum_free_i,
+    input  logic [Sums*SumContextBits-1:0] sum_free_context_i,
+    input  logic                           photons_free_i,
+    input  logic [        ContextBits-1:0] photons_free_context_i,
     // a query is in flight
-    output logic                          busy_o
+    output logic                           busy_o
 );
   localparam logic [1:0] Idle = 2'd0, Ask = 2'd1, Wait = 2'd2, End = 2'd3;
 
@@ -72,7 +75,8 @@ module photon_gatherer_start #(
   assign busy_o = query_valid_q || in_use;
 
   photon_gatherer_contexts #(
-      .Contexts(Contexts)
+      .Contexts(Contexts),
+      .Sums(Sums)
   ) contexts (
       .clk_i(clk_i),
       .rst_i(rst_i),

@@ -3,9 +3,14 @@
 // mantissa * 2^exponent (a multiplier by a power of two, then one step of 16) and adds. Queries follow each other
 // without a gap but the cycle in which the next is taken, in which the sum is cleared too. Latency n + 8. What
 // else is to go with the sum rides along, so the query's context is free when its last load is read.
+//
+// Of Sums such modules each ends its queries in cycles of its own, every Sums-th: it waits with the last load, or with the
+// end of a query that has none, until its turn. So one sum a cycle is done, and none waits for another.
 module photon_gatherer_sum #(
     parameter int unsigned K = 16,
-    parameter int unsigned Contexts = 16,
+    parameter int unsigned Contexts = 16,  // of this sum
+    parameter int unsigned Sums = 1,
+    parameter int unsigned Sum = 0,
     parameter int unsigned Channels = 3,
     parameter int unsigned MantissaBits = 9,
     parameter int unsigned ExponentBits = 5,
@@ -43,15 +48,24 @@ module photon_gatherer_sum #(
   localparam int unsigned ProductBits = MantissaBits + FactorBits;
 
   // ---- addresses ----
-  logic active_q, empty_q, last;
+  logic active_q, empty_q, last, turn;
   logic [ContextBits-1:0] context_q;
   logic [CountBits-1:0] left_q, count_q;
   logic [PlaceBits-1:0] place_q;
   logic [RideBits-1:0] ride_q;
 
-  assign last = empty_q || left_q == CountBits'(1);
+  if (Sums == 1) begin : gen_always
+    assign turn = 1'b1;
+  end else begin : gen_turn
+    localparam int unsigned TurnBits = $clog2(Sums);
+    logic [TurnBits-1:0] turn_q;
+    always_ff @(posedge clk_i) turn_q <= rst_i ? '0 : turn_q + 1'b1;
+    assign turn = turn_q == TurnBits'(Sum);
+  end
+
+  assign last = (empty_q || left_q == CountBits'(1)) && turn;
   assign in_ready_o = !active_q;
-  assign read_o = active_q && !empty_q;
+  assign read_o = active_q && !empty_q && (turn || left_q != CountBits'(1));
   assign read_context_o = context_q;
   assign read_place_o = place_q;
   assign free_o = active_q && last;
@@ -68,8 +82,10 @@ module photon_gatherer_sum #(
       place_q <= '0;
     end else begin
       if (last) active_q <= 1'b0;
-      left_q <= left_q - 1'b1;
-      place_q <= place_q + 1'b1;
+      if (Sums == 1 || read_o) begin
+        left_q <= left_q - 1'b1;
+        place_q <= place_q + 1'b1;
+      end
     end
     if (rst_i) active_q <= 1'b0;
   end
@@ -109,10 +125,11 @@ module photon_gatherer_sum #(
       value_q[FluxBits*c+:FluxBits] <=
           step_2_q ? FluxBits'(product_q[ProductBits*c+:ProductBits]) << 16 :
           FluxBits'(product_q[ProductBits*c+:ProductBits]);
-      flux_q[FluxBits*c+:FluxBits] <= flux_q[FluxBits*c+:FluxBits] + value_q[FluxBits*c+:FluxBits];
+      if (Sums == 1 || read_s_q[Stages-2])
+        flux_q[FluxBits*c+:FluxBits] <= flux_q[FluxBits*c+:FluxBits] + value_q[FluxBits*c+:FluxBits];
     end
-    // Cleared between queries; value_q of a query without photons is not added.
-    if (!read_s_q[Stages-2]) flux_q <= '0;
+    // Cleared between queries; value_q of a query without photons is not added. A query waits with its sum for its turn.
+    if (Sums == 1 ? !read_s_q[Stages-2] : !active_s_q[Stages-2]) flux_q <= '0;
     if (rst_i) active_s_q <= '0;
   end
 

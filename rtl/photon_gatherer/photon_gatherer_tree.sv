@@ -1,19 +1,25 @@
 // SPDX-License-Identifier: Apache-2.0
-// The walk through the tree, of all contexts: from a query's start to its first leaf, and from a leaf that is done to
-// the next one, or to the query's end. Wires three modules: photon_gatherer_next chooses the step, photon_gatherer_nodes
-// descends through inner nodes, photon_gatherer_stack drops subtrees that are too far; and what they read of a context:
-// its position, the offsets of the subtree that it is in, its bound. Mirrors the order of search_gather in
-// golden/unit/photon_gatherer.cpp.
+// The walk through the tree, of number Tree of Trees: that of the unit's contexts c with c % Trees = Tree, here c / Trees.
+// From a query's start to its first leaf, and from a leaf that is done to the next one, or to the query's end. Wires three
+// modules: photon_gatherer_next chooses the step, photon_gatherer_nodes descends through inner nodes,
+// photon_gatherer_stack drops subtrees that are too far; and what they read of a context: its position, the offsets of the
+// subtree that it is in, its bound. Mirrors the order of search_gather in golden/unit/photon_gatherer.cpp.
 //
 // One inner node, one leaf and two stack entries a cycle. A query is at a leaf 3 cycles for each inner node and 1 after
 // its start or its next subtree, at once where that is a leaf; the next subtree comes 4 cycles after the end of a leaf,
 // and 3 more for each two entries that are dropped before it.
 module photon_gatherer_tree #(
-    parameter int unsigned Contexts = 16,
+    parameter int unsigned UnitContexts = 16,
+    parameter int unsigned Trees = 1,
+    parameter int unsigned Tree = 0,
+    parameter int unsigned Lists = 1,
     parameter int unsigned GlobalLines = 4096,  // of the plan's maps
     parameter int unsigned CausticLines = 0,
     parameter int unsigned NodeWords = 4096,
+    localparam int unsigned Contexts = (UnitContexts + Trees - 1) / Trees,
     localparam int unsigned ContextBits = Contexts > 1 ? $clog2(Contexts) : 1,
+    localparam int unsigned ListContexts = (UnitContexts + Lists - 1) / Lists,
+    localparam int unsigned ListContextBits = ListContexts > 1 ? $clog2(ListContexts) : 1,
     localparam int unsigned PositionBits = photonloom_pkg::PositionBits,
     localparam int unsigned R2Bits = photonloom_pkg::R2Bits,
     localparam int unsigned LineBits = photonloom_pkg::LineBits,
@@ -21,45 +27,45 @@ module photon_gatherer_tree #(
     localparam int unsigned NodeAddressBits = $clog2(NodeWords),
     localparam int unsigned StackBits = $clog2(LineBits + 1)
 ) (
-    input  logic                       clk_i,
-    input  logic                       rst_i,
-    // node memory and lines of the caustic, the global map; written while idle
-    input  logic                       node_write_i,
-    input  logic [NodeAddressBits-1:0] node_address_i,
-    input  logic [   PositionBits+1:0] node_data_i,      // axis, split
-    input  logic [     2*NodeBits-1:0] lines_i,
+    input  logic                             clk_i,
+    input  logic                             rst_i,
+    // node memory: the word is there in the cycle after its address
+    output logic [      NodeAddressBits-1:0] node_address_o,
+    input  logic [         PositionBits+1:0] node_data_i,       // axis, split
+    // lines of the caustic, the global map
+    input  logic [           2*NodeBits-1:0] lines_i,
     // a query starts, not while held: at an inner node or a leaf of its map, or, in an empty one, at neither
-    output logic                       hold_o,
-    input  logic                       start_i,
-    input  logic                       start_inner_i,
-    input  logic                       start_leaf_i,
-    input  logic [    ContextBits-1:0] start_context_i,
-    input  logic                       start_map_i,
-    input  logic [ 3*PositionBits-1:0] start_position_i,
+    output logic                             hold_o,
+    input  logic                             start_i,
+    input  logic                             start_inner_i,
+    input  logic                             start_leaf_i,
+    input  logic [          ContextBits-1:0] start_context_i,
+    input  logic                             start_map_i,
+    input  logic [       3*PositionBits-1:0] start_position_i,
     // a leaf is reached
-    output logic                       leaf_valid_o,
-    output logic [    ContextBits-1:0] leaf_context_o,
-    output logic                       leaf_map_o,
-    output logic                       leaf_first_o,     // of its query
-    output logic [       LineBits-1:0] leaf_line_o,
-    output logic [      StackBits-1:0] leaf_stack_o,     // entries left
-    output logic [      StackBits-1:0] leaf_steps_o,     // inner nodes on the way to it
+    output logic                             leaf_valid_o,
+    output logic [          ContextBits-1:0] leaf_context_o,
+    output logic                             leaf_map_o,
+    output logic                             leaf_first_o,      // of its query
+    output logic [             LineBits-1:0] leaf_line_o,
+    output logic [            StackBits-1:0] leaf_stack_o,      // entries left
+    output logic [            StackBits-1:0] leaf_steps_o,      // inner nodes on the way to it
     // a leaf is done
-    input  logic                       finish_valid_i,
-    output logic                       finish_ready_o,
-    input  logic [    ContextBits-1:0] finish_context_i,
-    input  logic [      StackBits-1:0] finish_stack_i,
-    input  logic                       finish_stop_i,
-    // a bound is written
-    input  logic                       bound_write_i,
-    input  logic [    ContextBits-1:0] bound_context_i,
-    input  logic [         R2Bits-1:0] bound_i,
+    input  logic                             finish_valid_i,
+    output logic                             finish_ready_o,
+    input  logic [          ContextBits-1:0] finish_context_i,
+    input  logic [            StackBits-1:0] finish_stack_i,
+    input  logic                             finish_stop_i,
+    // a bound is written, by each list for its contexts
+    input  logic [                Lists-1:0] bound_write_i,
+    input  logic [Lists*ListContextBits-1:0] bound_context_i,
+    input  logic [         Lists*R2Bits-1:0] bound_i,
     // a query is done
-    output logic                       done_o,
-    output logic [    ContextBits-1:0] done_context_o,
+    output logic                             done_o,
+    output logic [          ContextBits-1:0] done_context_o,
     // counted events, how many
-    output logic [                1:0] nodes_o,
-    output logic [                1:0] dropped_o
+    output logic                             nodes_o,
+    output logic [                      1:0] dropped_o
 );
   localparam bit HasBoth = GlobalLines != 0 && CausticLines != 0;
   localparam bit OnlyCaustic = GlobalLines == 0 && CausticLines != 0;
@@ -128,7 +134,7 @@ module photon_gatherer_tree #(
   );
 
   // ---- with what nodes and stack read of a context ----
-  logic node_map, node_step, push;
+  logic node_map, push;
   logic [ContextBits-1:0] node_context, push_context, stack_bound_context;
   logic [3*PositionBits-1:0] node_position;
   logic [OffsetsBits-1:0] node_offsets;
@@ -171,8 +177,7 @@ module photon_gatherer_tree #(
   ) nodes (
       .clk_i(clk_i),
       .rst_i(rst_i),
-      .node_write_i(node_write_i),
-      .node_address_i(node_address_i),
+      .node_address_o(node_address_o),
       .node_data_i(node_data_i),
       .context_o(node_context),
       .query_i(node_position),
@@ -193,25 +198,26 @@ module photon_gatherer_tree #(
       .leaf_line_o(descent_line),
       .leaf_stack_o(descent_stack),
       .leaf_steps_o(descent_steps),
-      .step_o(node_step),
+      .step_o(nodes_o),
       .push_o(push),
       .push_context_o(push_context),
       .push_stack_o(push_stack),
       .push_entry_o(push_entry)
   );
 
-  assign nodes_o = {1'b0, node_step};
-
-  lut_ram #(
-      .Width(R2Bits),
-      .Depth(Contexts)
+  photon_gatherer_bounds #(
+      .Contexts(UnitContexts),
+      .Lists(Lists),
+      .Copies(Trees),
+      .Copy(Tree),
+      .R2Bits(R2Bits)
   ) bounds (
       .clk_i(clk_i),
       .write_i(bound_write_i),
-      .write_address_i(bound_context_i),
-      .write_data_i(bound_i),
-      .read_address_i(stack_bound_context),
-      .read_data_o(stack_bound)
+      .write_context_i(bound_context_i),
+      .write_bound_i(bound_i),
+      .read_context_i(stack_bound_context),
+      .read_bound_o(stack_bound)
   );
 
   photon_gatherer_stack #(

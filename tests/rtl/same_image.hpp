@@ -92,6 +92,8 @@ class LawFrame {
     plan.cache_misses = draw.of({1, 8});
     plan.contexts = draw.of({1, 4, 16});
     plan.lanes = draw.of({1, 4, 8});
+    plan.nodes_per_cycle = plan.candidates_per_cycle = plan.powers_per_cycle =
+        plan.contexts > 1 ? draw.of({1, 2}) : 1;
     RunOptions options;
     options.seed = number;
     options.initial_seed = number;
@@ -131,8 +133,8 @@ class LawFrame {
               << static_cast<int>(plan.reorder_drain) << ", pool " << plan.reorder_packets
               << ", bins " << plan.reorder_bins << ", cache " << plan.cache_bytes << "/"
               << plan.cache_ways << "/" << plan.cache_misses << ", contexts " << plan.contexts
-              << ", lanes " << plan.lanes << ", latency " << options.latency
-              << (options.random_latency ? " random" : ""));
+              << ", lanes " << plan.lanes << ", widths " << plan.nodes_per_cycle << ", latency "
+              << options.latency << (options.random_latency ? " random" : ""));
     if (const auto problem = find_problem(plan)) FAIL(problem->line << " " << problem->what);
     CompareContext context;
     context.plan = name;

@@ -146,6 +146,12 @@ TEST_CASE("each fault is one sentence with file, line, key and what was expected
   has(error_of(edited(plan, "photon", "bucket", "7")), {"photon.bucket", "power of two"});
   has(error_of(edited(plan, "gather", "reciprocal_bits", "5")), {"gather.reciprocal_bits", "8"});
   has(error_of(edited(plan, "gatherer", "lanes", "16")), {"gatherer.lanes", "bucket of 8"});
+  has(error_of(edited(plan, "gatherer", "nodes_per_cycle", "3")),
+      {"gatherer.nodes_per_cycle is 3", "1 to 2"});
+  has(error_of(edited(plan, "gatherer", "candidates_per_cycle", "3")),
+      {"gatherer.candidates_per_cycle is 3", "1, 2 or 4"});
+  has(error_of(edited(plan, "gatherer", "powers_per_cycle", "2")),
+      {"gatherer.powers_per_cycle is 2", "candidates_per_cycle = 1"});
   has(error_of(edited(plan, "gatherer", "cache_bytes", "5000")), {"gatherer.cache_bytes", "256"});
   has(error_of(edited(plan, "reorder", "bins", "1000")), {"reorder.bins", "power of two"});
   has(error_of(edited(plan, "reorder", "bins", "1024")), {"reorder.bins", "512 bins"});

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The photon gatherer's bench: eight plans at the ends of every parameter.
+// The photon gatherer's bench: plans at the ends of every parameter.
 #include "verilator_tb/bench/bench.hpp"
 #include "verilator_tb/bench/gather_cases.hpp"
 
@@ -56,6 +56,7 @@ std::vector<BenchPlan> plans() {
     p.epsilon_shift = 3;
     p.leaf_limit = 4;
     p.r2_floor = 5000;
+    p.nodes_per_cycle = p.candidates_per_cycle = p.powers_per_cycle = 2;
   });
   add("one_colour", [](Plan& p) {
     p.position_bits = 10;
@@ -66,6 +67,7 @@ std::vector<BenchPlan> plans() {
     p.normal_bits = 3;
     p.photon_bytes = 8;
     p.contexts = 3;
+    p.candidates_per_cycle = 2;
     p.cache_bytes = 64;
     p.cache_ways = 1;
     p.cache_misses = 2;
@@ -75,6 +77,7 @@ std::vector<BenchPlan> plans() {
     p.position_bits = 4;
     p.k = 7;
     p.contexts = 5;
+    p.nodes_per_cycle = 2;
     p.global.photons = 700;
     p.cache_misses = 16;
   });
@@ -87,7 +90,9 @@ std::vector<BenchPlan> plans() {
   });
   add("luts", [](Plan& p) {  // what block_ram's other half is made of shows in a netlist only
     p.k = 6;
-    p.contexts = 4;
+    p.contexts = 6;
+    p.nodes_per_cycle = p.powers_per_cycle = 2;
+    p.candidates_per_cycle = 4;
     p.lut_ram_words = 128;
   });
   return list;

@@ -39,7 +39,6 @@ Plan draw(RoleRandom& random) {
   }
   p.leaf_limit = random.below(3) == 0 ? static_cast<uint32_t>(between(1, 12)) : 0;
   p.reciprocal_bits = random.below(4) == 0 ? 0 : between(8, 24);
-  p.contexts = between(1, 32);
   p.lanes = 1 << between(0, 3);
   const int line_bytes = p.bucket * p.photon_bytes;
   p.cache_ways = 1 << between(0, 2);
@@ -70,6 +69,10 @@ Plan draw(RoleRandom& random) {
   p.cache_hits = between(1, 8);
   p.cache_angle_bits = between(0, 2 * p.normal_bits + 2);
   p.cache_weight_bits = between(4, 12);
+  p.contexts = between(1, random.below(3) ? 32 : 64);
+  p.nodes_per_cycle = between(1, 2);
+  p.candidates_per_cycle = 1 << between(0, 2);
+  p.powers_per_cycle = 1 << between(0, clog2(static_cast<uint64_t>(p.candidates_per_cycle)));
   return p;
 }
 

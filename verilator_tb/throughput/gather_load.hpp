@@ -153,7 +153,9 @@ inline GatherCost gather_cost(const Plan& plan, std::span<const GatherResult> re
   }
   for (double* sum : {&cost.nodes, &cost.leaves, &cost.insertions})
     *sum /= static_cast<double>(queries);
-  cost.bound = std::max({cost.nodes, cost.leaves * plan.bucket / plan.lanes, cost.insertions});
+  cost.bound = std::max({cost.nodes / plan.nodes_per_cycle, cost.leaves * plan.bucket / plan.lanes,
+                         cost.insertions / plan.candidates_per_cycle,
+                         (plan.k + 1.0) / plan.powers_per_cycle});
   return cost;
 }
 

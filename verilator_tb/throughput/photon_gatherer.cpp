@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Cycles per gather of the photon gatherer, fill and drain included, beside what its busiest port
-// needs: max(inner nodes, bucket / lanes * leaves, insertions), as golden counts them. Photons and
-// final-gather queries of a scene, the queries in the order in which a sweep over Hilbert-prefix
-// bins lets them go; no maximum radius. Every packet is compared with golden. Twice per k: with an
-// ideal memory (a line a cycle, latency 1), and with latency 60, 128 bits a cycle and the plan's
-// cache.
+// needs: max(inner nodes, bucket / lanes * leaves, insertions, k + 1 powers), as golden counts
+// them, each over its width. Photons and final-gather queries of a scene, the queries in the order
+// in which a sweep over Hilbert-prefix bins lets them go; no maximum radius. Every packet is
+// compared with golden. Twice per k: with an ideal memory (a line a cycle, latency 1), and with
+// latency 60, 128 bits a cycle and the plan's cache. After that the same for a wide plan of each k.
 #include <fmt/core.h>
 
 #include <CLI/CLI.hpp>
@@ -23,7 +23,20 @@ struct Options {
   std::string write_plan;
   uint64_t photons = 65536, queries = 20000;
   std::vector<int> ks = {8, 16, 50};
-  int contexts = 16, lanes = 4, cache_bytes = 16384, ways = 2, misses = 8;
+  int contexts = 16, lanes = 4, nodes = 1, candidates = 1, powers = 1;
+  int cache_bytes = 16384, ways = 2, misses = 8;
+  bool narrow = true, wide = true;
+};
+
+// The wide plan of a k: what differs from the options, and how many cycles a gather may take.
+struct WidePlan {
+  int k, contexts, lanes, nodes, candidates, powers, ways, misses;
+  double ideal, slow;
+};
+constexpr WidePlan kWidePlans[] = {
+    {8, 32, 8, 2, 2, 2, 4, 16, 15, 22},
+    {16, 32, 8, 2, 2, 2, 4, 16, 20, 28},
+    {50, 64, 8, 2, 4, 4, 4, 16, 34, 42},
 };
 
 // What cycles per gather may be over the bound, by memory and k, with the plan of the defaults
@@ -52,6 +65,60 @@ GatherRun measure(const Plan& plan, const PhotonMap& map, const std::vector<Gath
   return run_gathers(*rtl, plan, map, queries, queries, queries.size());
 }
 
+struct Goal {
+  std::optional<double> ratio, cycles;  // over the bound, of a gather
+};
+
+// The rows of one plan: with an ideal memory, and with a slow one.
+void measure_both(const Plan& plan, const PhotonMap& map, const std::vector<GatherQuery>& queries,
+                  const Goal (&goals)[2], const Options& o, nlohmann::json& rows,
+                  std::vector<std::string>& missed) {
+  for (const bool ideal : {true, false}) {
+    const GatherRun m = measure(plan, map, queries, ideal, o);
+    const char* memory = ideal ? "ideal" : "60 cycles, 128 bits";
+    const std::string widths = fmt::format("{}/{}/{}/{}", plan.nodes_per_cycle, plan.lanes,
+                                           plan.candidates_per_cycle, plan.powers_per_cycle);
+    const double n = static_cast<double>(queries.size());
+    const auto per = [&](const char* name) { return static_cast<double>(m.counters.at(name)) / n; };
+    const double hits = per("cache hits") / std::max(1e-9, per("leaves"));
+    const double ratio = m.cycles / m.cost.bound;
+    const Goal& goal = goals[ideal ? 0 : 1];
+    bool met = true;
+    const auto judge = [&](double value, const std::optional<double>& most, const char* what) {
+      if (!most || value <= *most) return;
+      met = false;
+      missed.push_back(fmt::format("k = {}, widths {}, {} memory: {:.3f} {}, goal {:.2f}", plan.k,
+                                   widths, memory, value, what, *most));
+    };
+    judge(ratio, goal.ratio, "times the bound");
+    judge(m.cycles, goal.cycles, "cycles a gather");
+    fmt::print(
+        "{:>3} {:<8} {:>8} {:<20} {:>6.1f} {:>6.1f} {:>10.1f} {:>6.1f} {:>13.1f} {:>6.2f} {:>5} "
+        "{:>7.1f} {:>6.2f} {:>10.1f} {:>9.0f} {}\n",
+        plan.k, widths, plan.contexts, memory, m.cost.nodes, m.cost.leaves, m.cost.insertions,
+        m.cost.bound, m.cycles, ratio,
+        goal.ratio    ? fmt::format("{:.2f}x", *goal.ratio)
+        : goal.cycles ? fmt::format("{:.0f}", *goal.cycles)
+                      : "",
+        per("dropped"), hits, per("candidates"), m.cycles_per_second / 1000, met ? "" : "MISSED");
+    std::fflush(stdout);
+    nlohmann::json row = m.row();
+    row.update({{"k", plan.k},
+                {"memory", memory},
+                {"contexts", plan.contexts},
+                {"lanes", plan.lanes},
+                {"nodes_per_cycle", plan.nodes_per_cycle},
+                {"candidates_per_cycle", plan.candidates_per_cycle},
+                {"powers_per_cycle", plan.powers_per_cycle},
+                {"ratio", ratio},
+                {"goal", goal.ratio ? nlohmann::json(*goal.ratio) : nlohmann::json()},
+                {"goal_cycles", goal.cycles ? nlohmann::json(*goal.cycles) : nlohmann::json()},
+                {"cycles_per_second", m.cycles_per_second},
+                {"counters", m.counters}});
+    rows.push_back(row);
+  }
+}
+
 int run(const Options& o) {
   const GatherLoad load(o.load);
   const std::vector<Photon> photons = load.photons(o.photons);
@@ -59,6 +126,9 @@ int run(const Options& o) {
   plan.global.r2_max = plan.caustic.r2_max = plan.r2_limit();
   plan.contexts = o.contexts;
   plan.lanes = o.lanes;
+  plan.nodes_per_cycle = o.nodes;
+  plan.candidates_per_cycle = o.candidates;
+  plan.powers_per_cycle = o.powers;
   plan.cache_bytes = o.cache_bytes;
   plan.cache_ways = o.ways;
   plan.cache_misses = o.misses;
@@ -78,46 +148,37 @@ int run(const Options& o) {
   queries = reordered(plan, queries);
 
   fmt::print(
-      "photon_gatherer: {} photons, {} queries, {} contexts, {} lanes, cache {} bytes in {} ways, "
-      "{} misses\n",
-      map.count, queries.size(), plan.contexts, plan.lanes, plan.cache_bytes, plan.cache_ways,
-      plan.cache_misses);
-  fmt::print("{:>3} {:<20} {:>6} {:>6} {:>10} {:>6} {:>13} {:>6} {:>5} {:>7} {:>6} {:>10} {:>9}\n",
-             "k", "memory", "nodes", "leaves", "insertions", "bound", "cycles/gather", "ratio",
-             "goal", "dropped", "hits", "candidates", "kcycles/s");
+      "photon_gatherer: {} photons, {} queries, cache {} bytes; widths: nodes, lanes, candidates, "
+      "powers a cycle\n",
+      map.count, queries.size(), plan.cache_bytes);
+  fmt::print(
+      "{:>3} {:<8} {:>8} {:<20} {:>6} {:>6} {:>10} {:>6} {:>13} {:>6} {:>5} {:>7} {:>6} "
+      "{:>10} {:>9}\n",
+      "k", "widths", "contexts", "memory", "nodes", "leaves", "insertions", "bound",
+      "cycles/gather", "ratio", "goal", "dropped", "hits", "candidates", "kcycles/s");
   nlohmann::json rows = nlohmann::json::array();
   std::vector<std::string> missed;
-  for (const int k : o.ks)
-    for (const bool ideal : {true, false}) {
+  if (o.narrow)
+    for (const int k : o.ks) {
       plan.k = k;
-      const GatherRun m = measure(plan, map, queries, ideal, o);
-      const char* memory = ideal ? "ideal" : "60 cycles, 128 bits";
-      const double n = static_cast<double>(queries.size());
-      const auto per = [&](const char* name) {
-        return static_cast<double>(m.counters.at(name)) / n;
-      };
-      const double hits = per("cache hits") / std::max(1e-9, per("leaves"));
-      const double ratio = m.cycles / m.cost.bound;
-      const std::optional<double> most = goal(k, ideal);
-      const bool met = !most || ratio <= *most;
-      if (!met)
-        missed.push_back(fmt::format("k = {}, {} memory: {:.3f} times the bound, goal {:.2f}", k,
-                                     memory, ratio, *most));
-      fmt::print(
-          "{:>3} {:<20} {:>6.1f} {:>6.1f} {:>10.1f} {:>6.1f} {:>13.1f} {:>6.2f} {:>5} {:>7.1f} "
-          "{:>6.2f} {:>10.1f} {:>9.0f} {}\n",
-          k, memory, m.cost.nodes, m.cost.leaves, m.cost.insertions, m.cost.bound, m.cycles, ratio,
-          most ? fmt::format("{:.2f}", *most) : "", per("dropped"), hits, per("candidates"),
-          m.cycles_per_second / 1000, met ? "" : "MISSED");
-      std::fflush(stdout);
-      nlohmann::json row = m.row();
-      row.update({{"k", k},
-                  {"memory", memory},
-                  {"ratio", ratio},
-                  {"goal", most ? nlohmann::json(*most) : nlohmann::json()},
-                  {"cycles_per_second", m.cycles_per_second},
-                  {"counters", m.counters}});
-      rows.push_back(row);
+      const Goal goals[2] = {{goal(k, true), {}}, {goal(k, false), {}}};
+      measure_both(plan, map, queries, goals, o, rows, missed);
+    }
+  if (o.wide)
+    for (const WidePlan& w : kWidePlans) {
+      if (std::find(o.ks.begin(), o.ks.end(), w.k) == o.ks.end()) continue;
+      Plan wide = plan;
+      wide.k = w.k;
+      wide.contexts = w.contexts;
+      wide.lanes = w.lanes;
+      wide.nodes_per_cycle = w.nodes;
+      wide.candidates_per_cycle = w.candidates;
+      wide.powers_per_cycle = w.powers;
+      wide.cache_ways = w.ways;
+      wide.cache_misses = w.misses;
+      check_plan(wide);
+      const Goal goals[2] = {{{}, w.ideal}, {{}, w.slow}};
+      measure_both(wide, map, queries, goals, o, rows, missed);
     }
   return report("photon_gatherer", o.load, rows, missed);
 }
@@ -136,6 +197,11 @@ int main(int argc, char** argv) {
   app.add_option("--k", o.ks, "Photons in an estimate.")->delimiter(',');
   app.add_option("--contexts", o.contexts, "Queries in flight.");
   app.add_option("--lanes", o.lanes, "Distances a cycle.");
+  app.add_option("--nodes", o.nodes, "Inner nodes a cycle.");
+  app.add_option("--candidates", o.candidates, "Candidates a cycle.");
+  app.add_option("--powers", o.powers, "Powers a cycle.");
+  app.add_flag("!--no-narrow", o.narrow, "Without the rows of the options above.");
+  app.add_flag("!--no-wide", o.wide, "Without the wide plans.");
   app.add_option("--cache-bytes", o.cache_bytes, "Leaf cache.");
   app.add_option("--cache-ways", o.ways, "Its associativity.");
   app.add_option("--cache-misses", o.misses, "Misses outstanding.");

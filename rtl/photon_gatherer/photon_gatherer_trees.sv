@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: Apache-2.0
+// The walks of all contexts, on Trees trees: context c is at tree c % Trees, where it is number c / Trees. All trees
+// read one node memory, each on a port of its own. Their leaves become one stream: those of tree 0 go first, those of
+// the others wait in a queue each, past which a leaf goes that has nothing to wait for.
+//
+// Trees inner nodes, one leaf and 2 * Trees stack entries a cycle; latencies are those of photon_gatherer_tree.
+module photon_gatherer_trees #(
+    parameter int unsigned Contexts = 16,
+    parameter int unsigned Trees = 1,
+    parameter int unsigned Lists = 1,
+    parameter int unsigned GlobalLines = 4096,  // of the plan's maps
+    parameter int unsigned CausticLines = 0,
+    parameter int unsigned NodeWords = 4096,
+    localparam int unsigned ContextBits = Contexts > 1 ? $clog2(Contexts) : 1,
+    localparam int unsigned TreeContexts = (Contexts + Trees - 1) / Trees,
+    localparam int unsigned TreeContextBits = TreeContexts > 1 ? $clog2(TreeContexts) : 1,
+    localparam int unsigned ListContexts = (Contexts + Lists - 1) / Lists,
+    localparam int unsigned ListContextBits = ListContexts > 1 ? $clog2(ListContexts) : 1,
+    localparam int unsigned PositionBits = photonloom_pkg::PositionBits,
+    localparam int unsigned R2Bits = photonloom_pkg::R2Bits,
+    localparam int unsigned LineBits = photonloom_pkg::LineBits,
+    localparam int unsigned NodeBits = LineBits + 1,
+    localparam int unsigned NodeAddressBits = $clog2(NodeWords),
+    localparam int unsigned StackBits = $clog2(LineBits + 1),
+    localparam int unsigned CountBits = $clog2(2 * Trees + 1)
+) (
+    input  logic                             clk_i,
+    input  logic                             rst_i,
+    // node memory and lines of the caustic, the global map; written while idle
+    input  logic                             node_write_i,
+    input  logic [      NodeAddressBits-1:0] node_address_i,
+    input  logic [         PositionBits+1:0] node_data_i,       // axis, split
+    input  logic [           2*NodeBits-1:0] lines_i,
+    // a query starts, not while held: at an inner node or a leaf of its map, or, in an empty one, at neither
+    output logic                             hold_o,            // of the context that would start
+    input  logic                             start_i,
+    input  logic                             start_inner_i,
+    input  logic                             start_leaf_i,
+    input  logic [          ContextBits-1:0] start_context_i,
+    input  logic                             start_map_i,
+    input  logic [       3*PositionBits-1:0] start_position_i,
+    // a leaf is reached
+    output logic                             leaf_valid_o,
+    output logic [          ContextBits-1:0] leaf_context_o,
+    output logic                             leaf_map_o,
+    output logic                             leaf_first_o,      // of its query
+    output logic [             LineBits-1:0] leaf_line_o,
+    output logic [            StackBits-1:0] leaf_stack_o,      // entries left
+    output logic [            StackBits-1:0] leaf_steps_o,      // inner nodes on the way to it
+    // a leaf is done, of each tree
+    input  logic [                Trees-1:0] finish_valid_i,
+    output logic [                Trees-1:0] finish_ready_o,
+    input  logic [Trees*TreeContextBits-1:0] finish_context_i,  // of the tree
+    input  logic [      Trees*StackBits-1:0] finish_stack_i,
+    input  logic [                Trees-1:0] finish_stop_i,
+    // a bound is written, by each list for its contexts
+    input  logic [                Lists-1:0] bound_write_i,
+    input  logic [Lists*ListContextBits-1:0] bound_context_i,
+    input  logic [         Lists*R2Bits-1:0] bound_i,
+    // a query is done, of each tree
+    output logic [                Trees-1:0] done_o,
+    output logic [Trees*TreeContextBits-1:0] done_context_o,    // of the tree
+    // counted events, how many
+    output logic [            CountBits-1:0] nodes_o,
+    output logic [            CountBits-1:0] dropped_o
+);
+  localparam int unsigned LeafBits = ContextBits + 2 + LineBits + 2 * StackBits;
+
+  logic [Trees-1:0] hold, leaf_valid, node_step;
+  logic [2*Trees-1:0] dropped;
+  logic [Trees*LeafBits-1:0] leaves;
+  logic [Trees*NodeAddressBits-1:0] node_address;
+  logic [Trees*(PositionBits+2)-1:0] node_data;
+
+  photon_gatherer_node_memory #(
+      .Trees(Trees),
+      .Width(PositionBits + 2),
+      .Depth(NodeWords)
+  ) node_memory (
+      .clk_i(clk_i),
+      .write_i(node_write_i),
+      .write_address_i(node_address_i),
+      .write_data_i(node_data_i),
+      .read_address_i(node_address),
+      .read_data_o(node_data)
+  );
+
+  for (genvar tree = 0; tree < Trees; tree++) begin : gen_tree
+    logic here, valid, map, first;
+    logic [TreeContextBits-1:0] context_here;
+    logic [LineBits-1:0] line;
+    logic [StackBits-1:0] stack, steps;
+    logic [LeafBits-1:0] leaf;
+
+    assign here = (32'(start_context_i) & (Trees - 1)) == tree;
+    assign leaf = {ContextBits'(32'(context_here) * Trees + tree), map, first, line, stack, steps};
+
+    photon_gatherer_tree #(
+        .UnitContexts(Contexts),
+        .Trees(Trees),
+        .Tree(tree),
+        .Lists(Lists),
+        .GlobalLines(GlobalLines),
+        .CausticLines(CausticLines),
+        .NodeWords(NodeWords)
+    ) walk (
+        .clk_i(clk_i),
+        .rst_i(rst_i),
+        .node_address_o(node_address[NodeAddressBits*tree+:NodeAddressBits]),
+        .node_data_i(node_data[(PositionBits+2)*tree+:PositionBits+2]),
+        .lines_i(lines_i),
+        .hold_o(hold[tree]),
+        .start_i(start_i && here),
+        .start_inner_i(start_inner_i && here),
+        .start_leaf_i(start_leaf_i && here),
+        .start_context_i(TreeContextBits'(start_context_i >> $clog2(Trees))),
+        .start_map_i(start_map_i),
+        .start_position_i(start_position_i),
+        .leaf_valid_o(valid),
+        .leaf_context_o(context_here),
+        .leaf_map_o(map),
+        .leaf_first_o(first),
+        .leaf_line_o(line),
+        .leaf_stack_o(stack),
+        .leaf_steps_o(steps),
+        .finish_valid_i(finish_valid_i[tree]),
+        .finish_ready_o(finish_ready_o[tree]),
+        .finish_context_i(finish_context_i[TreeContextBits*tree+:TreeContextBits]),
+        .finish_stack_i(finish_stack_i[StackBits*tree+:StackBits]),
+        .finish_stop_i(finish_stop_i[tree]),
+        .bound_write_i(bound_write_i),
+        .bound_context_i(bound_context_i),
+        .bound_i(bound_i),
+        .done_o(done_o[tree]),
+        .done_context_o(done_context_o[TreeContextBits*tree+:TreeContextBits]),
+        .nodes_o(node_step[tree]),
+        .dropped_o(dropped[2*tree+:2])
+    );
+
+    if (tree == 0) begin : gen_first
+      assign leaf_valid[tree] = valid;
+      assign leaves[LeafBits*tree+:LeafBits] = leaf;
+    end else begin : gen_other
+      localparam int unsigned Depth = TreeContexts > 2 ? (1 << $clog2(TreeContexts)) : 2;
+      logic waiting, goes;
+      logic [LeafBits-1:0] oldest;
+      /* verilator lint_off UNUSEDSIGNAL */  // the queue holds every context
+      logic ready;
+      /* verilator lint_on UNUSEDSIGNAL */
+      assign goes = leaf_valid[tree-1:0] == '0;
+      assign leaf_valid[tree] = waiting || valid;
+      assign leaves[LeafBits*tree+:LeafBits] = waiting ? oldest : leaf;
+      fifo #(
+          .Width(LeafBits),
+          .Depth(Depth)
+      ) queue (
+          .clk_i(clk_i),
+          .rst_i(rst_i),
+          .in_valid_i(valid && (waiting || !goes)),
+          .in_ready_o(ready),
+          .in_i(leaf),
+          .out_valid_o(waiting),
+          .out_ready_i(goes),
+          .out_o(oldest)
+      );
+    end
+  end
+
+  always_comb begin
+    hold_o = 1'b0;
+    nodes_o = '0;
+    dropped_o = '0;
+    for (int unsigned t = 0; t < Trees; t++) begin
+      if ((32'(start_context_i) & (Trees - 1)) == t) hold_o = hold[t];
+      nodes_o = nodes_o + CountBits'(node_step[t]);
+      dropped_o = dropped_o + CountBits'(dropped[2*t+:2]);
+    end
+  end
+
+  assign leaf_valid_o = leaf_valid != '0;
+  if (Trees == 1) begin : gen_one
+    assign {leaf_context_o, leaf_map_o, leaf_first_o, leaf_line_o, leaf_stack_o, leaf_steps_o} = leaves;
+  end else begin : gen_choice
+    logic [LeafBits-1:0] leaf;
+    always_comb begin
+      leaf = leaves[0+:LeafBits];
+      for (int unsigned t = Trees; t > 0; t--) if (leaf_valid[t-1]) leaf = leaves[LeafBits*(t-1)+:LeafBits];
+    end
+    assign {leaf_context_o, leaf_map_o, leaf_first_o, leaf_line_o, leaf_stack_o, leaf_steps_o} = leaf;
+  end
+endmodule
