@@ -14,7 +14,7 @@
 namespace photonloom {
 namespace {
 
-constexpr size_t kPassesKept = 8;
+constexpr size_t kKept = 8;
 // Seeds of references, of no study's.
 constexpr std::array<uint64_t, 2> kReferenceSeeds{1000001, 1000002};
 constexpr uint64_t kWalkSeed = 1000003;
@@ -86,31 +86,50 @@ StudyScene::StudyScene(const std::string& file, const Study& study)
 
 std::string StudyScene::hash_text() const { return fmt::format("{:016x}", world_->scene().hash); }
 
-std::shared_ptr<const PhotonPass> StudyScene::photons(bool is_caustic, uint64_t stored,
-                                                      uint64_t seed) {
-  const PhotonKey key{is_caustic, stored, seed};
-  std::promise<std::shared_ptr<const PhotonPass>> promise;
+namespace {
+
+// The value of `key` in `kept`, oldest first: found there, or made by the first who asks while
+// others wait for it.
+template <class Key, class Value, class Make>
+std::shared_ptr<const Value> find_or_make(
+    std::mutex& mutex,
+    std::deque<std::pair<Key, std::shared_future<std::shared_ptr<const Value>>>>& all,
+    const Key& key, const Make& make) {
+  std::promise<std::shared_ptr<const Value>> promise;
   {
-    std::unique_lock lock(mutex_);
-    for (const auto& [kept, future] : kept_)
+    std::unique_lock lock(mutex);
+    for (const auto& [kept, future] : all)
       if (kept == key) {
-        const PhotonFuture found = future;
+        const auto found = future;
         lock.unlock();
         return found.get();
       }
-    kept_.emplace_back(key, promise.get_future().share());
-    if (kept_.size() > kPassesKept) kept_.pop_front();
+    all.emplace_back(key, promise.get_future().share());
+    if (all.size() > kKept) all.pop_front();
   }
   try {
-    auto pass = std::make_shared<const PhotonPass>(
-        is_caustic ? trace_caustic_photons(*world_, *caster_, stored, seed)
-                   : trace_global_photons(*world_, *caster_, stored, seed));
-    promise.set_value(pass);
-    return pass;
+    auto value = std::make_shared<const Value>(make());
+    promise.set_value(value);
+    return value;
   } catch (...) {
     promise.set_exception(std::current_exception());
     throw;
   }
+}
+
+}  // namespace
+
+std::shared_ptr<const PhotonPass> StudyScene::photons(bool is_caustic, uint64_t stored,
+                                                      uint64_t seed) {
+  return find_or_make(mutex_, kept_, PhotonKey{is_caustic, stored, seed}, [&] {
+    return is_caustic ? trace_caustic_photons(*world_, *caster_, stored, seed)
+                      : trace_global_photons(*world_, *caster_, stored, seed);
+  });
+}
+
+std::shared_ptr<const ConvergedFrames> StudyScene::converged(
+    const std::string& key, const std::function<ConvergedFrames()>& make) {
+  return find_or_make(mutex_, converged_, key, make);
 }
 
 void StudyScene::load_references(const Study& study, const std::string& folder,
