@@ -161,7 +161,9 @@ double sampler_cycles(const Plan& plan, double photons, double rays) {
   const double cells = static_cast<double>(1 << (2 * plan.cell_bits));
   const int edge = 1 << plan.cell_bits;
   const double steps = (edge / 2 + 1 + 1) / 2;
-  const double build = std::max(photons, steps - 1) + cells + 12;
+  const int levels = clog2(static_cast<uint64_t>(plan.levels));
+  const int delay = plan.combine == TableCombine::kWeighted ? std::max(levels, 3) : levels;
+  const double build = std::max(photons, steps - 1) + cells + 12 + delay;
   return std::max(build, 1 + photons + rays);
 }
 

@@ -8,11 +8,19 @@
 #include <limits>
 #include <stdexcept>
 
+#include "golden/plan/plan_file.hpp"
 #include "golden/planner/resources.hpp"
 #include "golden/unit/cdf_sampler.hpp"
 #include "rtl/generate/hardware.hpp"
 
 namespace photonloom {
+namespace {
+
+// Of the image that noise is measured against, twice; their seeds are far from those of frames.
+constexpr int kConvergedRays = 1024;
+constexpr uint64_t kConvergedSeed = uint64_t{1} << 32;
+
+}  // namespace
 
 PointRun::PointRun(StudyScene& scene, const Study& study, const Plan& plan, uint64_t seed,
                    std::string work_dir)
@@ -43,7 +51,8 @@ void PointRun::prepare() {
   prepared_ = true;
 }
 
-Image PointRun::render(Arithmetic arithmetic, FrameUnits& units, FrameCounts& counts) {
+Image PointRun::render(const Plan& plan, Arithmetic arithmetic, FrameUnits& units,
+                       FrameCounts& counts, uint64_t ray_seed) {
   prepare();
   std::unique_ptr<ReferenceGather> exact[2];
   if (arithmetic == Arithmetic::kReference)
@@ -52,12 +61,13 @@ Image PointRun::render(Arithmetic arithmetic, FrameUnits& units, FrameCounts& co
           in_map_order(passes_[is_caustic]->photons, maps_[is_caustic]));
   const FrameInput input{.world = scene_.world(),
                          .caster = scene_.caster(),
-                         .plan = plan_,
+                         .plan = plan,
                          .global = maps_[0],
                          .caustic = maps_[1],
                          .reference_global = exact[0].get(),
                          .reference_caustic = exact[1].get(),
                          .seed = seed_,
+                         .ray_seed = ray_seed,
                          .arithmetic = arithmetic};
   return render_frame(input, units, counts);
 }
@@ -69,7 +79,7 @@ const Planes& PointRun::golden() {
         std::make_unique<WatchedGatherer>(plan_, static_cast<size_t>(study_.gather_queries));
     WatchedGatherer& window = *watched;
     units.photon_gatherer = std::move(watched);
-    const Image image = render(Arithmetic::kGolden, units, counts_);
+    const Image image = render(plan_, Arithmetic::kGolden, units, counts_, seed_);
     golden_ = std::make_unique<Planes>(planes_of(image, "", "the golden frame"));
     walks_ = std::make_unique<Planes>(planes_of(image, "emission", "the golden frame"));
     const Planes direct = planes_of(image, "direct", "the golden frame");
@@ -83,12 +93,49 @@ const Planes& PointRun::golden() {
 
 const Planes& PointRun::walks() { return golden(), *walks_; }
 
+const ConvergedFrames& PointRun::converged() {
+  if (converged_) return *converged_;
+  // The same for all points that differ in how rays are chosen.
+  const Plan usual;
+  Plan plan = plan_;
+  plan.cell_bits = usual.cell_bits;
+  plan.probability_bits = usual.probability_bits;
+  plan.u_bits = usual.u_bits;
+  plan.v_bits = usual.v_bits;
+  plan.combine = TableCombine::kCosine;
+  plan.levels = usual.levels;
+  plan.cosine_samples = usual.cosine_samples;
+  plan.gather_rays = kConvergedRays;
+  plan.first_rays = 0;
+  plan.mean_rays = usual.mean_rays;
+  plan.table_photons = TablePhotons::kAll;
+  plan.cache_present = false;
+  check_plan(plan);
+  converged_ = scene_.converged(fmt::format("{} {}", plan_hash_text(plan), seed_), [&] {
+    ConvergedFrames frames;
+    for (uint64_t i = 0; i < 2; ++i) {
+      FrameUnits units = make_golden_units(plan);
+      FrameCounts counts;
+      (i == 0 ? frames.b1 : frames.b2) = planes_of(
+          render(plan, Arithmetic::kGolden, units, counts, kConvergedSeed + 2 * seed_ + i), "",
+          "the converged frame");
+    }
+    frames.mean = frames.b1;
+    for (size_t c = 0; c < 3; ++c)
+      for (size_t p = 0; p < frames.mean.c[c].size(); ++p)
+        frames.mean.c[c][p] = (frames.b1.c[c][p] + frames.b2.c[c][p]) / 2;
+    return frames;
+  });
+  return *converged_;
+}
+
 const Planes& PointRun::reference() {
   if (!reference_) {
     FrameUnits units = make_golden_units(plan_);
     FrameCounts counts;
-    reference_ = std::make_unique<Planes>(planes_of(render(Arithmetic::kReference, units, counts),
-                                                    "", "the frame in reference arithmetic"));
+    reference_ = std::make_unique<Planes>(
+        planes_of(render(plan_, Arithmetic::kReference, units, counts, seed_), "",
+                  "the frame in reference arithmetic"));
   }
   return *reference_;
 }
@@ -246,6 +293,19 @@ Measurement measure_caching(PointRun& run) {
   return m;
 }
 
+Measurement measure_noise(PointRun& run) {
+  const ConvergedFrames& c = run.converged();
+  Measurement m = image_errors(run.golden(), c.b1, c.b2, c.mean);
+  m.values.resize(1);
+  m.blocks = {{"relmse", m.blocks["relmse"]}};
+  const FrameCounts& counts = run.counts();
+  const double samples = static_cast<double>(counts.camera_samples);
+  m.values.push_back(static_cast<double>(counts.directions) / samples);
+  m.values.push_back(static_cast<double>(counts.table_gathers) / samples);
+  m.values.push_back(static_cast<double>(counts.below_horizon) / samples);
+  return m;
+}
+
 Measurement measure_gather(PointRun& run) {
   const Counters& counted = run.gather_counters();
   const auto queries = static_cast<double>(counted.at("queries"));
@@ -345,6 +405,16 @@ const std::vector<Measure>& measures() {
         {"full", "samples", "that would have become a record of a full tile"}},
        measure_caching,
        no_settings},
+      {"noise",
+       "of final gather rays: error against the converged image of the same photons and walks",
+       {{"relmse", "", "mean (a - c1)(a - c2) / (c^2 + 0.01)"},
+        {"rays", "", "final gather rays a camera sample"},
+        {"tables", "", "table gathers a camera sample"},
+        {"below", "", "rays a camera sample that went below the horizon"}},
+       measure_noise,
+       [](const Study&, const StudyScene&) {
+         return fmt::format("{} rays, twice", kConvergedRays);
+       }},
       {"gather",
        "cycles and bytes",
        {{"cycles", "cycles", "a final gather"},

@@ -44,8 +44,9 @@ class PointRun {
   uint64_t seed() const { return seed_; }
   const std::string& work_dir() const { return work_dir_; }
 
-  const Planes& golden();     // the frame in golden arithmetic
-  const Planes& walks();      // of it, what the camera's walks alone show: emission and direct
+  const Planes& golden();  // the frame in golden arithmetic
+  const Planes& walks();   // of it, what the camera's walks alone show: emission and direct
+  const ConvergedFrames& converged();  // of golden(), without the noise of final gather rays
   const Planes& reference();  // in reference arithmetic: the same photons, queries and directions
   const FrameCounts& counts();
   const Counters& gather_counters();
@@ -55,7 +56,8 @@ class PointRun {
 
  private:
   void prepare();
-  Image render(Arithmetic arithmetic, FrameUnits& units, FrameCounts& counts);
+  Image render(const Plan& plan, Arithmetic arithmetic, FrameUnits& units, FrameCounts& counts,
+               uint64_t ray_seed);
 
   StudyScene& scene_;
   const Study& study_;
@@ -67,6 +69,7 @@ class PointRun {
   PhotonMap maps_[2];
   PackCounts packed_;
   std::unique_ptr<Planes> golden_, walks_, reference_;
+  std::shared_ptr<const ConvergedFrames> converged_;
   FrameCounts counts_;
   Counters gather_counters_;
   std::vector<GatherQuery> watched_;

@@ -18,6 +18,7 @@ namespace {
 
 // Photons of passes that are kept, some 80 bytes each.
 constexpr uint64_t kPhotonsKept = 6000000;
+constexpr size_t kConvergedKept = 8;  // frames
 // Seeds of references, of no study's.
 constexpr std::array<uint64_t, 2> kReferenceSeeds{1000001, 1000002};
 constexpr uint64_t kWalkSeed = 1000003;
@@ -103,42 +104,70 @@ StudyScene::StudyScene(const std::string& file, const Study& study, const Parame
 
 std::string StudyScene::hash_text() const { return fmt::format("{:016x}", world_->scene().hash); }
 
-std::shared_ptr<const PhotonPass> StudyScene::photons(bool is_caustic, uint64_t stored,
-                                                      uint64_t seed) {
-  const PhotonKey key{is_caustic, stored, seed};
-  std::promise<std::shared_ptr<const PhotonPass>> promise;
+namespace {
+
+// What is in `all`, the longest unused first, at the first key that is `same`; else the value of
+// `key`, made by the first who asks while others wait for it. `trim` then drops what is too much.
+template <class Key, class Value, class Same, class Trim, class Make>
+std::shared_ptr<const Value> find_or_make(
+    std::mutex& mutex,
+    std::deque<std::pair<Key, std::shared_future<std::shared_ptr<const Value>>>>& all,
+    const Key& key, const Same& same, const Trim& trim, const Make& make) {
+  std::promise<std::shared_ptr<const Value>> promise;
   {
-    std::unique_lock lock(mutex_);
-    for (auto it = kept_.begin(); it != kept_.end(); ++it) {
-      const auto& [of_caustic, asked, of_seed] = it->first;
-      // The path that fills a map is stored whole: who asks for all that a pass has means that
-      // pass.
-      const bool same = it->first == key || (of_caustic == is_caustic && of_seed == seed &&
-                                             asked < stored && holds(it->second, stored));
-      if (!same) continue;
-      const PhotonFuture found = it->second;
-      std::rotate(it, it + 1, kept_.end());
+    std::unique_lock lock(mutex);
+    for (auto it = all.begin(); it != all.end(); ++it) {
+      if (!same(it->first, it->second)) continue;
+      const auto found = it->second;
+      std::rotate(it, it + 1, all.end());
       lock.unlock();
       return found.get();
     }
-    kept_.emplace_back(key, promise.get_future().share());
-    uint64_t photons = 0;
-    for (const auto& [kept, future] : kept_) photons += std::get<1>(kept);
-    while (photons > kPhotonsKept && kept_.size() > 1) {
-      photons -= std::get<1>(kept_.front().first);
-      kept_.pop_front();
-    }
+    all.emplace_back(key, promise.get_future().share());
+    trim(all);
   }
   try {
-    auto pass = std::make_shared<const PhotonPass>(
-        is_caustic ? trace_caustic_photons(*world_, *caster_, stored, seed)
-                   : trace_global_photons(*world_, *caster_, stored, seed));
-    promise.set_value(pass);
-    return pass;
+    auto value = std::make_shared<const Value>(make());
+    promise.set_value(value);
+    return value;
   } catch (...) {
     promise.set_exception(std::current_exception());
     throw;
   }
+}
+
+}  // namespace
+
+std::shared_ptr<const PhotonPass> StudyScene::photons(bool is_caustic, uint64_t stored,
+                                                      uint64_t seed) {
+  const PhotonKey key{is_caustic, stored, seed};
+  const auto same = [&](const PhotonKey& kept, const PhotonFuture& future) {
+    const auto& [of_caustic, asked, of_seed] = kept;
+    // The path that fills a map is stored whole: who asks for all that a pass has means that pass.
+    return kept == key ||
+           (of_caustic == is_caustic && of_seed == seed && asked < stored && holds(future, stored));
+  };
+  const auto trim = [](auto& all) {
+    uint64_t photons = 0;
+    for (const auto& [kept, future] : all) photons += std::get<1>(kept);
+    while (photons > kPhotonsKept && all.size() > 1) {
+      photons -= std::get<1>(all.front().first);
+      all.pop_front();
+    }
+  };
+  return find_or_make(mutex_, kept_, key, same, trim, [&] {
+    return is_caustic ? trace_caustic_photons(*world_, *caster_, stored, seed)
+                      : trace_global_photons(*world_, *caster_, stored, seed);
+  });
+}
+
+std::shared_ptr<const ConvergedFrames> StudyScene::converged(
+    const std::string& key, const std::function<ConvergedFrames()>& make) {
+  const auto same = [&](const std::string& kept, const ConvergedFuture&) { return kept == key; };
+  const auto trim = [](auto& all) {
+    if (all.size() > kConvergedKept) all.pop_front();
+  };
+  return find_or_make(mutex_, converged_, key, same, trim, make);
 }
 
 void StudyScene::load_references(const Study& study, const std::string& folder,

@@ -3,6 +3,7 @@
 #pragma once
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <future>
 #include <memory>
 #include <mutex>
@@ -28,6 +29,12 @@ struct SceneReferences {
   std::string signature;    // 16 hexadecimal digits of all pixels
 };
 
+// Two images of the same photons, camera walks and plan with so many final gather rays that they
+// are nearly without noise, and rays of their own.
+struct ConvergedFrames {
+  Planes b1, b2, mean;
+};
+
 // May be asked by several threads at once.
 class StudyScene {
  public:
@@ -43,6 +50,10 @@ class StudyScene {
   // As trace_global_photons and trace_caustic_photons; the last few are kept.
   std::shared_ptr<const PhotonPass> photons(bool is_caustic, uint64_t stored, uint64_t seed);
 
+  // What `make` gives for this key; the last few are kept.
+  std::shared_ptr<const ConvergedFrames> converged(const std::string& key,
+                                                   const std::function<ConvergedFrames()>& make);
+
   // From the study's files, else from `folder`, else path traced into it. Call it once, before
   // references() is asked.
   void load_references(const Study& study, const std::string& folder, Progress* progress);
@@ -51,12 +62,14 @@ class StudyScene {
  private:
   using PhotonKey = std::tuple<bool, uint64_t, uint64_t>;
   using PhotonFuture = std::shared_future<std::shared_ptr<const PhotonPass>>;
+  using ConvergedFuture = std::shared_future<std::shared_ptr<const ConvergedFrames>>;
 
   std::string file_, name_;
   std::unique_ptr<World> world_;
   std::unique_ptr<RayCaster> caster_;
   std::mutex mutex_;
-  std::deque<std::pair<PhotonKey, PhotonFuture>> kept_;  // the longest unused first
+  std::deque<std::pair<PhotonKey, PhotonFuture>> kept_;            // the longest unused first
+  std::deque<std::pair<std::string, ConvergedFuture>> converged_;  // likewise
   SceneReferences references_;
 };
 

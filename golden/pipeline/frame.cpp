@@ -5,9 +5,11 @@
 #include <oneapi/tbb/parallel_for.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -24,6 +26,8 @@ namespace {
 // Rays and packets of one call to the units; bounds the memory, changes nothing else.
 constexpr size_t kChunk = size_t{1} << 15;
 constexpr uint32_t kNone = ~uint32_t{0};
+// Added to a squared radiance that noise is relative to, as in relMSE.
+constexpr double kDarkest = 0.01;
 
 template <class F>
 void parallel(size_t count, F&& f) {
@@ -42,6 +46,17 @@ template <class Value>
 struct Layers {
   Value direct{}, caustic{}, indirect{}, emission{};
 };
+
+// A value times part / whole, rounded half up where it is an integer.
+PixelValue scaled(const PixelValue& value, uint64_t part, uint64_t whole) {
+  PixelValue result;
+  for (size_t c = 0; c < 3; ++c)
+    result[c] = value[c] / whole * part + (2 * (value[c] % whole) * part + whole) / (2 * whole);
+  return result;
+}
+Rgb scaled(const Rgb& value, uint64_t part, uint64_t whole) {
+  return value * (static_cast<double>(part) / static_cast<double>(whole));
+}
 
 // A camera sample that waits for its estimates.
 struct Entry {
@@ -89,6 +104,8 @@ class Renderer {
         shader_(in.plan),
         spp_(static_cast<size_t>(in.plan.spp)),
         rays_(static_cast<size_t>(in.plan.gather_rays)),
+        first_rays_(static_cast<size_t>(in.plan.first_rays)),
+        ray_seed_(in.ray_seed.value_or(in.seed)),
         place_(static_cast<size_t>(in.plan.width) * static_cast<size_t>(in.plan.height), kNone) {
     make_channels();
   }
@@ -101,8 +118,10 @@ class Renderer {
     for (int first = 0; first < tiles; first += step) {
       pixels_.clear();
       tile_ends_.clear();
+      tile_begins_.clear();
       for (int tile = first; tile < std::min(tiles, first + step); ++tile) {
         const int x0 = tile % tiles_x * plan_.tile, y0 = tile / tiles_x * plan_.tile;
+        tile_begins_.push_back(pixels_.size());
         for (int y = y0; y < std::min(plan_.height, y0 + plan_.tile); ++y)
           for (int x = x0; x < std::min(plan_.width, x0 + plan_.tile); ++x) {
             place_[pixel_number(x, y)] = static_cast<uint32_t>(pixels_.size());
@@ -137,7 +156,11 @@ class Renderer {
     totals_.assign(entries, Value{});
     features_.assign(pixels_.size(), {});
     gathers_ = plan_.global.present && rays_ > 0;
-    directions_.assign(gathers_ ? entries * rays_ : 0, {});
+    const bool adaptive = gathers_ && first_rays_ > 0;
+    if (adaptive) halves_.assign(2 * entries, Value{});
+    begin_pass(0, std::vector<uint32_t>(entries, static_cast<uint32_t>(!gathers_  ? 0
+                                                                       : adaptive ? first_rays_
+                                                                                  : rays_)));
     caching_ = gathers_ && plan_.cache_present;
     if (caching_) {
       roles_.assign(entries, Role::kAlone);
@@ -147,34 +170,167 @@ class Renderer {
     }
     {
       const ProgressPhase phase(progress_, "camera", entries, "samples");
-      const size_t step = std::max<size_t>(1, kChunk / (1 + (gathers_ ? rays_ : 0)));
-      for (size_t begin = 0; begin < entries; begin += step) {
-        const size_t end = std::min(entries, begin + step);
+      for (size_t begin = 0, end; begin < entries; begin = end) {
+        end = chunk_end(begin, 1);
         walk_cameras(begin, end);
         ask_at_camera_hits(begin, end);
         phase.advance(end - begin);
       }
     }
-    if (gathers_) {
-      const ProgressPhase phase(progress_, "final gather", entries * rays_, "rays");
-      if constexpr (kGolden) slot_of_.assign(entries * rays_, kNone);
-      const size_t step = std::max<size_t>(1, kChunk / rays_);
-      for (size_t begin = 0; begin < entries; begin += step) {
-        const size_t end = std::min(entries, begin + step);
-        cast_final_gathers(begin, end);
-        phase.advance((end - begin) * rays_);
+    if (gathers_) gather_finally("final gather");
+    if (adaptive) {
+      begin_pass(first_rays_, second_rays());
+      {
+        const ProgressPhase phase(progress_, "second tables", entries, "samples");
+        for (size_t begin = 0, end; begin < entries; begin = end) {
+          end = chunk_end(begin, 1);
+          ask_at_camera_hits(begin, end);
+          phase.advance(end - begin);
+        }
       }
-      if constexpr (kGolden) {
-        GatherQuery flush{};
-        flush.flush = 1;
-        gather_reordered({&flush, 1});
-        for (const uint32_t slot : slot_of_) counts_.unanswered += slot != kNone;
-        slots_.clear();
-        free_slots_.clear();
+      gather_finally("second gather");
+      for (size_t entry = 0; entry < entries; ++entry) {
+        Value first = halves_[2 * entry];
+        add(first, halves_[2 * entry + 1]);
+        add_indirect(entry, scaled(first, first_rays_, first_rays_ + rays_of(entry)));
       }
     }
     if (caching_) share_light(entries);
     finish_pixels();
+  }
+
+  // A pass casts rays [first_tag, first_tag + count) of each sample.
+  void begin_pass(size_t first_tag, const std::vector<uint32_t>& counts) {
+    first_tag_ = first_tag;
+    ray_begins_.assign(1, 0);
+    for (const uint32_t n : counts) ray_begins_.push_back(ray_begins_.back() + n);
+    directions_.assign(ray_begins_.back(), {});
+    if constexpr (kGolden) slot_of_.assign(ray_begins_.back(), kNone);
+  }
+  bool second_pass() const { return first_tag_ > 0; }
+  size_t rays_of(size_t entry) const { return ray_begins_[entry + 1] - ray_begins_[entry]; }
+  // A ray's place in directions_ and slot_of_; none for a tag that this pass has not.
+  std::optional<size_t> place_of(size_t entry, size_t tag) const {
+    if (tag < first_tag_ || tag - first_tag_ >= rays_of(entry)) return std::nullopt;
+    return ray_begins_[entry] + tag - first_tag_;
+  }
+  // Samples from `begin` on with about kChunk rays and `others` packets each.
+  size_t chunk_end(size_t begin, size_t others) const {
+    size_t end = begin + 1, work = rays_of(begin) + others;
+    while (end < entries_.size() && work + rays_of(end) + others <= kChunk)
+      work += rays_of(end++) + others;
+    return end;
+  }
+
+  void gather_finally(const char* name) {
+    const ProgressPhase phase(progress_, name, ray_begins_.back(), "rays");
+    for (size_t begin = 0, end; begin < entries_.size(); begin = end) {
+      end = chunk_end(begin, 0);
+      cast_final_gathers(begin, end);
+      phase.advance(ray_begins_[end] - ray_begins_[begin]);
+    }
+    if constexpr (kGolden) {
+      GatherQuery flush{};
+      flush.flush = 1;
+      gather_reordered({&flush, 1});
+      for (const uint32_t slot : slot_of_) counts_.unanswered += slot != kNone;
+      slots_.clear();
+      free_slots_.clear();
+    }
+  }
+
+  // Rays of the second pass, by sample. The pixels of a tile are two halves, as a chessboard; what
+  // one half gets is decided by the noise that the other showed in the first pass, so that a
+  // sample's rays and their number are independent (docs/sampling.md). A fixed order of sums makes
+  // it the same everywhere.
+  std::vector<uint32_t> second_rays() const {
+    struct Half {
+      double noise = 0;  // of a ray, relative to the half's mean
+      double samples = 0;
+    };
+    const size_t tiles = tile_begins_.size();
+    const auto end_of = [&](size_t tile) {
+      return tile + 1 < tiles ? tile_begins_[tile + 1] : pixels_.size();
+    };
+    const auto half_of = [&](size_t pixel) {
+      const auto width = static_cast<uint32_t>(plan_.width);
+      return (pixels_[pixel] % width + pixels_[pixel] / width) % 2;
+    };
+    std::vector<std::array<Half, 2>> halves(tiles);
+    parallel(tiles, [&](size_t tile) {
+      std::array<Rgb, 2> mean{Rgb(0), Rgb(0)}, noise{Rgb(0), Rgb(0)};
+      std::array<double, 2> pixels{};
+      for (size_t pixel = tile_begins_[tile]; pixel < end_of(tile); ++pixel) {
+        const size_t h = half_of(pixel);
+        ++pixels[h];
+        for (size_t entry = pixel * spp_; entry < (pixel + 1) * spp_; ++entry) {
+          halves[tile][h].samples += entries_[entry].diffuse;
+          for (int c = 0; c < 3; ++c) {
+            const double even = radiance(halves_[2 * entry], c);
+            const double odd = radiance(halves_[2 * entry + 1], c);
+            mean[h][c] += radiance(totals_[entry], c) + even + odd;
+            noise[h][c] += (even - odd) * (even - odd);
+          }
+        }
+      }
+      for (size_t h = 0; h < 2; ++h) {
+        if (!(halves[tile][h].samples > 0)) continue;
+        double sum = 0;
+        for (int c = 0; c < 3; ++c) {
+          const double b = mean[h][c] / (pixels[h] * static_cast<double>(spp_));
+          sum += noise[h][c] / (b * b + kDarkest);
+        }
+        halves[tile][h].noise = std::sqrt(sum / halves[tile][h].samples);
+      }
+    });
+    std::vector<uint32_t> counts(entries_.size(), 0);
+    for (size_t h = 0; h < 2; ++h) {
+      const size_t other = 1 - h;
+      double noise = 0, known = 0, samples = 0;
+      for (const auto& tile : halves) {
+        noise += tile[other].noise * tile[other].samples;
+        known += tile[other].samples;
+        samples += tile[h].samples;
+      }
+      const double mean_noise = known > 0 ? noise / known : 0;
+      // What a tile's samples want; none less than an eighth of the mean, for noise that a few
+      // samples did not show.
+      std::vector<double> wish(tiles, 1.0);
+      if (mean_noise > 0)
+        for (size_t tile = 0; tile < tiles; ++tile) {
+          const Half& seen = halves[tile][other];
+          wish[tile] = std::max(seen.samples > 0 ? seen.noise / mean_noise : 1.0, 0.125);
+        }
+      // What the most rays cut off goes to the others.
+      const double most = static_cast<double>(rays_ - first_rays_);
+      double factor = 0;
+      for (int round = 0; round < 8; ++round) {
+        double left = samples * (plan_.mean_rays - plan_.first_rays), open = 0;
+        for (size_t tile = 0; tile < tiles; ++tile) {
+          if (factor * wish[tile] >= most && round > 0)
+            left -= most * halves[tile][h].samples;
+          else
+            open += wish[tile] * halves[tile][h].samples;
+        }
+        if (!(open > 0)) break;
+        factor = std::max(factor, left / open);
+      }
+      for (size_t tile = 0; tile < tiles; ++tile) {
+        const double rays = std::min(factor * wish[tile], most);
+        double given = 0, wanted = 0;
+        for (size_t pixel = tile_begins_[tile]; pixel < end_of(tile); ++pixel) {
+          if (half_of(pixel) != h) continue;
+          for (size_t entry = pixel * spp_; entry < (pixel + 1) * spp_; ++entry) {
+            if (!entries_[entry].diffuse) continue;
+            wanted += rays;
+            const double n = std::min(std::floor(wanted - given), most);
+            given += n;
+            counts[entry] = static_cast<uint32_t>(n);
+          }
+        }
+      }
+    }
+    return counts;
   }
 
   // Named conversion of light that no photon carries.
@@ -271,18 +427,19 @@ class Renderer {
     std::vector<uint8_t> asked_caustic(end - begin, 0), asked_table(end - begin, 0);
     for (size_t entry = begin; entry < end; ++entry) {
       if (!entries_[entry].diffuse) continue;
-      if (plan_.caustic.present && kGolden) {
+      if (plan_.caustic.present && kGolden && !second_pass()) {
         queries_.push_back(camera_query(entry, true));
         asked_caustic[entry - begin] = 1;
         ++counts_.caustic_queries;
       }
-      if (gathers_) {
+      if (gathers_ && rays_of(entry) > 0) {
         queries_.push_back(camera_query(entry, false));
         asked_table[entry - begin] = 1;
         ++counts_.table_gathers;
       }
     }
-    if constexpr (!kGolden) estimate_caustics_in_double(begin, end);
+    if constexpr (!kGolden)
+      if (!second_pass()) estimate_caustics_in_double(begin, end);
     if (queries_.empty() && !caching_) return;
     results_.clear();
     photons_.clear();
@@ -310,7 +467,7 @@ class Renderer {
           add_caustic(entry, shader_.contribution(r, shader_.weight(e.weight, true, saturated)));
         continue;
       }
-      if (e.first) features_[entry / spp_].density += shader_.photon_density(r);
+      if (e.first && !second_pass()) features_[entry / spp_].density += shader_.photon_density(r);
       const std::span<const GatherPhoton> table{photons_.data() + next_photon, photons};
       next_photon += photons;
       if (caching_)
@@ -330,12 +487,12 @@ class Renderer {
     units_.cdf_sampler->process(inputs_, samples_);
     for (const Sample& s : samples_) {
       const uint32_t entry = entry_of(s.pixel, s.sample);
-      if (entry == kNone || s.tag >= rays_ || s.total == 0 ||
-          directions_[size_t{entry} * rays_ + s.tag].probability != 0) {
+      const std::optional<size_t> place = entry == kNone ? std::nullopt : place_of(entry, s.tag);
+      if (!place || s.total == 0 || directions_[*place].probability != 0) {
         ++counts_.unmatched;
         continue;
       }
-      directions_[size_t{entry} * rays_ + s.tag] = sampled_code(s);
+      directions_[*place] = sampled_code(s);
     }
     counts_.directions += samples_.size();
   }
@@ -520,7 +677,11 @@ class Renderer {
     header.sample = sample_of(entry);
     header.normal = {normal.u, normal.v};
     inputs_.push_back(header);
+    const bool all = plan_.table_photons == TablePhotons::kAll;
     for (const GatherPhoton& p : photons) {
+      // A faulty unit's index may be any.
+      if (!all && !(p.index < in_.global.slots.size() && in_.global.slots[p.index].indirect))
+        continue;
       SamplerInput photon{};
       photon.kind = 1;
       photon.mantissa = p.mantissa;
@@ -529,13 +690,15 @@ class Renderer {
       inputs_.push_back(photon);
     }
     const Random random = random_of(entry);
-    for (size_t ray = 0; ray < rays_; ++ray) {
+    const size_t rays = rays_of(entry);
+    for (size_t stratum = 0; stratum < rays; ++stratum) {
+      const size_t ray = first_tag_ + stratum;
       SamplerInput request{};
       request.kind = 2;
       request.tag = static_cast<uint32_t>(ray);
       const UInt128 u =
-          (UInt128{ray} << plan_.u_bits) + (random.bits(ray, 0) >> (64 - plan_.u_bits));
-      request.u = static_cast<uint64_t>(u / rays_);
+          (UInt128{stratum} << plan_.u_bits) + (random.bits(ray, 0) >> (64 - plan_.u_bits));
+      request.u = static_cast<uint64_t>(u / rays);
       request.v = {static_cast<uint32_t>(random.bits(ray, 1) >> (64 - plan_.v_bits)),
                    static_cast<uint32_t>(random.bits(ray, 2) >> (64 - plan_.v_bits))};
       inputs_.push_back(request);
@@ -543,25 +706,30 @@ class Renderer {
   }
 
   Random random_of(size_t entry) const {
-    return Random(in_.seed, Phase::kSampler, (uint64_t{pixel_of(entry)} << 20) | sample_of(entry));
+    return Random(ray_seed_, Phase::kSampler, (uint64_t{pixel_of(entry)} << 20) | sample_of(entry));
   }
 
   void cast_final_gathers(size_t begin, size_t end) {
     struct Gather {
+      size_t entry = 0;
       bool below = false, asks = false;
       Value glossy{};
       QueryWeight weight{};
       GatherQuery query{};
       DiffuseHit y;
     };
-    std::vector<Gather> gathers((end - begin) * rays_);
+    const size_t first = ray_begins_[begin];
+    std::vector<Gather> gathers(ray_begins_[end] - first);
+    for (size_t entry = begin; entry < end; ++entry)
+      for (size_t i = 0; i < rays_of(entry); ++i)
+        gathers[ray_begins_[entry] - first + i].entry = entry;
     SharedCounts shared;
     parallel(gathers.size(), [&](size_t i) {
-      const size_t entry = begin + i / rays_, ray = i % rays_;
-      const Entry& e = entries_[entry];
-      const SampledCode& sampled = directions_[entry * rays_ + ray];
-      if (!e.diffuse || sampled.probability == 0) return;
       Gather& g = gathers[i];
+      const size_t entry = g.entry, ray = first_tag_ + first + i - ray_begins_[entry];
+      const Entry& e = entries_[entry];
+      const SampledCode& sampled = directions_[first + i];
+      if (!e.diffuse || sampled.probability == 0) return;
       const Random random = random_of(entry);
       const Vec3 unfolded =
           sample_direction(plan_, sampled, random.unit(ray, 3), random.unit(ray, 4));
@@ -574,10 +742,12 @@ class Renderer {
       }
       const uint32_t pixel = pixel_of(entry), sample = sample_of(entry);
       const GatherSample s =
-          trace_gather(in_.world, in_.caster, e.x, direction, pixel, sample, ray, in_.seed);
+          trace_gather(in_.world, in_.caster, e.x, direction, pixel, sample, ray, ray_seed_);
       // A record keeps the light that a white surface would send on.
       const Rgb to_pixel = caching_ && roles_[entry] == Role::kRecord ? Rgb(1 / kPi) : e.weight;
-      const Rgb weight = to_pixel * (cosine * inverse_pdf / static_cast<double>(rays_));
+      // The second pass knows how many rays there are in all.
+      const Rgb weight =
+          to_pixel * (cosine * inverse_pdf / static_cast<double>(first_tag_ + rays_of(entry)));
       ShaderCounts own;
       g.glossy = value_of(weight * s.radiance, own);
       if (s.diffuse && !is_black(s.weight)) {
@@ -604,20 +774,25 @@ class Renderer {
     queries_.clear();
     for (size_t i = 0; i < gathers.size(); ++i) {
       const Gather& g = gathers[i];
-      const size_t entry = begin + i / rays_;
       counts_.below_horizon += g.below;
       counts_.final_gathers += g.asks;
-      add_indirect(entry, g.glossy);
+      add_ray(g.entry, first_tag_ + first + i - ray_begins_[g.entry], g.glossy);
       if constexpr (kGolden) {
         if (!g.asks) continue;
-        slot_of_[entry * rays_ + i % rays_] = take_slot(g.weight);
+        slot_of_[first + i] = take_slot(g.weight);
         queries_.push_back(g.query);
       }
     }
     if constexpr (kGolden) gather_reordered(queries_);
   }
 
-  // What a final gather ray of this sample brought.
+  // What a final gather ray found. That of a first pass waits for the number of all rays.
+  void add_ray(size_t entry, size_t ray, const Value& value) {
+    if (first_rays_ > 0 && !second_pass())
+      add(halves_[2 * entry + ray % 2], value);
+    else
+      add_indirect(entry, value);
+  }
   void add_indirect(size_t entry, const Value& value) {
     if (caching_ && roles_[entry] == Role::kRecord)
       add(record_light_[entry], value);
@@ -655,9 +830,9 @@ class Renderer {
         const GatherResult& r = results_[i];
         if (r.flush) continue;
         const uint32_t entry = entry_of(r.pixel, r.sample);
-        uint32_t* slot = entry == kNone || r.tag >= rays_ || r.map
-                             ? nullptr
-                             : &slot_of_[size_t{entry} * rays_ + r.tag];
+        const std::optional<size_t> place =
+            entry == kNone || r.map ? std::nullopt : place_of(entry, r.tag);
+        uint32_t* slot = place ? &slot_of_[*place] : nullptr;
         if (!slot || *slot == kNone) {
           ++counts_.unmatched;
           continue;
@@ -673,7 +848,7 @@ class Renderer {
       });
       for (size_t i = 0; i < results_.size(); ++i) {
         if (slots[i] == kNone) continue;
-        add_indirect(entries[i], values[i]);
+        add_ray(entries[i], results_[i].tag, values[i]);
         free_slots_.push_back(slots[i]);
       }
     } else {
@@ -780,17 +955,23 @@ class Renderer {
   FrameCounts& counts_;
   Progress* progress_;
   const Shader shader_;
-  const size_t spp_, rays_;
+  const size_t spp_, rays_, first_rays_;
+  const uint64_t ray_seed_;
   bool gathers_ = false;  // whether samples send final gather rays
   Image image_;
 
   // Of the batch.
-  std::vector<uint32_t> pixels_;  // in packet order
-  std::vector<uint32_t> place_;   // of a pixel in pixels_
-  std::vector<Entry> entries_;    // a sample each
+  std::vector<uint32_t> pixels_;     // in packet order
+  std::vector<uint32_t> place_;      // of a pixel in pixels_
+  std::vector<size_t> tile_begins_;  // in pixels_
+  std::vector<Entry> entries_;       // a sample each
   std::vector<Layers<Value>> layers_;
   std::vector<Value> totals_;  // of samples
   std::vector<Features> features_;
+  std::vector<Value> halves_;  // of a first pass: even and odd rays of each sample
+  // Of the pass.
+  size_t first_tag_ = 0;
+  std::vector<size_t> ray_begins_;       // of a sample in directions_
   std::vector<SampledCode> directions_;  // probability 0: not answered yet
   bool caching_ = false;
   std::vector<size_t> tile_ends_;     // in entries

@@ -4,6 +4,7 @@
 #pragma once
 #include <cstdint>
 #include <memory>
+#include <optional>
 
 #include "golden/image/image.hpp"
 #include "golden/numeric/progress.hpp"
@@ -41,6 +42,8 @@ struct FrameInput {
   const ReferenceGather* reference_global = nullptr;
   const ReferenceGather* reference_caustic = nullptr;
   uint64_t seed = 1;
+  // Of the final gather rays alone; not given: seed.
+  std::optional<uint64_t> ray_seed = std::nullopt;
   Arithmetic arithmetic = Arithmetic::kGolden;
 };
 
@@ -49,7 +52,7 @@ struct FrameInput {
 struct FrameCounts {
   uint64_t camera_samples = 0;
   uint64_t table_gathers = 0, caustic_queries = 0;
-  uint64_t directions = 0;     // sampled
+  uint64_t directions = 0;     // sampled: final gather rays, of both passes
   uint64_t below_horizon = 0;  // of them, which contribute nothing
   uint64_t final_gathers = 0;
   uint64_t clamped = 0;  // gathers with r2 < r2_floor

@@ -13,7 +13,10 @@ namespace photonloom {
 
 enum class ReorderKey { kNone, kHilbert, kHash };  // kNone: pass-through
 enum class ReorderDrain { kSweep, kFullest };
-enum class TableCombine { kSum, kProduct };
+// What the sampler's weights are made of: photons and cosine in equal shares, multiplied, in shares
+// by their number, or one of them alone.
+enum class TableCombine { kSum, kProduct, kWeighted, kPhotons, kCosine };
+enum class TablePhotons { kAll, kIndirect };
 enum class PhotonMemory { kBlockRam, kSdram };  // of a board
 enum class CacheRadius { kPhotons, kProbe };    // what an irradiance record's radius comes from
 
@@ -88,6 +91,8 @@ struct Plan {
   int u_bits = 32;
   int v_bits = 8;  // each of v1, v2
   TableCombine combine = TableCombine::kSum;
+  int levels = 1;           // L: block sizes, from one cell up, over which a photon is spread
+  int cosine_samples = 50;  // N_B: photons that the cosine counts as; weighted only
   // [cache]
   bool cache_present = false;
   int cache_records = 128;      // of a tile
@@ -110,6 +115,9 @@ struct Plan {
   int width = 256, height = 256;
   int spp = 16;
   int gather_rays = 16;
+  int first_rays = 0;  // of the first pass of an adaptive frame; 0: all gather_rays at once
+  int mean_rays = 16;  // of both passes, a sample in the mean; gather_rays at most
+  TablePhotons table_photons = TablePhotons::kAll;
   int tile = 16;        // edge of a tile in pixels
   int batch_tiles = 0;  // tiles per batch; 0: the whole frame
   // [pixel]
@@ -145,6 +153,15 @@ struct Plan {
   int cell_index_bits() const { return 2 * cell_bits; }
   int total_bits() const { return probability_bits + cell_index_bits(); }
   int sample_direction_bits() const { return cell_bits + v_bits; }
+  // A cell's power, and that of all cells; and with its levels (docs/cdf_sampler.md, Q).
+  int cell_power_bits() const {
+    return power_bits() + clog2(static_cast<uint64_t>(channels)) + clog2(static_cast<uint64_t>(k));
+  }
+  int spread_power_bits() const {
+    return cell_power_bits() + 2 * (levels - 1) + clog2(static_cast<uint64_t>(levels));
+  }
+  // What a photon counts in all cells together, its levels included: L 4^(L - 1).
+  uint64_t photon_spread() const { return static_cast<uint64_t>(levels) << (2 * (levels - 1)); }
   int photon_bits() const {
     return 3 * position_bits + 2 * direction_bits + channels * mantissa_bits + exponent_bits;
   }
@@ -221,6 +238,10 @@ struct Plan {
     v("sampler", "u_bits", p.u_bits, 16, 48, "bits of the number that picks the cell");
     v("sampler", "v_bits", p.v_bits, 1, 12, "bits of each number that places the direction in it");
     v("sampler", "combine", p.combine, 0, 0, "sum or product of photon and cosine table");
+    v("sampler", "levels", p.levels, 1, 7,
+      "block sizes, from one cell up, over which a photon is spread");
+    v("sampler", "cosine_samples", p.cosine_samples, 1, 255,
+      "photons that the cosine counts as, where combine is weighted");
     v("cache", "present", p.cache_present, 0, 1, "whether samples share irradiance");
     v("cache", "records", p.cache_records, 1, 4096, "records of a tile at most");
     v("cache", "hits", p.cache_hits, 1, 8, "records in an answer at most: the heaviest");
@@ -253,6 +274,12 @@ struct Plan {
     v("frame", "height", p.height, 1, 16384, "pixels");
     v("frame", "spp", p.spp, 1, 1 << 20, "samples per pixel");
     v("frame", "gather_rays", p.gather_rays, 0, 65535, "final gather rays per sample");
+    v("frame", "first_rays", p.first_rays, 0, 65535,
+      "rays of the first of two passes, 0 for gather_rays in one");
+    v("frame", "mean_rays", p.mean_rays, 1, 65535,
+      "with two passes, rays per sample in the mean; gather_rays is the most");
+    v("frame", "table_photons", p.table_photons, 0, 0,
+      "photons that make a sampler's table: all, or those that another surface sent (indirect)");
     v("frame", "tile", p.tile, 1, 1024, "edge of a tile in pixels");
     v("frame", "batch_tiles", p.batch_tiles, 0, 1 << 28, "tiles per batch, 0 for the whole frame");
     v("pixel", "weight_bits", p.weight_bits, 8, 24, "mantissa of a query's weight");

@@ -21,13 +21,16 @@ namespace {
 // Enumerations are spelt as in the file, in the order of their values.
 constexpr std::array<const char*, 3> kKeyNames{"none", "hilbert", "hash"};
 constexpr std::array<const char*, 2> kDrainNames{"sweep", "fullest"};
-constexpr std::array<const char*, 2> kCombineNames{"sum", "product"};
+constexpr std::array<const char*, 5> kCombineNames{"sum", "product", "weighted", "photons",
+                                                   "cosine"};
+constexpr std::array<const char*, 2> kTablePhotonsNames{"all", "indirect"};
 constexpr std::array<const char*, 2> kPhotonMemoryNames{"block_ram", "sdram"};
 constexpr std::array<const char*, 2> kCacheRadiusNames{"photons", "probe"};
 constexpr uint64_t kSdramBytes = uint64_t{32} << 20;  // 256 Mbit
 constexpr const auto& names_of(ReorderKey) { return kKeyNames; }
 constexpr const auto& names_of(ReorderDrain) { return kDrainNames; }
 constexpr const auto& names_of(TableCombine) { return kCombineNames; }
+constexpr const auto& names_of(TablePhotons) { return kTablePhotonsNames; }
 constexpr const auto& names_of(PhotonMemory) { return kPhotonMemoryNames; }
 constexpr const auto& names_of(CacheRadius) { return kCacheRadiusNames; }
 
@@ -345,6 +348,18 @@ std::optional<PlanProblem> find_problem(const Plan& plan) {
         fmt::format("is {}, but a photon's cell is the top bits of its direction, which has "
                     "only {} a coordinate",
                     plan.cell_bits, plan.direction_bits));
+  if (plan.levels > plan.cell_bits + 1)
+    return fail("sampler.levels",
+                fmt::format("is {}, but {} x {} cells have only {} block sizes", plan.levels,
+                            1 << plan.cell_bits, 1 << plan.cell_bits, plan.cell_bits + 1));
+  {
+    const int room = plan.combine == TableCombine::kWeighted ? 56 : 64;
+    if (plan.spread_power_bits() > room)
+      return fail("sampler.levels",
+                  fmt::format("is {}, and {} bits of a cell's power become {} bits, expected at "
+                              "most {}",
+                              plan.levels, plan.cell_power_bits(), plan.spread_power_bits(), room));
+  }
   if (plan.u_bits < plan.total_bits() + 8)
     return fail("sampler.u_bits",
                 fmt::format("is {}, expected at least 8 bits more than the table's total, which "
@@ -358,6 +373,21 @@ std::optional<PlanProblem> find_problem(const Plan& plan) {
   if (plan.cache_radius_min > plan.cache_radius_max)
     return fail("cache.radius_min", fmt::format("is {}, expected at most radius_max = {}",
                                                 plan.cache_radius_min, plan.cache_radius_max));
+  if (plan.first_rays > 0) {
+    if (plan.first_rays % 2 != 0)
+      return fail("frame.first_rays",
+                  fmt::format("is {}, expected an even number: its halves tell the noise",
+                              plan.first_rays));
+    if (plan.cache_present)
+      return fail("frame.first_rays",
+                  fmt::format("is {}, expected 0 with cache.present: samples that share light have "
+                              "no rays of their own to add",
+                              plan.first_rays));
+    if (plan.mean_rays < plan.first_rays || plan.mean_rays > plan.gather_rays)
+      return fail("frame.mean_rays",
+                  fmt::format("is {}, expected from first_rays, {}, to gather_rays, {}",
+                              plan.mean_rays, plan.first_rays, plan.gather_rays));
+  }
   if (plan.contribution_bits() > 127)
     return fail(
         "pixel.weight_bits",
@@ -411,7 +441,12 @@ bool may_be_left_out(const std::string& line) {
                                             "cache.glossy",
                                             "gatherer.nodes_per_cycle",
                                             "gatherer.candidates_per_cycle",
-                                            "gatherer.powers_per_cycle"};
+                                            "gatherer.powers_per_cycle",
+                                            "sampler.levels",
+                                            "sampler.cosine_samples",
+                                            "frame.first_rays",
+                                            "frame.mean_rays",
+                                            "frame.table_photons"};
   return kLines.count(line) != 0;
 }
 

@@ -231,38 +231,48 @@ Terms terms_of(Reorder, const Plan& p, const std::string& resource) {
   return terms;
 }
 
-Memories sampler_memories(const Plan& p, int power_total) {
+Memories sampler_memories(const Plan& p) {
   Memories m(p);
   const int index = p.cell_index_bits();
   for (int l = 0; l < index; ++l) m.add(p.total_bits(), uint64_t{2} << l);
-  m.add(power_total, uint64_t{1} << index);
+  // A memory of blocks for each level; the level of all cells is a sum that is there anyway.
+  if (p.combine != TableCombine::kCosine)
+    for (int l = 0; l < std::min(p.levels, p.cell_bits); ++l)
+      m.add(p.cell_power_bits(), uint64_t{1} << (index - 2 * l));
   return m;
 }
 
 Terms terms_of(Sampler, const Plan& p, const std::string& resource) {
   const int index = p.cell_index_bits(), total = p.total_bits();
-  const int power = p.mantissa_bits + clog2(static_cast<uint64_t>(p.channels)) +
-                    static_cast<int>(ones(p.exponent_bits));
-  const int power_total = power + clog2(static_cast<uint64_t>(p.k));
+  // The highest bits of a power with levels are a sum's, and few.
+  const int spread = p.spread_power_bits() - clog2(static_cast<uint64_t>(p.k));
+  const int spread_total = p.spread_power_bits();
   const int cosine = p.cell_bits + p.normal_bits + 8;
   const int cosine_total = 3 * p.cell_bits + p.normal_bits + 8;
-  const bool sum = p.combine == TableCombine::kSum;
-  Terms terms = sampler_memories(p, power_total).terms(resource);
+  const bool weighted = p.combine == TableCombine::kWeighted;
+  const bool sum = p.combine == TableCombine::kSum || weighted;
+  const bool product = p.combine == TableCombine::kProduct;
+  Terms terms = sampler_memories(p).terms(resource);
   if (resource == "ebr") return terms;
   if (resource == "dsp") {
     // Limbs of 18 bits; one of a single bit takes no multiplier.
     const auto limbs = [](int bits) { return bits / 18 + (bits % 18 > 1 ? 1 : 0); };
-    const int lanes = sum ? 1 << (p.cell_bits - 1) : 0;
-    return {{"products",
-             (sum ? limbs(power) * limbs(cosine_total) + limbs(power_total) * limbs(cosine) + lanes
-                  : limbs(power) * limbs(cosine)) +
-                 limbs(p.u_bits) * limbs(total) + 4}};
+    const int lanes = product ? 0 : 1 << (p.cell_bits - 1);
+    const int shares = weighted ? limbs(cosine_total) + limbs(spread_total) : 0;
+    const int count = weighted ? p.count_bits() : 0, samples = weighted ? 8 : 0;
+    return {{"products", (sum ? limbs(spread) * limbs(cosine_total + count) +
+                                    limbs(spread_total + samples) * limbs(cosine)
+                          : product ? limbs(spread) * limbs(cosine)
+                                    : 0) +
+                             lanes + shares + limbs(p.u_bits) * limbs(total) + 4}};
   }
   const Terms rest = {
       {"search", index * total},
-      {"cosine lanes", sum ? (1 << (p.cell_bits - 1)) * (p.cell_bits + p.normal_bits + 1) : 0},
-      {"powers", power_total},
-      {"combination", (sum ? power + cosine_total : power + cosine)},
+      {"cosine lanes", !product ? (1 << (p.cell_bits - 1)) * (p.cell_bits + p.normal_bits + 1) : 0},
+      {"powers", spread_total},
+      {"combination", sum       ? spread + cosine_total
+                      : product ? spread + cosine
+                                : spread},
       {"draw", p.u_bits + total},
       {"place", 2 * p.v_bits},
       {"unit", 1}};

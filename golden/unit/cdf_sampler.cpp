@@ -13,6 +13,8 @@
 namespace photonloom {
 namespace {
 
+constexpr size_t kMostCells = size_t{1} << 12;
+
 // A corner of the grid: as oct_decode, of an even point of the unfolded square.
 IVec3 decode_corner(size_t column, size_t row, int a) {
   const int32_t m = int32_t{1} << a;
@@ -50,11 +52,39 @@ void dot_all(const CellGeometry::Points& points, const IVec3& n, int32_t* dots) 
   for (size_t i = 0; i < points.size(); ++i) dots[i] = x[i] * n[0] + y[i] * n[1] + z[i] * n[2];
 }
 
+// Q(c) = sum of 4^(L - 1 - l) P_l(c): P of the cell and of the blocks of 2, 4, ... cells that it
+// lies in.
+void add_levels(int cell_bits, int levels, uint64_t* power) {
+  const size_t edge = size_t{1} << cell_bits;
+  std::array<uint64_t, kMostCells> block;
+  std::copy_n(power, edge * edge, block.begin());
+  for (size_t c = 0; c < edge * edge; ++c) power[c] <<= 2 * (levels - 1);
+  for (int l = 1; l < levels; ++l) {
+    // The blocks of this level, in place: row by row of the next coarser grid.
+    const size_t blocks = edge >> l;
+    for (size_t row = 0; row < blocks; ++row)
+      for (size_t column = 0; column < blocks; ++column) {
+        const uint64_t* upper = &block[2 * row * 2 * blocks + 2 * column];
+        const uint64_t* lower = upper + 2 * blocks;
+        block[row * blocks + column] = upper[0] + upper[1] + lower[0] + lower[1];
+      }
+    for (size_t row = 0; row < edge; ++row)
+      for (size_t column = 0; column < edge; ++column)
+        power[row * edge + column] += block[(row >> l) * blocks + (column >> l)]
+                                      << 2 * (levels - 1 - l);
+  }
+}
+
+// The exact weight S(c) from Q(c) and B(c).
+struct Factors {
+  uint64_t power = 0, cosine = 0;
+  bool product = false;
+};
+
 // The prefix sums of the narrowed weights; Exact holds the largest exact weight.
 template <class Exact>
 void sum_weights(const CellGeometry& geometry, const int32_t* above, const uint64_t* power,
-                 const uint32_t* cosine, uint64_t power_factor, uint64_t cosine_factor,
-                 bool product, int narrow, uint64_t* prefix) {
+                 const uint32_t* cosine, const Factors& factors, int narrow, uint64_t* prefix) {
   const size_t edge = geometry.edge();
   prefix[0] = 0;
   for (size_t row = 0, c = 0; row < edge; ++row)
@@ -62,9 +92,9 @@ void sum_weights(const CellGeometry& geometry, const int32_t* above, const uint6
       const int32_t* corner = above + row * (edge + 1) + column;
       uint64_t weight = 0;
       if (corner[0] > 0 || corner[1] > 0 || corner[edge + 1] > 0 || corner[edge + 2] > 0) {
-        const Exact exact = product
-                                ? Exact{power[c]} * cosine[c]
-                                : Exact{power[c]} * power_factor + Exact{cosine[c]} * cosine_factor;
+        const Exact exact =
+            factors.product ? Exact{power[c]} * cosine[c]
+                            : Exact{power[c]} * factors.power + Exact{cosine[c]} * factors.cosine;
         weight = std::max<uint64_t>(1, static_cast<uint64_t>(exact >> narrow));
       }
       prefix[c + 1] = prefix[c] + weight;
@@ -75,7 +105,7 @@ void sum_weights(const CellGeometry& geometry, const int32_t* above, const uint6
 
 SampleTable build_sample_table(const Plan& plan, const CellGeometry& geometry, OctCode normal,
                                std::span<const SamplerPhoton> photons) {
-  constexpr size_t kMostCells = size_t{1} << 12, kMostCorners = 65 * 65;  // cell_bits <= 6
+  constexpr size_t kMostCorners = 65 * 65;  // cell_bits <= 6
   const size_t cells = geometry.cells();
   const IVec3 n = oct_decode(normal, plan.normal_bits);
 
@@ -83,7 +113,8 @@ SampleTable build_sample_table(const Plan& plan, const CellGeometry& geometry, O
   std::fill_n(power.begin(), cells, 0);
   uint64_t power_total = 0;
   const int shift = plan.direction_bits - plan.cell_bits;
-  for (const SamplerPhoton& p : photons.first(std::min(photons.size(), size_t(plan.k)))) {
+  photons = photons.first(std::min(photons.size(), size_t(plan.k)));
+  for (const SamplerPhoton& p : photons) {
     const uint64_t value = uint64_t{p.power.mantissa[0] + p.power.mantissa[1] + p.power.mantissa[2]}
                            << p.power.exponent;
     const size_t column = p.direction.u >> shift, row = p.direction.v >> shift;
@@ -104,19 +135,46 @@ SampleTable build_sample_table(const Plan& plan, const CellGeometry& geometry, O
   std::array<int32_t, kMostCorners> above;
   dot_all(geometry.corners(), n, above.data());
 
-  const uint64_t power_weight = std::max<uint64_t>(power_total, 1);
-  const bool product = plan.combine == TableCombine::kProduct;
-  const int bits = static_cast<int>(std::bit_width(power_weight)) +
-                   (product ? plan.cell_bits + plan.normal_bits + 8
-                            : static_cast<int>(std::bit_width(cosine_total)) + 1);
+  // Without power only the cosine is left.
+  const TableCombine combine = plan.combine == TableCombine::kPhotons && power_total == 0
+                                   ? TableCombine::kCosine
+                                   : plan.combine;
+  const uint64_t power_weight = std::max<uint64_t>(power_total, 1) * plan.photon_spread();
+  const auto width = [](uint64_t x) { return static_cast<int>(std::bit_width(x)); };
+  Factors factors;
+  int bits = 0;  // of an upper bound of the sum of S
+  switch (combine) {
+    case TableCombine::kSum:
+      factors = {cosine_total, power_weight};
+      bits = width(power_weight) + width(cosine_total) + 1;
+      break;
+    case TableCombine::kWeighted: {
+      const auto samples = static_cast<uint64_t>(plan.cosine_samples);
+      factors = {photons.size() * cosine_total, samples * power_weight};
+      bits = width(power_weight) + width(cosine_total) + width(photons.size() + samples);
+      break;
+    }
+    case TableCombine::kProduct:
+      factors.product = true;
+      bits = width(power_weight) + plan.cell_bits + plan.normal_bits + 8;
+      if (power_total == 0) std::fill_n(power.begin(), cells, 1);
+      break;
+    case TableCombine::kPhotons:
+      factors = {1, 0};
+      bits = width(power_weight);
+      break;
+    case TableCombine::kCosine:
+      factors = {0, 1};
+      bits = width(cosine_total);
+      break;
+  }
   const int narrow = std::max(0, bits - plan.probability_bits);
-  if (product && power_total == 0) std::fill_n(power.begin(), cells, 1);
+  add_levels(plan.cell_bits, plan.levels, power.data());
 
   SampleTable table;
   table.prefix.resize(cells + 1);
   const auto sum = bits <= 64 ? sum_weights<uint64_t> : sum_weights<UInt128>;
-  sum(geometry, above.data(), power.data(), cosine.data(), cosine_total, power_weight, product,
-      narrow, table.prefix.data());
+  sum(geometry, above.data(), power.data(), cosine.data(), factors, narrow, table.prefix.data());
   return table;
 }
 

@@ -50,8 +50,10 @@ std::vector<PackedPhoton> pack_photons(std::span<const Photon> photons, const Pl
   std::atomic<uint64_t> zeroed{0}, saturated{0};
   tbb::parallel_for(tbb::blocked_range<size_t>(0, photons.size(), 4096), [&](const auto& range) {
     PackCounts own;
-    for (size_t i = range.begin(); i < range.end(); ++i)
+    for (size_t i = range.begin(); i < range.end(); ++i) {
       packed[i] = pack(photons[i], plan, map, &own);
+      packed[i].indirect = i > 0 && photons[i - 1].path == photons[i].path;
+    }
     zeroed += own.zeroed;
     saturated += own.saturated;
   });

@@ -29,6 +29,9 @@ struct PackedPhoton {
   PowerCode power;    // power units
   OctCode direction;  // to where the light came from
   double flight = 0;  // Photon::flight, scene units; no part of a line, whoever asks has the index
+  // Its path had left a photon before: another surface sent it. Known where the map is made, no
+  // part of the photon that hardware stores.
+  bool indirect = false;
 };
 
 struct MapNode {

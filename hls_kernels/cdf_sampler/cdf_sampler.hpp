@@ -7,7 +7,7 @@
 //      +----------------------tables, requests---------------------+
 //
 // Each process is one pipelined loop with an initiation interval of 1. The dependencies that allow
-// it: power_, read-add-write over 2 turns, with the last cell's sum forwarded; the running sum of
+// it: power_, read-add-write over 2 turns, with the last block's sum forwarded; the running sum of
 // weights, one addition; the search, a memory for each level, so that requests follow each other.
 // What weigh needs first, the cosines' total, comes after the last cosine: `cosines` holds a table.
 #pragma once
@@ -76,6 +76,91 @@ struct SearchLevels<T, -1> {
   typename T::template uint<1> find(const Total&, Total&, Total&) const { return 0; }
 };
 
+constexpr int kCellPowerBits = kPowerBits + clog2(kChannels) + clog2(kK);
+// Of Q(c), the power spread over cells and blocks of cells.
+constexpr int kSpreadPowerBits = kCellPowerBits + 2 * (kLevels - 1) + clog2(kLevels);
+
+// What a level of blocks is: a memory, all cells together, or no level of this plan.
+constexpr int kBlocks = 0, kWhole = 1, kBeyond = 2;
+constexpr int kind_of_level(int level) {
+  return level >= kLevels ? kBeyond : level == kCellBits ? kWhole : kBlocks;
+}
+
+// The power of the blocks of 2^Level x 2^Level cells, and of the levels above.
+template <class T, int Level, int kKind = kind_of_level(Level)>
+struct PowerLevels {
+  static constexpr int kSide = kCellBits - Level;
+  using Cell = typename T::template uint<kCellIndexBits>;
+  using Power = typename T::template uint<kCellPowerBits>;
+  using Spread = typename T::template uint<kSpreadPowerBits>;
+
+  void clear() {
+    for (int block = 0; block < 1 << 2 * kSide; ++block) power_[block] = 0;
+    above_.clear();
+  }
+  void add(const Cell& cell, const Power& value) {
+    HLS_DISTANCE(power_, 2);
+    const Cell at = block_of(cell);
+    Power power = power_[index(at)];
+    if (forward_ && at == last_) power = last_power_;
+    last_power_ = power + value;
+    last_ = at;
+    forward_ = true;
+    power_[index(at)] = last_power_;
+    above_.add(cell, value);
+  }
+  // Q of a cell, of these levels; a block is 0 again when its last cell was read.
+  Spread read(const Cell& cell, const Power& total) {
+    const Cell at = block_of(cell);
+    Power power = power_[index(at)];
+    if (forward_ && at == last_) power = last_power_;
+    forward_ = false;  // a turn later the memory has the last photon too
+    if (is_last(cell)) power_[index(at)] = 0;
+    Spread result = power;
+    result = result << 2 * (kLevels - 1 - Level);
+    return result + above_.read(cell, total);
+  }
+
+ private:
+  static Cell block_of(const Cell& cell) {
+    const Cell column = T::template slice<kSide>(cell, Level);
+    const Cell row = T::template slice<kSide>(cell, kCellBits + Level);
+    return row << kSide | column;
+  }
+  static bool is_last(const Cell& cell) {
+    constexpr unsigned kInside = (1u << Level) - 1;
+    return (index(cell) & (kInside << kCellBits | kInside)) == (kInside << kCellBits | kInside);
+  }
+
+  Power power_[1 << 2 * kSide];
+  Power last_power_ = 0;
+  Cell last_ = 0;
+  bool forward_ = false;  // last_power_ is newer than the memory
+  PowerLevels<T, Level + 1> above_;
+};
+template <class T, int Level>
+struct PowerLevels<T, Level, kWhole> {
+  void clear() {}
+  void add(const typename T::template uint<kCellIndexBits>&,
+           const typename T::template uint<kCellPowerBits>&) {}
+  typename T::template uint<kSpreadPowerBits> read(
+      const typename T::template uint<kCellIndexBits>&,
+      const typename T::template uint<kCellPowerBits>& total) {
+    return total;
+  }
+};
+template <class T, int Level>
+struct PowerLevels<T, Level, kBeyond> {
+  void clear() {}
+  void add(const typename T::template uint<kCellIndexBits>&,
+           const typename T::template uint<kCellPowerBits>&) {}
+  typename T::template uint<kSpreadPowerBits> read(
+      const typename T::template uint<kCellIndexBits>&,
+      const typename T::template uint<kCellPowerBits>&) {
+    return 0;
+  }
+};
+
 template <class T>
 class CdfSampler {
   template <int W>
@@ -89,15 +174,18 @@ class CdfSampler {
 
   static constexpr int kEdge = 1 << kCellBits;
   static constexpr int kCells = 1 << 2 * kCellBits;
-  static constexpr bool kProduct = kCombine == 1;
-  static constexpr int kCellPowerBits = kPowerBits + clog2(kChannels) + clog2(kK);
+  static constexpr bool kProduct = kCombine == 1, kWeighted = kCombine == 2;
+  static constexpr bool kPhotonsAlone = kCombine == 3, kCosineAlone = kCombine == 4;
   static constexpr int kCosineBits = kCellBits + kNormalBits + 8;
   static constexpr int kCosineTotalBits = 2 * kCellBits + kCosineBits;
+  // Photons and N_B together.
+  static constexpr int kShareBits = kWeighted ? clog2(kK + kCosineSamples + 1) : 1;
   static constexpr int kExactBits =
-      kProduct ? kCellPowerBits + kCosineBits : kCellPowerBits + kCosineTotalBits + 1;
+      kProduct ? kSpreadPowerBits + kCosineBits : kSpreadPowerBits + kCosineTotalBits + kShareBits;
 
   using Cell = uint<kCellIndexBits>;
   using Power = uint<kCellPowerBits>;  // of a cell, and of all cells
+  using Spread = uint<kSpreadPowerBits>;
   using Total = uint<kTotalBits>;
   struct Normal {
     uint<1> last;  // 1: no normal, the call ends
@@ -106,6 +194,7 @@ class CdfSampler {
   struct PowerTotal {
     uint<1> last;
     Power power;
+    uint<kCountBits> photons;
   };
   struct Cosine {
     uint<kCosineBits> value;
@@ -126,7 +215,7 @@ class CdfSampler {
 
   // As after reset.
   CdfSampler() {
-    for (int cell = 0; cell < kCells; ++cell) power_[cell] = 0;
+    power_.clear();
     total_ = 0;
   }
 
@@ -135,7 +224,7 @@ class CdfSampler {
     HLS_DATAFLOW;
     HLS_STREAM(T, Normal, normals, 2);
     HLS_STREAM(T, PowerTotal, power_totals, 2);
-    HLS_STREAM(T, Power, powers, kCells);
+    HLS_STREAM(T, Spread, powers, kCells);
     HLS_STREAM(T, uint<kCosineTotalBits>, cosine_totals, 2);
     HLS_STREAM(T, Cosine, cosines, kCells);
     HLS_STREAM(T, Total, sums, 2);
@@ -151,22 +240,16 @@ class CdfSampler {
   // Adds photons up by cell. The first request of a table sends it on its way, a cell a turn, which
   // clears it.
   void collect(stream<Input>& in, stream<Normal>& normals, stream<PowerTotal>& power_totals,
-               stream<Power>& powers, stream<Command>& commands, const uint<32>& packets) {
+               stream<Spread>& powers, stream<Command>& commands, const uint<32>& packets) {
     uint<32> taken = 0;
     bool sending = false, clearing = false, waiting = false;
     Input request;
-    Cell cell = 0, last_cell = 0;
-    Power last_power = 0;
-    bool forward = false;  // last_power is newer than the memory
+    Cell cell = 0;
     for (uint<48> turn = 0; turn < (packets + 1) * (kCells + 2); ++turn) {
       HLS_PIPELINE(kInterval);
-      HLS_DISTANCE(power_, 2);
       if (sending || clearing) {
-        Power power = power_[index(cell)];
-        if (forward && cell == last_cell) power = last_power;
+        const Spread power = power_.read(cell, total_);
         if (sending) powers.write(power);
-        power_[index(cell)] = 0;
-        forward = false;  // a turn later the memory has the last photon too
         if (cell == kCells - 1) {
           sending = false;
           clearing = false;
@@ -198,13 +281,7 @@ class CdfSampler {
           const Cell row = T::template slice<kCellBits>(p.direction[1], kDirectionBits - kCellBits);
           const Cell column =
               T::template slice<kCellBits>(p.direction[0], kDirectionBits - kCellBits);
-          const Cell at = row << kCellBits | column;
-          Power power = power_[index(at)];
-          if (forward && at == last_cell) power = last_power;
-          last_power = power + value;
-          last_cell = at;
-          forward = true;
-          power_[index(at)] = last_power;
+          power_.add(row << kCellBits | column, value);
           total_ = total_ + value;
           photons_ += 1;
         } else if (p.kind == 2 && open_) {
@@ -212,7 +289,7 @@ class CdfSampler {
             send_request(p, commands);
           } else {
             normals.write(Normal{0, header_.normal[0], header_.normal[1]});
-            power_totals.write(PowerTotal{0, total_});
+            power_totals.write(PowerTotal{0, total_, photons_});
             Command table = {};
             table.kind = kTable;
             commands.write(table);
@@ -227,7 +304,7 @@ class CdfSampler {
       }
     }
     normals.write(Normal{1, 0, 0});
-    power_totals.write(PowerTotal{1, 0});
+    power_totals.write(PowerTotal{1, 0, 0});
     Command end = {};
     end.kind = kEnd;
     commands.write(end);
@@ -309,11 +386,12 @@ class CdfSampler {
   }
 
   // The narrowed weights, added up from the first cell on: F(c + 1) for each cell c.
-  void weigh(stream<PowerTotal>& power_totals, stream<Power>& powers,
+  void weigh(stream<PowerTotal>& power_totals, stream<Spread>& powers,
              stream<uint<kCosineTotalBits>>& cosine_totals, stream<Cosine>& cosines,
              stream<Total>& sums, const uint<32>& packets) {
-    Power power_total = 0, power_factor = 0;
-    uint<kCosineTotalBits> cosine_total = 0;
+    bool no_power = false;
+    uint<kCosineTotalBits + kCountBits> power_factor = 0;
+    uint<kSpreadPowerBits + 8> cosine_factor = 0;
     uint<8> narrow = 0;
     Total sum = 0;
     uint<kCellIndexBits + 1> cell = kCells;
@@ -322,27 +400,51 @@ class CdfSampler {
       if (cell == kCells) {
         const PowerTotal next = power_totals.read();
         if (next.last == 1) break;
-        power_total = next.power;
-        cosine_total = cosine_totals.read();
-        power_factor = power_total;
-        if (power_total == 0) power_factor = 1;
-        const uint<8> power_width = bit_width<T, kCellPowerBits>(power_factor);
-        uint<8> bits = power_width + kCellBits + kNormalBits + 8;
-        if (!kProduct) bits = power_width + bit_width<T, kCosineTotalBits>(cosine_total) + 1;
+        const uint<kCosineTotalBits> cosine_total = cosine_totals.read();
+        no_power = next.power == 0;
+        Power power_weight = next.power;
+        if (no_power) power_weight = 1;
+        // What a photon counts in all cells together.
+        const uint<3> levels = kLevels;
+        Spread spread_weight = power_weight * levels;
+        spread_weight = spread_weight << 2 * (kLevels - 1);
+        const uint<8> power_width = bit_width<T, kSpreadPowerBits>(spread_weight);
+        const uint<8> cosine_width = bit_width<T, kCosineTotalBits>(cosine_total);
+        power_factor = cosine_total;
+        cosine_factor = spread_weight;
+        uint<8> bits = power_width + cosine_width + 1;
+        if (kWeighted) {
+          const uint<8> samples = kCosineSamples;
+          power_factor = cosine_total * next.photons;
+          cosine_factor = spread_weight * samples;
+          const uint<kShareBits> share = next.photons + samples;
+          bits = power_width + cosine_width + bit_width<T, kShareBits>(share);
+        } else if (kProduct) {
+          bits = power_width + kCellBits + kNormalBits + 8;
+        } else if (kPhotonsAlone && !no_power) {
+          bits = power_width;
+        } else if (kPhotonsAlone || kCosineAlone) {
+          bits = cosine_width;
+        }
         narrow = 0;
         if (bits > kProbabilityBits) narrow = bits - kProbabilityBits;
         sum = 0;
         cell = 0;
       } else {
-        const Power power = powers.read();
+        const Spread power = powers.read();
         const Cosine cosine = cosines.read();
         uint<kExactBits> exact = 0;
-        if (!kProduct)
-          exact = power * cosine_total + cosine.value * power_factor;
-        else if (power_total == 0)
+        if (kProduct && no_power) {
+          exact = cosine.value * cosine_factor;
+        } else if (kProduct) {
+          exact = cosine.value * power;
+        } else if (kPhotonsAlone && !no_power) {
+          exact = power;
+        } else if (kPhotonsAlone || kCosineAlone) {
           exact = cosine.value;
-        else
-          exact = power * cosine.value;
+        } else {
+          exact = power * power_factor + cosine.value * cosine_factor;
+        }
         uint<kProbabilityBits> weight = exact >> index(narrow);
         if (weight == 0) weight = 1;
         if (cosine.touches == 0) weight = 0;
@@ -398,7 +500,8 @@ class CdfSampler {
   }
 
   // of collect
-  Power power_[kCells], total_;
+  PowerLevels<T, 0> power_;
+  Power total_;
   Input header_;
   bool open_ = false, closed_ = false;  // a header has come; a request of its table too
   uint<kCountBits> photons_ = 0;

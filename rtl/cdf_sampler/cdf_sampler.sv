@@ -4,7 +4,8 @@
 // before the first header. Golden: golden/unit/cdf_sampler.cpp; definition: docs/cdf_sampler.md.
 //
 // Two tables alternate: while one is sampled, a sample a cycle, the next one's photons add up and its prefix sums are
-// made. A table takes max(photons, T - 1) + 4^CellBits + 12 cycles from its header, T = ceil((2^(CellBits-1) + 1) / 2); a sample
+// made. A table takes max(photons, T - 1) + 4^CellBits + 12 + Delay cycles from its header, T = ceil((2^(CellBits-1) + 1) / 2) and Delay
+// as in cdf_sampler_weights; a sample
 // takes 4 * CellBits + 6 cycles from its waiting request, and comes in order. Requests wait in a FIFO of RequestDepth
 // while their table is built; where a table has more of them, the next one begins when they have found place. No packet
 // is processed for 4^CellBits cycles after reset.
@@ -19,7 +20,9 @@ module cdf_sampler #(
     parameter int unsigned ProbabilityBits = photonloom_pkg::ProbabilityBits,
     parameter int unsigned UBits = photonloom_pkg::UBits,
     parameter int unsigned VBits = photonloom_pkg::VBits,
-    parameter int unsigned Combine = photonloom_pkg::Combine,  // 0 sum, 1 product
+    parameter int unsigned Combine = photonloom_pkg::Combine,  // 0 sum, 1 product, 2 weighted, 3 photons, 4 cosine
+    parameter int unsigned Levels = photonloom_pkg::Levels,
+    parameter int unsigned CosineSamples = photonloom_pkg::CosineSamples,
     parameter int unsigned RequestDepth = 64  // a power of two
 ) (
     input  logic clk_i,  // clock
@@ -40,6 +43,7 @@ module cdf_sampler #(
   localparam int unsigned AxisBits = NormalBits + 2;
   localparam int unsigned PowerBits = MantissaBits + $clog2(Channels) + (1 << ExponentBits) - 1;
   localparam int unsigned PowerTotalBits = PowerBits + $clog2(K);
+  localparam int unsigned SpreadBits = PowerTotalBits + 2 * (Levels - 1) + $clog2(Levels);
   localparam int unsigned CosineTotalBits = 3 * CellBits + NormalBits + 8;
   localparam int unsigned TotalBits = ProbabilityBits + IndexBits;
   localparam int unsigned PixelBits = photonloom_pkg::PixelBits;
@@ -156,7 +160,8 @@ module cdf_sampler #(
   logic [FactorBits-1:0] add_factor_q;
   logic [ExponentBits-1:0] add_shift_q;
   logic add_q, power_read, begin_q;
-  logic [PowerTotalBits-1:0] power, power_total;
+  logic [SpreadBits-1:0] spread;
+  logic [PowerTotalBits-1:0] power_total;
 
   always_comb begin
     mantissas = '0;
@@ -180,31 +185,40 @@ module cdf_sampler #(
     if (rst_i) add_q <= 1'b0;
   end
 
-  cdf_sampler_power #(
-      .IndexBits(IndexBits),
-      .PowerBits(PowerBits),
-      .FactorBits(FactorBits),
-      .ShiftBits(ExponentBits),
-      .TotalBits(PowerTotalBits)
-  ) powers (
-      .clk_i(clk_i),
-      .rst_i(rst_i),
-      .ready_o(power_ready),
-      .start_i(begin_q),
-      .add_i(add_q),
-      .add_cell_i(add_cell_q),
-      .add_factor_i(add_factor_q),
-      .add_shift_i(add_shift_q),
-      .read_i(power_read),
-      .read_cell_i(power_cell),
-      .power_o(power),
-      .total_o(power_total)
-  );
+  if (Combine == 4) begin : gen_no_powers
+    assign power_ready = 1'b1;
+    assign spread = '0;
+    assign power_total = '0;
+    logic unused_power;
+    assign unused_power = &{1'b0, begin_q, add_q, add_cell_q, add_factor_q, add_shift_q, power_read, power_cell};
+  end else begin : gen_powers
+    cdf_sampler_levels #(
+        .CellBits(CellBits),
+        .Levels(Levels),
+        .PowerBits(PowerBits),
+        .FactorBits(FactorBits),
+        .ShiftBits(ExponentBits),
+        .TotalBits(PowerTotalBits)
+    ) powers (
+        .clk_i(clk_i),
+        .rst_i(rst_i),
+        .ready_o(power_ready),
+        .start_i(begin_q),
+        .add_i(add_q),
+        .add_cell_i(add_cell_q),
+        .add_factor_i(add_factor_q),
+        .add_shift_i(add_shift_q),
+        .read_i(power_read),
+        .read_cell_i(power_cell),
+        .spread_o(spread),
+        .total_o(power_total)
+    );
+  end
 
   // The BRDF's total, beside the photons.
   logic [CosineTotalBits-1:0] cosine_total;
 
-  if (Combine == 0) begin : gen_cosine_total
+  if (Combine != 1) begin : gen_cosine_total
     cdf_sampler_cosine_total #(
         .CellBits(CellBits),
         .NormalBits(NormalBits),
@@ -233,7 +247,10 @@ module cdf_sampler #(
       .PowerBits(PowerTotalBits),
       .CosineBits(CosineTotalBits),
       .ProbabilityBits(ProbabilityBits),
-      .Combine(Combine)
+      .Combine(Combine),
+      .Levels(Levels),
+      .CosineSamples(CosineSamples),
+      .CountBits(CountBits)
   ) weights (
       .clk_i(clk_i),
       .rst_i(rst_i),
@@ -242,8 +259,9 @@ module cdf_sampler #(
       .normal_i(normal_q),
       .power_read_o(power_read),
       .power_cell_o(power_cell),
-      .power_i(power),
+      .spread_i(spread),
       .power_total_i(power_total),
+      .photons_i(photons_q),
       .cosine_total_i(cosine_total),
       .weight_valid_o(weight_valid),
       .weight_cell_o(weight_cell),

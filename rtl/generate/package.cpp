@@ -70,7 +70,10 @@ std::vector<PackageConstant> package_constants(const Plan& plan) {
   LINE(probability_bits, "width of a cell's weight");
   LINE(u_bits, "bits of the number that picks the cell");
   LINE(v_bits, "bits of each number that places the direction in it");
-  number("combine", static_cast<uint64_t>(plan.combine), "0 sum, 1 product");
+  number("combine", static_cast<uint64_t>(plan.combine),
+         "0 sum, 1 product, 2 weighted, 3 photons, 4 cosine");
+  LINE(levels, "block sizes over which a photon is spread");
+  LINE(cosine_samples, "photons that the cosine counts as");
   number("line_beat_bits", static_cast<uint64_t>(plan.beat_bits), "one beat of the line port");
   LINE(cache_records, "irradiance records of a tile at most");
   LINE(cache_hits, "records in an answer at most");

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "golden/unit/cdf_sampler.hpp"
 
+#include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstdlib>
 
@@ -166,6 +168,107 @@ TEST_CASE(
   REQUIRE(build_sample_table(plan, geometry, normal, black).weight(cell) > 100);
 }
 
+namespace {
+
+// S(c) and the bound of docs/cdf_sampler.md, word by word and in double, which holds these numbers
+// exactly: the plans here keep them below 2^53.
+std::vector<double> weights_by_definition(const Plan& plan, const OctCode& normal,
+                                          const std::vector<SamplerPhoton>& photons) {
+  const int a = plan.cell_bits, edge = 1 << a;
+  const CellGeometry geometry(a);
+  const size_t cells = geometry.cells();
+  std::vector<double> p(cells), q(cells), b(cells), s(cells);
+  double tp = 0, tb = 0;
+  const double n = std::min<double>(plan.k, static_cast<double>(photons.size()));
+  for (size_t i = 0; i < static_cast<size_t>(n); ++i) {
+    const SamplerPhoton& photon = photons[i];
+    const auto& m = photon.power.mantissa;
+    const double power = std::ldexp(m[0] + m[1] + m[2], static_cast<int>(photon.power.exponent));
+    const uint32_t column = photon.direction.u >> (plan.direction_bits - a);
+    p[(photon.direction.v >> (plan.direction_bits - a)) * static_cast<uint32_t>(edge) + column] +=
+        power;
+    tp += power;
+  }
+  const IVec3 up = oct_decode(normal, plan.normal_bits);
+  for (size_t c = 0; c < cells; ++c) {
+    b[c] = std::max(0.0, static_cast<double>(oct_dot(geometry.centre(c), up))) *
+           geometry.jacobians()[c];
+    tb += b[c];
+  }
+  for (size_t c = 0; c < cells; ++c)
+    for (int l = 0; l < plan.levels; ++l)
+      for (size_t other = 0; other < cells; ++other)
+        if (other % static_cast<size_t>(edge) >> l == c % static_cast<size_t>(edge) >> l &&
+            other / static_cast<size_t>(edge) >> l == c / static_cast<size_t>(edge) >> l)
+          q[c] += std::ldexp(p[other], 2 * (plan.levels - 1 - l));
+  const double d = std::ldexp(plan.levels, 2 * (plan.levels - 1)), dtp = d * std::max(tp, 1.0);
+  const auto width = [](double x) {
+    return static_cast<int>(std::bit_width(static_cast<uint64_t>(x)));
+  };
+  int bits = 0;
+  for (size_t c = 0; c < cells; ++c) switch (plan.combine) {
+      case TableCombine::kSum:
+        s[c] = q[c] * tb + b[c] * dtp;
+        bits = width(dtp) + width(tb) + 1;
+        break;
+      case TableCombine::kProduct:
+        s[c] = tp == 0 ? d * b[c] : q[c] * b[c];
+        bits = width(dtp) + a + plan.normal_bits + 8;
+        break;
+      case TableCombine::kWeighted:
+        s[c] = n * q[c] * tb + plan.cosine_samples * b[c] * dtp;
+        bits = width(dtp) + width(tb) + width(n + plan.cosine_samples);
+        break;
+      case TableCombine::kPhotons:
+        s[c] = tp == 0 ? b[c] : q[c];
+        bits = width(tp == 0 ? tb : dtp);
+        break;
+      case TableCombine::kCosine:
+        s[c] = b[c];
+        bits = width(tb);
+        break;
+    }
+  for (size_t c = 0; c < cells; ++c) {
+    s[c] = std::floor(std::ldexp(s[c], -std::max(0, bits - plan.probability_bits)));
+    s[c] = touches_upper_hemisphere(c, a, normal, plan.normal_bits) ? std::max(1.0, s[c]) : 0;
+  }
+  return s;
+}
+
+constexpr TableCombine kCombines[] = {TableCombine::kSum, TableCombine::kProduct,
+                                      TableCombine::kWeighted, TableCombine::kPhotons,
+                                      TableCombine::kCosine};
+
+}  // namespace
+
+TEST_CASE(
+    "sampler table: the weights are those of the definition, for every combination and level") {
+  for (const auto combine : kCombines)
+    for (const int a : {1, 2, 3})
+      for (int levels = 1; levels <= a + 1; ++levels) {
+        Plan plan = plan_with(a, 10, combine);
+        plan.levels = levels;
+        plan.mantissa_bits = 4;
+        plan.normal_bits = 5;
+        plan.cosine_samples = 9;
+        plan.k = 12;
+        const CellGeometry geometry(a);
+        for (uint64_t trial = 0; trial < 6; ++trial) {
+          const Random random(11, Phase::kPath, trial);
+          // None, some, more than k; and without power.
+          auto photons = random_photons(plan, random, static_cast<int>(trial) * 4, 4);
+          if (trial == 5)
+            for (SamplerPhoton& p : photons) p.power.mantissa = {0, 0, 0};
+          const OctCode normal = random_normal(plan, random);
+          const SampleTable table = build_sample_table(plan, geometry, normal, photons);
+          const std::vector<double> expected = weights_by_definition(plan, normal, photons);
+          CAPTURE(static_cast<int>(combine), a, levels, trial);
+          for (size_t c = 0; c < geometry.cells(); ++c)
+            REQUIRE(static_cast<double>(table.weight(c)) == expected[c]);
+        }
+      }
+}
+
 TEST_CASE("sampler inversion: every t belongs to the cell that holds it; the ends of u") {
   Plan plan = plan_with(2, 8, TableCombine::kSum);
   plan.u_bits = 20;
@@ -191,9 +294,10 @@ TEST_CASE("sampler inversion: every t belongs to the cell that holds it; the end
 }
 
 TEST_CASE("the density of sampled directions integrates to 1 over the sphere") {
-  for (const auto combine : {TableCombine::kSum, TableCombine::kProduct})
+  for (const auto combine : kCombines)
     for (const int a : {1, 3, 4}) {
-      const Plan plan = plan_with(a, 16, combine);
+      Plan plan = plan_with(a, 16, combine);
+      plan.levels = a;
       const CellGeometry geometry(a);
       const Random random(9, Phase::kPath, static_cast<uint64_t>(a));
       const auto photons = random_photons(plan, random, 50, 8);
@@ -201,7 +305,7 @@ TEST_CASE("the density of sampled directions integrates to 1 over the sphere") {
           build_sample_table(plan, geometry, random_normal(plan, random), photons);
       // Over directions, not over the square, so that the Jacobian is tested too: midpoints in
       // (z, phi), where solid angle is uniform.
-      const int rings = 1000, sectors = 2000;
+      const int rings = 500, sectors = 1000;
       double integral = 0;
       for (int i = 0; i < rings; ++i)
         for (int j = 0; j < sectors; ++j) {
@@ -218,7 +322,67 @@ TEST_CASE("the density of sampled directions integrates to 1 over the sphere") {
         }
       integral *= 4 * kPi / (double(rings) * sectors);
       CAPTURE(a);
-      REQUIRE(integral == Approx(1).margin(2e-3));
+      REQUIRE(integral == Approx(1).margin(4e-3));
+    }
+}
+
+TEST_CASE("every sampler takes each cell as often as its probability says: chi^2") {
+  // Random u through the unit; cells with an expectation below 10 are judged together.
+  constexpr uint32_t kRequests = 20000;
+  for (const auto combine : kCombines)
+    for (const int levels : {1, 4}) {
+      Plan plan = plan_with(4, 16, combine);
+      plan.levels = levels;
+      const Random random(12, Phase::kPath, static_cast<uint64_t>(levels));
+      const auto photons = random_photons(plan, random, 40, 6);
+      const OctCode normal = random_normal(plan, random);
+      std::vector<SamplerInput> in(1 + photons.size() + kRequests);
+      in[0].normal = {normal.u, normal.v};
+      for (size_t i = 0; i < photons.size(); ++i) {
+        SamplerInput& photon = in[1 + i];
+        photon.kind = 1;
+        photon.mantissa = photons[i].power.mantissa;
+        photon.exponent = photons[i].power.exponent;
+        photon.direction = {photons[i].direction.u, photons[i].direction.v};
+      }
+      for (uint64_t i = 0; i < kRequests; ++i) {
+        SamplerInput& request = in[1 + photons.size() + i];
+        request.kind = 2;
+        request.u = random.bits(1000 + i, 0) & ones(plan.u_bits);
+      }
+      std::vector<Sample> samples;
+      make_golden_cdf_sampler(plan)->process(in, samples);
+      REQUIRE(samples.size() == kRequests);
+      const SampleTable table = build_sample_table(plan, CellGeometry(4), normal, photons);
+      std::vector<double> hits(256);
+      for (const Sample& s : samples) {
+        REQUIRE(s.weight == table.weight(s.cell_index));
+        REQUIRE(s.total == table.total());
+        ++hits[s.cell_index];
+      }
+      double chi2 = 0, rest = 0, rest_hits = 0;
+      int freedom = -1;
+      const auto add = [&](double seen, double expected) {
+        chi2 += (seen - expected) * (seen - expected) / expected;
+        ++freedom;
+      };
+      for (size_t c = 0; c < 256; ++c) {
+        const double expected =
+            static_cast<double>(table.weight(c)) / static_cast<double>(table.total()) * kRequests;
+        if (expected < 10) {
+          rest += expected;
+          rest_hits += hits[c];
+        } else {
+          add(hits[c], expected);
+        }
+      }
+      if (rest >= 10) add(rest_hits, rest);
+      CAPTURE(static_cast<int>(combine), levels, freedom, chi2);
+      REQUIRE(freedom > 4);
+      // Wilson and Hilferty: the cube root is nearly normal; 4 sigma to both sides.
+      const double f = 2.0 / (9 * freedom);
+      const double z = (std::cbrt(chi2 / freedom) - (1 - f)) / std::sqrt(f);
+      CHECK(std::fabs(z) < 4);
     }
 }
 

@@ -116,6 +116,119 @@ TEST_CASE(
   }
 }
 
+namespace {
+
+// A request whose frame has two passes.
+FrameRequest adaptive_request() {
+  FrameRequest r = small_request();
+  r.gather_rays = 12;
+  r.set = {"frame.first_rays=2", "frame.mean_rays=4", "frame.tile=6"};
+  return r;
+}
+
+}  // namespace
+
+TEST_CASE("two passes: the mean number of rays, the same image in any order and with any threads") {
+  PreparedFrame frame = prepared(room(1, true), adaptive_request());
+  FrameCounts counts;
+  Image one;
+  {
+    const tbb::global_control single(tbb::global_control::max_allowed_parallelism, 1);
+    one = rendered(frame, Arithmetic::kGolden, &counts);
+  }
+  CHECK(counts.unmatched == 0);
+  CHECK(counts.unanswered == 0);
+  const auto samples = static_cast<double>(counts.caustic_queries);
+  CHECK(static_cast<double>(counts.directions) / samples == Approx(4).epsilon(0.02));
+  CHECK(static_cast<double>(counts.table_gathers) > 1.5 * samples);
+  for (const char* line : {"reorder.key=none", "reorder.key=hash", "reorder.drain=fullest",
+                           "reorder.packets=1", "gatherer.contexts=1"}) {
+    INFO(line);
+    set_plan_line(frame.plan, line);
+    CHECK(same_bytes(rendered(frame), one));
+  }
+  // Rays go where noise is: more to some samples, and the image is another.
+  set_plan_line(frame.plan, "frame.first_rays=0");
+  set_plan_line(frame.plan, "frame.gather_rays=4");
+  CHECK(!same_bytes(rendered(frame), one));
+}
+
+namespace {
+
+// Means of the indirect light in 4 x 4 blocks of the image and of all of it, over seeds of the
+// final gather rays with everything else fixed, and their squared standard errors.
+struct Means {
+  std::vector<double> mean, variance;
+};
+Means indirect_over_ray_seeds(const PreparedFrame& frame, uint64_t first, uint64_t seeds) {
+  std::vector<double> sum(17, 0.0), sum2(17, 0.0);
+  for (uint64_t seed = first; seed < first + seeds; ++seed) {
+    FrameUnits units = make_golden_units(frame.plan);
+    FrameInput input = frame.input(Arithmetic::kGolden);
+    input.ray_seed = seed;
+    FrameCounts counts;
+    const Image image = render_frame(input, units, counts);
+    std::vector<double> blocks(17, 0.0);
+    for (const char* channel : {"indirect.R", "indirect.G", "indirect.B"}) {
+      const std::vector<float>& pixels = image.find(channel)->pixels;
+      for (size_t i = 0; i < pixels.size(); ++i) {
+        blocks[i / 24 / 6 * 4 + i % 24 / 6] += static_cast<double>(pixels[i]);
+        blocks[16] += static_cast<double>(pixels[i]);
+      }
+    }
+    for (size_t b = 0; b < blocks.size(); ++b) {
+      sum[b] += blocks[b];
+      sum2[b] += blocks[b] * blocks[b];
+    }
+  }
+  Means m;
+  const auto n = static_cast<double>(seeds);
+  for (size_t b = 0; b < sum.size(); ++b) {
+    m.mean.push_back(sum[b] / n);
+    m.variance.push_back((sum2[b] - sum[b] * sum[b] / n) / (n * (n - 1)));
+  }
+  return m;
+}
+
+}  // namespace
+
+TEST_CASE("every table and both passes are unbiased: 64 ray seeds against 64 times the rays") {
+  FrameRequest request = small_request();
+  request.spp = 1;
+  request.set = {"sampler.combine=cosine", "frame.gather_rays=16"};
+  const Scene scene = room(1, true);
+  // 16 seeds of 16 rays: 64 times the 4 rays below.
+  const Means expected = indirect_over_ray_seeds(prepared(scene, request), 1000, 16);
+  const std::vector<std::vector<std::string>> settings = {
+      {"sampler.combine=sum", "sampler.levels=4", "frame.table_photons=indirect"},
+      {"sampler.combine=product", "sampler.levels=5"},
+      {"sampler.combine=weighted", "sampler.levels=2"},
+      // Cells without photons, which keep one part of 2^6: of 2^16 64 seeds would see too few rays
+      // for a normal distribution.
+      {"sampler.combine=photons", "sampler.probability_bits=6"},
+      {"sampler.combine=product", "sampler.probability_bits=6"},
+      {"sampler.levels=3", "frame.gather_rays=12", "frame.first_rays=2", "frame.mean_rays=4",
+       "frame.tile=6"}};
+  for (const auto& lines : settings) {
+    request.set = {"frame.gather_rays=4"};
+    request.set.insert(request.set.end(), lines.begin(), lines.end());
+    const Means got = indirect_over_ray_seeds(prepared(scene, request), 1, 64);
+    std::string name;
+    for (const std::string& line : lines) name += line + " ";
+    INFO(name);
+    double chi2 = 0;
+    for (size_t b = 0; b < 17; ++b) {
+      const double d = got.mean[b] - expected.mean[b];
+      const double z = d / std::sqrt(got.variance[b] + expected.variance[b]);
+      CAPTURE(b, z, got.mean[b], expected.mean[b]);
+      CHECK(std::fabs(z) < (b == 16 ? 3 : 4));
+      if (b < 16) chi2 += z * z;
+    }
+    // 16 blocks: 99.9 % lie below 39.
+    CHECK(chi2 < 45);
+  }
+}
+
 TEST_CASE("another seed gives another image, the same one the same") {
   FrameRequest request = small_request();
   const Image a = rendered(prepared(room(1, false), request));

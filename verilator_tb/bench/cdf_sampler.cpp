@@ -37,7 +37,24 @@ std::vector<BenchPlan> plans() {
   fine.probability_bits = 24;
   fine.u_bits = 48;
   fine.k = 100;
-  return {{"usual", usual}, {"product", product}, {"coarse", coarse}, {"fine", fine}};
+  Plan spread;
+  spread.levels = 4;
+  Plan weighted = coarse;
+  weighted.combine = TableCombine::kWeighted;
+  weighted.cell_bits = 2;
+  weighted.probability_bits = 12;
+  weighted.u_bits = 24;
+  weighted.mantissa_bits = 9;
+  weighted.levels = 3;
+  weighted.cosine_samples = 7;
+  weighted.k = 20;
+  Plan photons;
+  photons.combine = TableCombine::kPhotons;
+  photons.levels = 5;
+  Plan cosine;
+  cosine.combine = TableCombine::kCosine;
+  return {{"usual", usual},   {"product", product},   {"coarse", coarse},   {"fine", fine},
+          {"spread", spread}, {"weighted", weighted}, {"photons", photons}, {"cosine", cosine}};
 }
 
 uint32_t random_field(BenchRandom& random, int bits) {

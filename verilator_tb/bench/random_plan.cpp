@@ -54,7 +54,9 @@ Plan draw(RoleRandom& random) {
   p.probability_bits = between(8, 20);
   p.u_bits = std::min(48, p.total_bits() + between(8, 12));
   p.v_bits = between(1, 10);
-  p.combine = static_cast<TableCombine>(between(0, 1));
+  p.combine = static_cast<TableCombine>(between(0, 4));
+  p.levels = random.below(2) ? between(1, p.cell_bits + 1) : 1;
+  p.cosine_samples = between(1, 255);
   p.width = between(1, 300);
   p.height = between(1, 300);
   p.spp = between(1, 64);
