@@ -205,7 +205,7 @@ void print_units(const std::vector<UnitReport>& units) {
 
 void cosim(const CosimOptions& o) {
   const FrameRequest request = o.frame.request();
-  const Hardware hardware = hardware_units(o.backends);
+  Hardware hardware = hardware_units(o.backends);
   const std::string name = hardware_name(hardware);
   for (const std::string& unit : unit_names()) o.rig.options(unit);  // bad values before long work
   std::set<std::string> units_with_waves;
@@ -225,6 +225,12 @@ void cosim(const CosimOptions& o) {
   ConsoleProgress progress;
   PreparedFrame frame = prepare_frame(request, Arithmetic::kReference, &progress);
   print_warnings(frame.warnings);
+  if (o.backends == all_as_rtl())
+    std::erase_if(hardware, [&](const auto& unit) {
+      return !find_unit(unit.first).lacks(frame.plan).empty();
+    });
+  if (hardware.empty())
+    throw std::runtime_error("the plan of this scene has no unit that could be hardware");
   for (const auto& [unit, backend] : hardware)  // a wrong board is refused before long work
     if (!backend.device.empty()) o.board.check(frame.plan, backend.device);
   PacketWatch watch(frame.plan, o.packets);
@@ -383,7 +389,7 @@ void add_cosim(CLI::App& app) {
   c->add_option(
        "--backend", o->backends,
        fmt::format("Units and what stands for them, UNIT=BACKEND with commas between: UNIT "
-                   "{}, BACKEND {} (default: all as rtl)",
+                   "{}, BACKEND {} (default: those that the plan has as rtl)",
                    unit_names_text(), backend_kinds_text(true)))
       ->type_name("UNIT=B,...");
   c->add_flag("--keep-going", o->keep_going,

@@ -351,6 +351,8 @@ PlannedFrame make_plan(const World& world, const PlanRequest& request, const Pho
       cache_holds_maps
           ? fmt::format(", all {} of the maps", plan.lines(plan.global) + plan.lines(plan.caustic))
           : "");
+  why["gatherer.nodes_per_cycle"] = why["gatherer.candidates_per_cycle"] =
+      why["gatherer.powers_per_cycle"] = "the smallest gatherer; 2 or 4 make it faster";
   why["gatherer.cache_ways"] = "fewer conflicts for little area";
   why["gatherer.cache_misses"] = "keeps the memory port busy";
   why["gatherer.beat_bits"] = "a 128-bit memory port";
@@ -373,6 +375,13 @@ PlannedFrame make_plan(const World& world, const PlanRequest& request, const Pho
   why["sampler.v_bits"] = "the ray is jittered below it";
   why["sampler.combine"] =
       "keeps every direction likely that either the photon or the cosine table finds likely";
+  why["sampler.levels"] = "a photon counts for its own cell alone";
+  why["sampler.cosine_samples"] = "used where sampler.combine is weighted";
+  for (const char* line :
+       {"present", "records", "hits", "passes", "accuracy", "radius", "probe_rays", "radius_min",
+        "radius_max", "angle_bits", "weight_bits", "glossy"})
+    why[std::string("cache.") + line] =
+        plan.cache_present ? "set by hand" : "no irradiance cache unless it is asked for";
   if (map_bytes > kBoardBlockRamBytes) plan.photon_memory = PhotonMemory::kSdram;
   // What comes from an SDRAM comes in whole photons.
   if (plan.photon_memory == PhotonMemory::kSdram)
@@ -385,6 +394,8 @@ PlannedFrame make_plan(const World& world, const PlanRequest& request, const Pho
   why["board.lut_ram_words"] = "block RAM is short where several gatherers share it";
 
   // The frame.
+  why["frame.first_rays"] = why["frame.mean_rays"] = "one pass, the same number of rays everywhere";
+  why["frame.table_photons"] = "tables of all photons around a point";
   why["frame.tile"] = "rays of a tile are made together";
   const uint64_t tile_samples = static_cast<uint64_t>(plan.tile) *
                                 static_cast<uint64_t>(plan.tile) * static_cast<uint64_t>(plan.spp);
