@@ -12,6 +12,7 @@
 #include "golden/planner/resources.hpp"
 #include "golden/unit/cdf_sampler.hpp"
 #include "rtl/generate/hardware.hpp"
+#include "study/bounded_search.hpp"
 
 namespace photonloom {
 namespace {
@@ -340,6 +341,14 @@ Measurement measure_gather(PointRun& run) {
   return m;
 }
 
+Measurement measure_bounds(PointRun& run) {
+  const BoundedSearch b =
+      bounded_search(run.plan(), run.map(false), run.map(true), run.watched_queries());
+  Measurement m;
+  m.values = {b.recall, b.light, b.spread, b.spread_scaled, b.light_known, b.spread_known};
+  return m;
+}
+
 Measurement measure_resources(PointRun& run) {
   const Plan& plan = run.plan();
   UnitResources all, gatherer;
@@ -434,6 +443,18 @@ const std::vector<Measure>& measures() {
        [](const Study& s, const StudyScene&) {
          return fmt::format("{} queries {} latency {} fit {}", s.rtl_cycles ? "rtl" : "model",
                             s.gather_queries, s.latency, cycle_fit_signature());
+       }},
+      {"bounds",
+       "what epsilon and the leaf limit leave out, beside the exact search of the same queries",
+       {{"recall", "", "part of the exact search's photons that is found"},
+        {"light", "", "sum of the estimates over the exact ones', minus 1"},
+        {"spread", "", "root mean square difference over the exact ones' root mean square"},
+        {"spread_scaled", "", "the same, with one factor that makes light 0"},
+        {"light_known", "", "light, with the radius cut where the search left something out"},
+        {"spread_known", "", "spread, with that radius"}},
+       measure_bounds,
+       [](const Study& s, const StudyScene&) {
+         return fmt::format("{} queries", s.gather_queries);
        }},
       {"resources",
        "logic and memory, predicted",
