@@ -363,10 +363,17 @@ Measurement measure_resources(PointRun& run) {
   const double bytes =
       static_cast<double>(plan.lines(plan.global) + plan.lines(plan.caustic)) * plan.line_bytes();
   Measurement m;
-  m.values = {gatherer.lut, gatherer.ff, gatherer.dsp,
-              gatherer.ebr, all.lut,     all.ff,
-              all.dsp,      all.ebr,     static_cast<double>(plan.photon_bits()),
-              bytes};
+  m.values = {gatherer.lut,
+              gatherer.ff,
+              gatherer.dsp,
+              gatherer.ebr,
+              all.lut,
+              all.ff,
+              all.dsp,
+              all.ebr,
+              static_cast<double>(plan.photon_bits()),
+              bytes,
+              static_cast<double>(board_memories(plan).total())};
   return m;
 }
 
@@ -467,7 +474,8 @@ const std::vector<Measure>& measures() {
         {"dsp", "multipliers", "all units"},
         {"ebr", "block RAMs", "all units"},
         {"photon_bits", "bits", "of a photon"},
-        {"map_bytes", "bytes", "lines of both maps"}},
+        {"map_bytes", "bytes", "lines of both maps"},
+        {"board_ebr", "block RAMs", "a board's whole top"}},
        measure_resources,
        no_settings}};
   return all;
