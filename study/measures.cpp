@@ -13,6 +13,7 @@
 #include "golden/unit/cdf_sampler.hpp"
 #include "rtl/generate/hardware.hpp"
 #include "study/bounded_search.hpp"
+#include "study/routed.hpp"
 
 namespace photonloom {
 namespace {
@@ -377,6 +378,13 @@ Measurement measure_resources(PointRun& run) {
   return m;
 }
 
+Measurement measure_routed(PointRun& run) {
+  const RoutedResources r = routed_gatherer(run.plan(), run.work_dir() + "/routed");
+  Measurement m;
+  m.values = {r.lut, r.ff, r.dsp, r.ebr, r.mhz};
+  return m;
+}
+
 std::string no_settings(const Study&, const StudyScene&) { return "1"; }
 
 }  // namespace
@@ -477,6 +485,15 @@ const std::vector<Measure>& measures() {
         {"map_bytes", "bytes", "lines of both maps"},
         {"board_ebr", "block RAMs", "a board's whole top"}},
        measure_resources,
+       no_settings},
+      {kRouted,
+       "the gatherer placed and routed by the open FPGA flow, with the first seed alone",
+       {{"lut", "LUT-equivalents", "the gatherer"},
+        {"ff", "flip-flops", "the gatherer"},
+        {"dsp", "multipliers", "the gatherer"},
+        {"ebr", "block RAMs", "the gatherer"},
+        {"mhz", "MHz", "Fmax of one placement"}},
+       measure_routed,
        no_settings}};
   return all;
 }

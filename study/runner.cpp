@@ -16,6 +16,7 @@
 #include "golden/numeric/output_file.hpp"
 #include "golden/numeric/sha256.hpp"
 #include "study/point_plan.hpp"
+#include "study/routed.hpp"
 #include "study/search.hpp"
 #include "study/slurm.hpp"
 #include "study/workers.hpp"
@@ -48,6 +49,8 @@ class Sweep {
                     [](const PointSet& s) { return s.strategy == Strategy::kSearch; });
     if (searches && !request_.is_task)
       if (const std::string why = search_missing(); !why.empty()) throw std::runtime_error(why);
+    if (std::count(study_.measures.begin(), study_.measures.end(), kRouted))
+      if (const std::string why = routing_missing(); !why.empty()) throw std::runtime_error(why);
     load_scenes();
     plan_points();
     const std::vector<uint32_t> fixed = chosen();
@@ -222,6 +225,7 @@ class Sweep {
 
   bool is_wanted(const std::string& measure, uint64_t seed) const {
     const auto first = study_.seeds.begin();
+    if (measure == kRouted) return seed == *first;
     return measure != "formats" || study_.formats_seeds == 0 ||
            std::find(first, first + study_.formats_seeds, seed) != first + study_.formats_seeds;
   }

@@ -245,8 +245,29 @@ TEST_CASE("a wrong study is refused with file, line and what was expected") {
   refused("[study]\nname = 3\n", "2", "expected a text");
   std::string text = good;
   text.replace(text.find("\"gather\", "), 10, "\"gathre\", ");
-  refused(text, "6", "expected one of visible, formats, gather, resources");
+  refused(text, "6", "expected one of visible, formats, caching, gather, bounds, resources, routed");
   refused("[study\n", "1", "");
+}
+
+TEST_CASE("routed resources are asked of tools that are there, or a sentence says which is not") {
+  if (std::filesystem::exists(photonloom::test::source("build/fpga-tools/bin"))) return;
+  const Scratch s;
+  std::string study = small_study(cornell());
+  study.replace(study.find("\"resources\""), 11, "\"resources\", \"routed\"");
+  write_file(s / "study.toml", study);
+  // A PATH that has Python alone.
+  std::filesystem::create_directories(s / "bin");
+  std::filesystem::create_symlink("/usr/bin/python3", s / "bin/python3");
+  const std::string path = std::getenv("PATH");
+  setenv("PATH", (s / "bin").c_str(), 1);
+  const auto refused = run(command(s / "study.toml", s / "a"));
+  setenv("PATH", path.c_str(), 1);
+  CHECK(refused.status == 1);
+  INFO(refused.err);
+  CHECK(refused.one_error_line());
+  CHECK(refused.err.find("measure routed needs the tools of the open FPGA flow") !=
+        std::string::npos);
+  CHECK(refused.err.find("is not there") != std::string::npos);
 }
 
 TEST_CASE("a full disk stops the sweep with a sentence and loses nothing") {
