@@ -245,8 +245,9 @@ TEST_CASE("a wrong study is refused with file, line and what was expected") {
   refused("[study]\nname = 3\n", "2", "expected a text");
   std::string text = good;
   text.replace(text.find("\"gather\", "), 10, "\"gathre\", ");
-  refused(text, "6",
-          "expected one of visible, formats, caching, gather, bounds, resources, routed");
+  refused(
+      text, "6",
+      "expected one of visible, lot, formats, caching, noise, gather, bounds, resources, routed");
   refused("[study\n", "1", "");
 }
 
