@@ -236,6 +236,8 @@ void cosim(const CosimOptions& o) {
   PacketWatch watch(frame.plan, o.packets);
   FrameUnits golden_units = watch.wrap(make_golden_units(frame.plan)),
              reference_units = make_golden_units(frame.plan);
+  GatherWatch golden_gathers(frame.plan), hardware_gathers(frame.plan);
+  golden_units.photon_gatherer = golden_gathers.wrap(std::move(golden_units.photon_gatherer));
   FrameCounts reference_counts, golden_counts, counts;
   Image reference_image = render_frame(frame.input(Arithmetic::kReference), reference_units,
                                        reference_counts, &progress);
@@ -272,6 +274,7 @@ void cosim(const CosimOptions& o) {
         phase.advance(1);
       });
     }
+    units.photon_gatherer = hardware_gathers.wrap(std::move(units.photon_gatherer));
     hardware_image = render_frame(frame.input(Arithmetic::kGolden), units, counts, &progress);
     for (const Side& side : sides) reports.push_back(side.report());
   } catch (const RigError& error) {
@@ -286,6 +289,9 @@ void cosim(const CosimOptions& o) {
   describe_frame(reference_image, frame, request, "reference");
   describe_frame(golden_image, frame, request, "golden");
   describe_frame(hardware_image, frame, request, "golden");
+  const GatherDiagnosis diagnosis = diagnose_into(golden_image, golden_gathers, frame, request);
+  diagnose_into(hardware_image, hardware_gathers, frame, request);
+  print_warnings(diagnosis_messages(diagnosis));
   const std::string golden_file = folder.temporary() + "/golden.exr",
                     hardware_file = folder.temporary() + "/" + name + ".exr";
   write_exr(reference_image, folder.temporary() + "/reference.exr");
@@ -313,6 +319,7 @@ void cosim(const CosimOptions& o) {
   summary["table_gathers"] = counts.table_gathers;
   summary["directions"] = counts.directions;
   summary["final_gathers"] = counts.final_gathers;
+  summary["diagnosis"] = diagnosis_json(diagnosis);
   for (const UnitReport& u : reports) {
     compared += u.compared;
     differences += u.differences;

@@ -7,6 +7,7 @@
 #include <charconv>
 #include <cmath>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 
 namespace photonloom {
 namespace {
@@ -153,6 +154,47 @@ void describe_frame(Image& image, const PreparedFrame& frame, const FrameRequest
   m["gatherRays"] = fmt::format("{}", plan.gather_rays);
   m["spp"] = fmt::format("{}", plan.spp);
   m["planHash"] = plan_hash_text(plan);
+}
+
+GatherDiagnosis diagnose_into(Image& image, const GatherWatch& watch, const PreparedFrame& frame,
+                              const FrameRequest& request) {
+  // The seed of photons from a file is not known here.
+  const GatherDiagnosis diagnosis = diagnose_gathers(
+      watch, frame,
+      request.load_photons.empty() ? std::optional<uint64_t>(request.seed) : std::nullopt);
+  diagnosis.add_layers(image);
+  return diagnosis;
+}
+
+nlohmann::ordered_json diagnosis_json(const GatherDiagnosis& diagnosis) {
+  nlohmann::ordered_json json;
+  for (const bool is_caustic : {false, true}) {
+    const GatherTally& t = diagnosis.tally[is_caustic];
+    json[is_caustic ? "caustic" : "global"] = {
+        {"gathers", t.gathers}, {"no_photon", t.none}, {"fewer_than_k", t.few}};
+  }
+  json["regions"] = nlohmann::ordered_json::array();
+  for (const ShortRegion& r : diagnosis.regions) {
+    nlohmann::ordered_json region = {
+        {"cause", shortage_name(r.shortage)}, {"pixels", r.pixels}, {"found", r.found}};
+    if (r.shortage == Shortage::kStarvedLight) {
+      region["light"] = r.light;
+      region["light_photons"] = r.light_photons;
+    }
+    region["advice"] = {{"photons", r.advice.photons},
+                        {"radius", r.advice.radius},
+                        {"k", r.advice.k},
+                        {"options", r.advice.options}};
+    region["message"] = r.message;
+    json["regions"].push_back(region);
+  }
+  return json;
+}
+
+std::vector<std::string> diagnosis_messages(const GatherDiagnosis& diagnosis) {
+  std::vector<std::string> messages;
+  for (const ShortRegion& r : diagnosis.regions) messages.push_back(r.message);
+  return messages;
 }
 
 void print_warnings(const std::vector<std::string>& warnings) {

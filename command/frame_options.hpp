@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // The options of every command that prepares a frame, and what they say on stderr.
 #pragma once
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
 #include "command/command.hpp"
 #include "command/scene_option.hpp"
+#include "golden/pipeline/gather_diagnosis.hpp"
 #include "golden/pipeline/prepare.hpp"
 
 namespace photonloom {
@@ -41,6 +43,12 @@ std::pair<int, int> parse_size(const std::string& text);
 // equal files.
 void describe_frame(Image& image, const PreparedFrame& frame, const FrameRequest& request,
                     const std::string& arithmetic);
+
+// Where the gathers of a frame found too few photons; adds the layers that show it.
+GatherDiagnosis diagnose_into(Image& image, const GatherWatch& watch, const PreparedFrame& frame,
+                              const FrameRequest& request);
+nlohmann::ordered_json diagnosis_json(const GatherDiagnosis& diagnosis);
+std::vector<std::string> diagnosis_messages(const GatherDiagnosis& diagnosis);
 
 void print_warnings(const std::vector<std::string>& warnings);
 

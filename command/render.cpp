@@ -53,6 +53,8 @@ Image photon_map(const RenderOptions& o, const FrameRequest& request, ConsolePro
   PreparedFrame frame = prepare_frame(request, arithmetic, &progress);
   print_warnings(frame.warnings);
   FrameUnits units = make_golden_units(frame.plan);
+  GatherWatch watch(frame.plan);
+  units.photon_gatherer = watch.wrap(std::move(units.photon_gatherer));
   std::optional<OutputFolder> folder;
   std::optional<PacketRecorder> recorder;
   if (!o.record.empty()) {
@@ -80,6 +82,12 @@ Image photon_map(const RenderOptions& o, const FrameRequest& request, ConsolePro
                                          counts.unmatched, counts.unanswered));
   const Plan& plan = frame.plan;
   describe_frame(image, frame, request, o.arithmetic);
+  summary["pixels_sha256"] = pixel_sha256(image);  // of what the plan decides
+  if (arithmetic == Arithmetic::kGolden) {
+    const GatherDiagnosis diagnosis = diagnose_into(image, watch, frame, request);
+    print_warnings(diagnosis_messages(diagnosis));
+    summary["diagnosis"] = diagnosis_json(diagnosis);
+  }
   summary["spp"] = plan.spp;
   summary["gather_rays"] = plan.gather_rays;
   summary["photons"] = frame.global.count;
@@ -143,6 +151,7 @@ void render(const RenderOptions& o) {
   Image image =
       path ? path_trace(request, progress, summary) : photon_map(o, request, progress, summary);
   if (path) {
+    summary["pixels_sha256"] = pixel_sha256(image);
     image.metadata["scene"] = std::filesystem::path(request.scene_file).stem().string();
     image.metadata["sceneHash"] = summary["scene_hash"].get<std::string>();
     image.metadata["seed"] = fmt::format("{}", request.seed);
@@ -164,7 +173,6 @@ void render(const RenderOptions& o) {
   summary["threads"] = o.threads.threads();
   summary["output"] = o.output;
   summary["png"] = png_beside(o.output);
-  summary["pixels_sha256"] = pixel_sha256(image);
   summary["cpu_seconds"] = cpu_seconds();
   summary["phases"] = Json::array();
   for (const PhaseTime& t : progress.times())
@@ -185,7 +193,10 @@ void add_render(CLI::App& app) {
       "formats of the plan, the same bytes on every machine. --arithmetic reference answers the\n"
       "same queries in double. --integrator path is the unbiased path tracer.\n"
       "The EXR has the layers direct, caustic, indirect, emission (their sum is R, G, B), albedo,\n"
-      "N, Z, photonDensity and error (standard error of a pixel's mean).\n\n"
+      "N, Z, photonDensity and error (standard error of a pixel's mean), and where photons are\n"
+      "short: noPhoton, fewPhotons and starvedLight (the part of a pixel's gathers). A warning "
+      "says\n"
+      "why, and which options mend it (docs/frame.md).\n\n"
       "Examples:\n"
       "  photonloom render scenes/cornell.xml -o cornell.exr\n"
       "  photonloom render scenes/cornell.xml -o path.exr --integrator path --spp 256\n"

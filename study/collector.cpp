@@ -422,7 +422,7 @@ CollectReport collect(const PointTable& table, const ResultStore& store, Progres
       to.state = "missing";
     } else {
       to.state = "done";
-      for (const uint64_t seed : table.seeds) {
+      for (const uint64_t seed : seeds_of(p.point, table.seeds)) {
         std::optional<Result> r;
         try {
           r = store.find({scene.hash, p.plan, seed});

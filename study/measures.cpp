@@ -12,6 +12,8 @@
 #include "golden/planner/resources.hpp"
 #include "golden/unit/cdf_sampler.hpp"
 #include "rtl/generate/hardware.hpp"
+#include "study/bounded_search.hpp"
+#include "study/routed.hpp"
 
 namespace photonloom {
 namespace {
@@ -340,6 +342,14 @@ Measurement measure_gather(PointRun& run) {
   return m;
 }
 
+Measurement measure_bounds(PointRun& run) {
+  const BoundedSearch b =
+      bounded_search(run.plan(), run.map(false), run.map(true), run.watched_queries());
+  Measurement m;
+  m.values = {b.recall, b.light, b.spread, b.spread_scaled, b.light_known, b.spread_known};
+  return m;
+}
+
 Measurement measure_resources(PointRun& run) {
   const Plan& plan = run.plan();
   UnitResources all, gatherer;
@@ -354,10 +364,24 @@ Measurement measure_resources(PointRun& run) {
   const double bytes =
       static_cast<double>(plan.lines(plan.global) + plan.lines(plan.caustic)) * plan.line_bytes();
   Measurement m;
-  m.values = {gatherer.lut, gatherer.ff, gatherer.dsp,
-              gatherer.ebr, all.lut,     all.ff,
-              all.dsp,      all.ebr,     static_cast<double>(plan.photon_bits()),
-              bytes};
+  m.values = {gatherer.lut,
+              gatherer.ff,
+              gatherer.dsp,
+              gatherer.ebr,
+              all.lut,
+              all.ff,
+              all.dsp,
+              all.ebr,
+              static_cast<double>(plan.photon_bits()),
+              bytes,
+              static_cast<double>(board_memories(plan).total())};
+  return m;
+}
+
+Measurement measure_routed(PointRun& run) {
+  const RoutedResources r = routed_gatherer(run.plan(), run.work_dir() + "/routed");
+  Measurement m;
+  m.values = {r.lut, r.ff, r.dsp, r.ebr, r.mhz};
   return m;
 }
 
@@ -435,6 +459,18 @@ const std::vector<Measure>& measures() {
          return fmt::format("{} queries {} latency {} fit {}", s.rtl_cycles ? "rtl" : "model",
                             s.gather_queries, s.latency, cycle_fit_signature());
        }},
+      {"bounds",
+       "what epsilon and the leaf limit leave out, beside the exact search of the same queries",
+       {{"recall", "", "part of the exact search's photons that is found"},
+        {"light", "", "sum of the estimates over the exact ones', minus 1"},
+        {"spread", "", "root mean square difference over the exact ones' root mean square"},
+        {"spread_scaled", "", "the same, with one factor that makes light 0"},
+        {"light_known", "", "light, with the radius cut where the search left something out"},
+        {"spread_known", "", "spread, with that radius"}},
+       measure_bounds,
+       [](const Study& s, const StudyScene&) {
+         return fmt::format("{} queries", s.gather_queries);
+       }},
       {"resources",
        "logic and memory, predicted",
        {{"gatherer_lut", "LUT-equivalents", "the gatherer"},
@@ -446,8 +482,18 @@ const std::vector<Measure>& measures() {
         {"dsp", "multipliers", "all units"},
         {"ebr", "block RAMs", "all units"},
         {"photon_bits", "bits", "of a photon"},
-        {"map_bytes", "bytes", "lines of both maps"}},
+        {"map_bytes", "bytes", "lines of both maps"},
+        {"board_ebr", "block RAMs", "a board's whole top"}},
        measure_resources,
+       no_settings},
+      {kRouted,
+       "the gatherer placed and routed by the open FPGA flow, with the first seed alone",
+       {{"lut", "LUT-equivalents", "the gatherer"},
+        {"ff", "flip-flops", "the gatherer"},
+        {"dsp", "multipliers", "the gatherer"},
+        {"ebr", "block RAMs", "the gatherer"},
+        {"mhz", "MHz", "Fmax of one placement"}},
+       measure_routed,
        no_settings}};
   return all;
 }

@@ -21,6 +21,9 @@ struct Column {
   const char* meaning;
 };
 
+// The measure that seeds do not change, and that takes minutes.
+inline constexpr const char* kRouted = "routed";
+
 // Sums of blocks of the image that add up to a column's value; kBlocks of them.
 using Blocks = std::vector<double>;
 inline constexpr int kBlockEdge = 4;  // blocks across and down

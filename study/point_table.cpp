@@ -28,6 +28,7 @@ std::string point_table_text(const PointTable& t) {
     j["points"].push_back({{"point", p.point.number},
                            {"scene", p.point.scene},
                            {"origin", p.point.origin},
+                           {"seeds", p.point.seeds},
                            {"lines", lines},
                            {"plan", p.plan},
                            {"command", p.command},
@@ -51,6 +52,7 @@ PointTable parse_point_table(const std::string& text) {
     planned.point.number = p.at("point");
     planned.point.scene = p.at("scene");
     planned.point.origin = p.at("origin");
+    planned.point.seeds = p.at("seeds");
     for (const Json& line : p.at("lines")) planned.point.lines.emplace_back(line.at(0), line.at(1));
     planned.plan = p.at("plan");
     planned.command = p.at("command");

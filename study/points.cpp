@@ -65,12 +65,13 @@ std::vector<LineValues> latin_hypercube(const std::vector<LineChoice>& choices, 
 }
 
 std::vector<Point> fixed_points(const Study& study) {
-  std::vector<Point> points{{.number = 0, .scene = 0, .lines = {}, .origin = "baseline"}};
-  const auto add = [&](const std::vector<LineValues>& all, const std::string& origin) {
-    for (const LineValues& lines : all)
-      points.push_back({static_cast<uint32_t>(points.size()), 0, lines, origin});
-  };
+  std::vector<Point> points{
+      {.number = 0, .scene = 0, .lines = {}, .seeds = 0, .origin = "baseline"}};
   for (const PointSet& set : study.sets) {
+    const auto add = [&](const std::vector<LineValues>& all, const std::string& origin) {
+      for (const LineValues& lines : all)
+        points.push_back({static_cast<uint32_t>(points.size()), 0, lines, set.seeds, origin});
+    };
     if (set.strategy == Strategy::kList) add(set.list, "list");
     if (set.strategy == Strategy::kGrid) add(grid(set.choices), "grid");
     if (set.strategy == Strategy::kLatinHypercube)
@@ -78,6 +79,11 @@ std::vector<Point> fixed_points(const Study& study) {
           fmt::format("latin_hypercube seed {}", set.seed));
   }
   return points;
+}
+
+std::span<const uint64_t> seeds_of(const Point& point, const std::vector<uint64_t>& seeds) {
+  const auto count = static_cast<size_t>(point.seeds);
+  return std::span(seeds).first(count == 0 ? seeds.size() : std::min(count, seeds.size()));
 }
 
 uint32_t points_of_scene(const Study& study) {

@@ -2,6 +2,7 @@
 // The points of a study: which lines each sets, in which scene.
 #pragma once
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -14,12 +15,15 @@ struct Point {
   uint32_t number = 0;
   size_t scene = 0;    // of Study::scenes
   LineValues lines;    // beyond the study's base
+  int seeds = 0;       // so many first ones of the study's; 0: all
   std::string origin;  // "baseline", "list", "grid", "latin_hypercube seed 7", "search seed 1"
 };
 
 // The points of one scene that the file alone decides, numbered from 0: the baseline, then set by
 // set. Those of a search follow them.
 std::vector<Point> fixed_points(const Study& study);
+// The seeds that a point is measured with.
+std::span<const uint64_t> seeds_of(const Point& point, const std::vector<uint64_t>& seeds);
 // Points of one scene, those of searches included.
 uint32_t points_of_scene(const Study& study);
 

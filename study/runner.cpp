@@ -16,6 +16,7 @@
 #include "golden/numeric/output_file.hpp"
 #include "golden/numeric/sha256.hpp"
 #include "study/point_plan.hpp"
+#include "study/routed.hpp"
 #include "study/search.hpp"
 #include "study/slurm.hpp"
 #include "study/workers.hpp"
@@ -48,6 +49,8 @@ class Sweep {
                     [](const PointSet& s) { return s.strategy == Strategy::kSearch; });
     if (searches && !request_.is_task)
       if (const std::string why = search_missing(); !why.empty()) throw std::runtime_error(why);
+    if (std::count(study_.measures.begin(), study_.measures.end(), kRouted))
+      if (const std::string why = routing_missing(); !why.empty()) throw std::runtime_error(why);
     load_scenes();
     plan_points();
     const std::vector<uint32_t> fixed = chosen();
@@ -220,10 +223,18 @@ class Sweep {
     std::optional<Result> old;  // with figures that still stand
   };
 
+  bool is_wanted(const std::string& measure, uint64_t seed) const {
+    const auto first = study_.seeds.begin();
+    if (measure == kRouted) return seed == *first;
+    return measure != "formats" || study_.formats_seeds == 0 ||
+           std::find(first, first + study_.formats_seeds, seed) != first + study_.formats_seeds;
+  }
+
   // Whether every figure that the study wants stands in the result; those that do not are removed.
   bool complete(Result& r, const StudyScene& scene) const {
     bool all = true;
     for (const std::string& name : study_.measures) {
+      if (!is_wanted(name, r.key.seed)) continue;
       const auto taken = r.measures.find(name);
       const bool good = taken != r.measures.end() &&
                         taken->second.settings == measure(name).settings(study_, scene) &&
@@ -243,7 +254,7 @@ class Sweep {
       const PlannedPoint& p = table_.points[n];
       if (p.plan.empty()) continue;
       const SceneEntry& scene = table_.scenes[p.point.scene];
-      for (const uint64_t seed : study_.seeds) {
+      for (const uint64_t seed : seeds_of(p.point, study_.seeds)) {
         const ResultKey key{scene.hash, p.plan, seed};
         if (!seen.insert(key).second) continue;
         Task task{n, seed, {}};
@@ -302,7 +313,7 @@ class Sweep {
       if (!plan) throw std::runtime_error(p.refused);
       PointRun run(scene, study_, *plan, task.seed, request_.work_dir);
       for (const std::string& name : study_.measures)
-        if (!result.measures.count(name)) {
+        if (is_wanted(name, task.seed) && !result.measures.count(name)) {
           const Measure& m = measure(name);
           result.measures[name] = {m.settings(study_, scene), m.run(run)};
         }
@@ -400,6 +411,7 @@ class Sweep {
             if (p.point.lines != proposed[i]) {
               p.point.lines = proposed[i];
               p.point.origin = fmt::format("search seed {}", set.seed);
+              p.point.seeds = set.seeds;
               p.plan.clear();
               p.refused.clear();
               plans_[number].reset();
@@ -419,7 +431,7 @@ class Sweep {
   std::vector<double> objectives_of(uint32_t number, const PointSet& set) {
     const PlannedPoint& p = table_.points[number];
     std::vector<Result> results;
-    for (const uint64_t seed : study_.seeds)
+    for (const uint64_t seed : seeds_of(p.point, study_.seeds))
       if (!p.plan.empty())
         if (auto r = store_.find({table_.scenes[p.point.scene].hash, p.plan, seed});
             r && r->failure.empty())

@@ -2,7 +2,6 @@
 #include "study/slurm.hpp"
 
 #include <fmt/core.h>
-#include <sys/wait.h>
 
 #include <algorithm>
 #include <chrono>
@@ -12,29 +11,12 @@
 #include <thread>
 
 #include "golden/numeric/output_file.hpp"
+#include "study/process.hpp"
 
 namespace photonloom {
 namespace {
 
 constexpr size_t kTasks = 1000;  // of an array: Slurm's own default limit is 1001
-
-std::string quoted(const std::string& text) {
-  std::string out = "'";
-  for (const char c : text) out += c == '\'' ? "'\\''" : std::string(1, c);
-  return out + "'";
-}
-
-// What a command printed, and its status.
-std::pair<int, std::string> output_of(const std::string& command) {
-  FILE* pipe = popen((command + " 2>&1").c_str(), "r");
-  if (!pipe) throw std::runtime_error("no process can be started");
-  std::string text;
-  char buffer[4096];
-  while (const size_t n = fread(buffer, 1, sizeof buffer, pipe)) text.append(buffer, n);
-  const int status = pclose(pipe);
-  while (!text.empty() && text.back() == '\n') text.pop_back();
-  return {WIFEXITED(status) ? WEXITSTATUS(status) : 128, text};
-}
 
 }  // namespace
 

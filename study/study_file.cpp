@@ -58,12 +58,17 @@ class Parser {
       throw StudyError(fmt::format("{}:{}: {}", file_, error.source().begin.line,
                                    std::string(error.description())));
     }
-    expect_keys(root, "", {"study", "references", "gather", "base", "points"});
+    expect_keys(root, "", {"study", "references", "gather", "formats", "base", "points"});
     study_.file = file_;
     study_.text = text;
     study_section(section(root, "study", true));
     if (const toml::table* t = section(root, "references", false)) references(*t);
     if (const toml::table* t = section(root, "gather", false)) gather(*t);
+    if (const toml::table* t = section(root, "formats", false)) {
+      expect_keys(*t, "formats", {"seeds"});
+      study_.formats_seeds =
+          seed_count(needed(*t, "formats", "seeds", "a number"), "formats.seeds");
+    }
     if (const toml::table* t = section(root, "base", false)) study_.base = line_values(*t);
     if (const toml::node* points = root.get("points")) {
       const toml::array* sets = points->as_array();
@@ -117,6 +122,11 @@ class Parser {
       fail(node, fmt::format("{} is {}, expected an integer from {} to {}", name, value_text(node),
                              low, high));
     return value->get();
+  }
+
+  // So many first seeds of the study.
+  int seed_count(const toml::node& node, const std::string& name) const {
+    return static_cast<int>(integer(node, name, 1, static_cast<int64_t>(study_.seeds.size())));
   }
 
   std::string text(const toml::node& node, const std::string& name) const {
@@ -326,8 +336,9 @@ class Parser {
     const toml::node& strategy =
         needed(t, "points", "strategy", "list, grid, latin_hypercube or search");
     const std::string name = text(strategy, "points.strategy");
+    if (const toml::node* n = t.get("seeds")) set.seeds = seed_count(*n, "points.seeds");
     if (name == "list") {
-      expect_keys(t, "points", {"strategy", "lines"});
+      expect_keys(t, "points", {"strategy", "seeds", "lines"});
       const char* expected = "an array of { line = value } tables";
       for (const toml::node& n :
            array(needed(t, "points", "lines", expected), "points.lines", expected)) {
@@ -339,16 +350,17 @@ class Parser {
     }
     if (name == "grid") {
       set.strategy = Strategy::kGrid;
-      expect_keys(t, "points", {"strategy", "lines"});
+      expect_keys(t, "points", {"strategy", "seeds", "lines"});
     } else if (name == "latin_hypercube") {
       set.strategy = Strategy::kLatinHypercube;
-      expect_keys(t, "points", {"strategy", "count", "seed", "lines"});
+      expect_keys(t, "points", {"strategy", "seeds", "count", "seed", "lines"});
       set.count = static_cast<int>(
           integer(needed(t, "points", "count", "a number of points"), "points.count", 1, 1000000));
     } else if (name == "search") {
       set.strategy = Strategy::kSearch;
-      expect_keys(t, "points",
-                  {"strategy", "population", "generations", "seed", "objectives", "lines"});
+      expect_keys(
+          t, "points",
+          {"strategy", "seeds", "population", "generations", "seed", "objectives", "lines"});
       set.population = static_cast<int>(integer(
           needed(t, "points", "population", "points a generation"), "points.population", 2, 10000));
       set.generations =

@@ -44,6 +44,7 @@ struct PointSet {
   uint64_t seed = 1;                    // of kLatinHypercube and kSearch
   int population = 0, generations = 0;  // of kSearch
   std::vector<std::string> objectives;  // "measure.column", all minimised
+  int seeds = 0;                        // so many first ones of the study's; 0: all
 };
 
 struct Study {
@@ -60,6 +61,7 @@ struct Study {
   std::string reference_files;  // path with {scene} and {n}; empty: none
   bool rtl_cycles = false;
   int gather_queries = 2048, latency = 60;
+  int formats_seeds = 0;  // `formats` is measured with so many first seeds; 0: all
   LineValues base;
   std::vector<PointSet> sets;
 };

@@ -30,6 +30,7 @@ class Options:
     route_speed: int | None
     placer: str
     synthesis_only: bool
+    tools_only: bool
 
 
 def package(o: Options, folder: Path, name: str, versions: dict[str, str]) -> tuple[Path, PackageFacts, str]:
@@ -90,6 +91,7 @@ def parser() -> argparse.ArgumentParser:
     p.add_argument("--placer", choices=("heap", "static"), default="heap",
                    help="of nextpnr, on an ECP5 (default: heap); static leaves shorter wires in wide tops")
     p.add_argument("--synthesis-only", action="store_true", help="counts alone")
+    p.add_argument("--tools", action="store_true", help="only say which tools there are, or what is missing")
     p.add_argument("--readme", action="store_true", help="put the table into README.md too")
     return p
 
@@ -117,7 +119,7 @@ def options() -> tuple[Options, list[str] | None, bool]:
     if not plan.is_file():
         raise Failure(f"{plan}: there is no such plan")
     return Options(plan, board, range(o.first_seed, o.first_seed + o.seeds), o.clock, o.route_speed, o.placer,
-                   o.synthesis_only), asked, o.readme
+                   o.synthesis_only, o.tools), asked, o.readme
 
 
 def main() -> int:
@@ -125,6 +127,8 @@ def main() -> int:
     tools = find_tools(o.board)
     for name, version in tools.versions.items():
         say(f"{name}: {version}")
+    if o.tools_only:
+        return 0
     what = describe(o.plan)
     units = asked or list(o.board.units) or what["units"] + ["board"]
     for unit in units:

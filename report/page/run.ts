@@ -14,6 +14,16 @@ export function card(name: string, value: string, unit: string, source: string):
     h("dd", { class: "value" }, value, unit ? h("span", { class: "quiet" }, ` ${unit}`) : ""), h("dd", { class: "source" }, source));
 }
 
+/** Where gathers found too few photons, and what mends it. */
+function shortages(run: Run): Node[] {
+  const regions = run.summary.diagnosis?.regions;
+  if (!regions) return [];
+  return [h("h4", {}, "Photons"), regions.length === 0
+    ? h("p", {}, "No region is short of photons.")
+    : h("ul", {}, ...regions.map((r) => h("li", {}, h("strong", {}, `${r.cause}: `), r.message))),
+  h("p", { class: "quiet" }, "From summary.json: diagnosis. The layers noPhoton, fewPhotons and starvedLight show where (docs/frame.md).")];
+}
+
 function summary(run: Run): Node {
   const s = run.summary, good = s.differences === 0 && s.images_identical;
   const gatherer = s.units["photon_gatherer"]?.counters, cards: HTMLElement[] = [];
@@ -42,6 +52,7 @@ function summary(run: Run): Node {
       ? `✓ ${run.hardware} is golden: every packet equal, and the image's bytes.`
       : `✗ ${run.hardware} is not golden: ${figure(s.differences)} of ${figure(s.packets)} packets differ, the image's bytes are ${s.images_identical ? "equal" : "different"}.`),
     h("div", { class: "cards" }, ...cards),
+    ...shortages(run),
     h("h4", {}, "Units"),
     table(["unit", "backend", "packets compared", "differ", "bypassed", "cycles", "busy %"],
       Object.entries(s.units).map(([name, u]) => [name, u.backend, figure(u.packets), figure(u.differences), figure(u.bypassed),

@@ -6,7 +6,7 @@ import { figure, h } from "./dom";
 import { frontier } from "./figures";
 import { themeColor } from "./theme";
 
-export interface Dot { id: number; series: number; x: number; y: number; error: number; mark: string }
+export interface Dot { id: number; series: number; x: number; y: number; error: number; mark: string; modelled: boolean }
 export interface Axes { x: string; y: string; log: boolean }
 
 /** Ticks at 1, 2, 5 a decade where the range is wide, else evenly. */
@@ -168,10 +168,13 @@ export class Scatter {
         c.lineTo(x, low);
         c.stroke();
       }
+      // Modelled points are hollow; a shape of lines alone is thinner.
+      const lines = shape === "cross" || shape === "plus", color = c.fillStyle;
       tracePath(c, shape, x, y, r);
-      c.lineWidth = 2 * devicePixelRatio;
-      if (shape !== "cross" && shape !== "plus") c.fill();
-      c.strokeStyle = shape === "cross" || shape === "plus" ? c.fillStyle : back;
+      c.lineWidth = (lines && d.modelled ? 1 : 2) * devicePixelRatio;
+      c.fillStyle = d.modelled ? back : color;
+      if (!lines) c.fill();
+      c.strokeStyle = lines || d.modelled ? color : back;
       c.stroke();
     }
     // Marks over everything.

@@ -9,7 +9,7 @@ import { card } from "./run";
 import { Scatter, swatch, type Dot } from "./scatter";
 import { Viewer } from "./viewer";
 
-const limits = [1.1, 1.5, 2];
+const limits = [1.02, 1.1, 1.2, 1.5, 2];
 const states = ["done", "refused", "failed", "missing"];
 
 /** The first error that the study measured, by which its fronts go too. */
@@ -53,6 +53,10 @@ function summary(study: Study): Node {
     answers(study));
 }
 
+/** Whether the figure comes from the model that was fitted to the RTL (docs/sweep.md). */
+const isModelled = (point: Point, name: string): boolean =>
+  ["gather.cycles", "gather.bytes", "gather.frame_cycles"].includes(name) && reading(point, "gather.source", false)?.value === 0;
+
 /** Mark of a point in the plot: the plan in use is a run's where there is one, else the default. */
 function markOf(study: Study, point: Point, runs: Run[]): string {
   const run = runs.find((r) => r.plan.hash === point.plan && r.name === point.scene);
@@ -77,7 +81,7 @@ function tradeoff(study: Study, runs: Run[]): Node {
   };
   const describe = (id: number) => {
     const p = byId.get(id)!, mark = markOf(study, p, runs);
-    return `point ${id}, ${p.scene}${mark ? ` (${mark})` : ""}: ${linesText(p)}. ${y}${asRatio ? " ratio" : ""} ${value(p, y)}, ${x}${asRatio ? " ratio" : ""} ${value(p, x)}`;
+    return `point ${id}, ${p.scene}${mark ? ` (${mark})` : ""}: ${linesText(p)}. ${y}${asRatio ? " ratio" : ""} ${value(p, y)}, ${x}${asRatio ? " ratio" : ""} ${value(p, x)}${isModelled(p, x) ? ", from the model" : ""}`;
   };
   const detail = h("div", { class: "detail" }), list = h("div", {}), absent = h("div", {}), note = h("p", { class: "quiet" });
   const open = (id: number) => {
@@ -97,7 +101,7 @@ function tradeoff(study: Study, runs: Run[]): Node {
       if (p.state !== "done") without.push([p, `${p.state}${p.reason ? `: ${p.reason}` : ""}`]);
       else if (!px || !py) without.push([p, `has no ${px ? y : x}`]);
       else if (log && (px.value <= 0 || py.value <= 0)) without.push([p, `has no place on logarithmic axes: ${px.value <= 0 ? x : y} is ${figure(Math.min(px.value, py.value))}`]);
-      else dots.push({ id: p.point, series: shape.get(p.scene) ?? 0, x: px.value, y: py.value, error: py.error, mark: markOf(study, p, runs) });
+      else dots.push({ id: p.point, series: shape.get(p.scene) ?? 0, x: px.value, y: py.value, error: py.error, mark: markOf(study, p, runs), modelled: isModelled(p, x) });
     }
     const label = (name: string) => {
       const f = figures.find((g) => g.name === name)!;
@@ -129,7 +133,7 @@ function tradeoff(study: Study, runs: Run[]): Node {
       picker("scene", [["", "all"], ...study.scenes.map((s): [string, string] => [s.scene, s.scene])], scene, (v) => { scene = v; show(); }),
       h("label", { class: "field" }, "filter", filter),
       box("ratio to the default", asRatio, (on) => { asRatio = on; }), box("logarithmic", log, (on) => { log = on; })),
-    h("div", { class: "marks" }, ...study.scenes.map((s, i) => h("span", {}, swatch(i), ` ${s.scene}`)), h("span", { class: "quiet" }, "ring: plan in use, default")),
+    h("div", { class: "marks" }, ...study.scenes.map((s, i) => h("span", {}, swatch(i), ` ${s.scene}`)), h("span", { class: "quiet" }, "ring: plan in use, default; hollow: cost from the model fitted to the RTL")),
     scatter.element, note, detail,
     h("details", { open: true }, h("summary", {}, "Points drawn"), list),
     h("details", { open: true }, h("summary", {}, "Points not drawn"), absent));

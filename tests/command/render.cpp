@@ -270,3 +270,23 @@ TEST_CASE("what cannot be is one clear error, and nothing is left behind") {
   fails("render" + box() + out, 1, {"x.png", "it is a folder"});
   CHECK(scratch.entries() == 2);
 }
+
+TEST_CASE("render says why a region is short of photons, and the options that mend it do") {
+  const Scratch scratch;
+  const std::string frame = "render" + balls() + kSmall + " --photons 8000 --caustic-photons 2000";
+  const Outcome bad = good(frame + " --radius 0.005 -o" + quoted(scratch / "a.exr") + "--json");
+  CHECK(bad.err.find("warning: ") != std::string::npos);
+  CHECK(bad.err.find("no photon within the radius of 0.005") != std::string::npos);
+  const auto diagnosis = nlohmann::json::parse(bad.out)["diagnosis"];
+  CHECK(diagnosis["global"]["no_photon"] > diagnosis["global"]["gathers"].get<uint64_t>() / 2);
+  REQUIRE(diagnosis["regions"].size() >= 1);
+  CHECK(diagnosis["regions"][0]["cause"] == "no photon within the radius");
+  const Image image = read_exr(scratch / "a.exr");
+  for (const char* layer : {"noPhoton.Y", "fewPhotons.Y", "starvedLight.Y"})
+    CHECK(image.find(layer) != nullptr);
+  const Outcome mended = good(frame + " --radius 0.005 " +
+                              diagnosis["regions"][0]["advice"]["options"].get<std::string>() +
+                              " -o" + quoted(scratch / "b.exr") + "--json");
+  INFO(mended.err);
+  CHECK(nlohmann::json::parse(mended.out)["diagnosis"]["regions"].empty());
+}

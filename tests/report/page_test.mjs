@@ -57,6 +57,7 @@ console.log(report("run", "-o", "run.html"));
 await withPage("run.html", async (page) => {
   await open(page, "run0-summary");
   assert.match(await page.locator("#run0-summary").innerText(), /every packet equal/);
+  assert.match(await page.locator("#run0-summary").innerText(), /No region is short of photons|short of photons: /);
   await shot(page, "run-summary");
 
   const images = await open(page, "run0-images"), viewer = images.locator(".viewer"), canvas = images.locator("canvas").first();
