@@ -33,6 +33,7 @@ Json describe(std::type_identity<Unit> unit, const Plan& plan, const std::string
   j["model_cycles"] = modelled_cycles(kernel_loops(unit, plan), hls.trips);
   j["hls_cycles"] = hls.cycles;
   j["rtl_cycles"] = rtl.cycles;
+  if (hls.in_flight > 0) j["in_flight"] = hls.in_flight;
   j["hls_bits"] = hls.counters.at("bits of state");
   j["loops"] = Json::array();
   for (const KernelLoop& loop : kernel_loops(unit, plan))
