@@ -35,6 +35,7 @@ Json describe(std::type_identity<Unit> unit, const Plan& plan, const std::string
   j["rtl_cycles"] = rtl.cycles;
   if (hls.in_flight > 0) j["in_flight"] = hls.in_flight;
   j["hls_bits"] = hls.counters.at("bits of state");
+  for (const TurnTerm& term : hls.trips.terms) j["turns"][term.what] = term.turns;
   j["loops"] = Json::array();
   for (const KernelLoop& loop : kernel_loops(unit, plan))
     j["loops"].push_back({{"process", loop.process}, {"interval", loop.interval()}});

@@ -21,6 +21,11 @@ using photonloom_hls::SamplerTiming;
 
 int ceil_of(int a, int b) { return (a + b - 1) / b; }
 
+double parts_of(const Plan& plan) { return static_cast<double>(plan.bucket) / plan.lanes; }
+// The share of insertions that take a step of their own: about half the lanes of a part face the
+// query, so many insertions come in one part, whose first is in the part's own step.
+double further_insertions(const Plan& plan) { return 1 - 1 / std::max(1.0, plan.lanes / 2.0); }
+
 // The turns of the gatherer's loop `search`, played out from each query's counts: whose turn it is
 // takes a step, the line port gives a beat, the oldest query that is done leaves. Where the steps
 // of a query stand between its leaves is not known, so they are spread evenly.
@@ -29,10 +34,8 @@ class SearchTurns {
   SearchTurns(const Plan& plan, std::span<const GatherQuery> in, std::span<const GatherResult> out)
       : contexts_(static_cast<size_t>(kernel_contexts(plan))),
         beats_(static_cast<uint64_t>(8 * plan.line_bytes() / plan.beat_bits)),
-        parts_(static_cast<double>(plan.bucket) / plan.lanes),
-        // About half the lanes of a part face the query: so many insertions come in one part, each
-        // a step, of which the part itself counts one.
-        together_(std::max(1.0, plan.lanes / 2.0)),
+        parts_(parts_of(plan)),
+        further_(further_insertions(plan)),
         in_(in),
         out_(out),
         ready_(out.size(), false),
@@ -74,7 +77,7 @@ class SearchTurns {
       c.state = State::kLeaf;
       const GatherResult& r = result(c);
       c.steps = std::max<uint64_t>(
-          1, share(r.leaves * parts_ + r.insertions * (1 - 1 / together_), c.leaf, r.leaves));
+          1, share(r.leaves * parts_ + r.insertions * further_, c.leaf, r.leaves));
     }
     if (c.state == State::kLeave) c.state = State::kIdle;
     if (c.state == State::kIdle) {
@@ -138,7 +141,7 @@ class SearchTurns {
 
   std::vector<Context> contexts_;
   uint64_t beats_;
-  double parts_, together_;
+  double parts_, further_;
   std::span<const GatherQuery> in_;
   std::span<const GatherResult> out_;
   std::vector<bool> ready_;
@@ -203,21 +206,38 @@ std::vector<KernelLoop> kernel_loops(std::type_identity<IrradianceCache>, const 
 
 TripCounts trip_counts(const Plan& plan, std::span<const GatherQuery> in,
                        std::span<const GatherResult> out) {
-  return {{static_cast<double>(SearchTurns(plan, in, out).play()), static_cast<double>(out.size())},
-          0};
+  const auto turns = static_cast<double>(SearchTurns(plan, in, out).play());
+  double nodes = 0, subtrees = 0, leaves = 0, insertions = 0;
+  for (const GatherResult& r : out) {
+    nodes += r.nodes;
+    subtrees += r.leaves > 0 ? r.nodes + 1 : 0;
+    leaves += r.leaves;
+    insertions += r.insertions;
+  }
+  const auto packets = static_cast<double>(out.size());
+  std::vector<TurnTerm> terms = {
+      {"start and end", 2 * packets},
+      {"inner nodes", nodes},
+      {"stacked subtrees", subtrees},
+      {"parts of leaves", leaves * parts_of(plan)},
+      {"further insertions of a part", insertions * further_insertions(plan)}};
+  double steps = 0;
+  for (const TurnTerm& t : terms) steps += t.turns;
+  terms.push_back({"contexts that wait", turns - steps});
+  return {{turns, packets}, 0, terms};
 }
 
 TripCounts trip_counts(const Plan& plan, std::span<const GatherQuery> in) {
   const bool fullest = plan.reorder_drain == ReorderDrain::kFullest;
-  if (plan.reorder_key == ReorderKey::kNone) return {{static_cast<double>(in.size())}, 0};
+  const auto packets = static_cast<double>(in.size());
+  if (plan.reorder_key == ReorderKey::kNone) return {{packets}, 0, {{"packets", packets}}};
   const auto capacity = static_cast<size_t>(plan.reorder_packets);
   const double bins = plan.reorder_bins;
-  double turns = 0, looks = 0;  // how often the fullest bin is looked for
+  double flushed = 0, looks = 0;  // how often the fullest bin is looked for
   size_t held = 0;
   for (const GatherQuery& q : in) {
-    turns += 1;
     if (q.flush) {
-      turns += static_cast<double>(held);  // one of them leaves in the flush's own turn
+      flushed += static_cast<double>(held);  // one of them leaves in the flush's own turn
       looks += bins * (1 - std::exp(-static_cast<double>(held) / bins));  // bins that hold any
       held = 0;
     } else if (held + 1 == capacity) {
@@ -229,33 +249,40 @@ TripCounts trip_counts(const Plan& plan, std::span<const GatherQuery> in) {
   }
   // 8 bins a turn; the packet that was to leave does so a turn later.
   const double look = std::max(1, plan.reorder_bins / ReorderTiming::kBinsALook) + 1;
-  return {{turns + (fullest ? looks * look : 0)}, 0};
+  const double looking = fullest ? looks * look : 0;
+  return {{packets + flushed + looking},
+          0,
+          {{"packets", packets},
+           {"packets before a flush", flushed},
+           {"looking for the fullest bin", looking}}};
 }
 
 TripCounts trip_counts(const Plan& plan, std::span<const SamplerInput> in) {
   const double cells = std::size_t{1} << (2 * plan.cell_bits);
-  double tables = 0, requests = 0, collect = 0;
+  const auto packets = static_cast<double>(in.size());
+  double tables = 0, requests = 0, cleared = 0;
   bool open = false, closed = false, photons = false;
   for (const SamplerInput& p : in) {
-    collect += 1;
     if (p.kind == 0) {
-      if (open && !closed && photons) collect += cells;  // a table that nobody asked is cleared
+      if (open && !closed && photons) cleared += 1;  // a table that nobody asked is cleared
       open = true;
       closed = photons = false;
     } else if (p.kind == 1) {
       photons = true;
     } else if (open) {
       requests += 1;
-      if (!closed) {
-        tables += 1;
-        collect += cells + 1;
-      }
+      if (!closed) tables += 1;
       closed = true;
     }
   }
+  const std::vector<TurnTerm> terms = {{"packets", packets},
+                                       {"cells", (tables + cleared) * cells},
+                                       {"requests that wait for their table", tables}};
+  const double collect = packets + (tables + cleared) * cells + tables;
   // The last table's weights follow its cosines.
   return {{collect, tables * (cells + 1), tables * (cells + 1), tables * (cells + 1) + requests},
-          cells};
+          cells,
+          terms};
 }
 
 // A turn a record, and those of the decision, of reading and of answering. How many records a tile
