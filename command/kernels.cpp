@@ -33,7 +33,9 @@ Json describe(std::type_identity<Unit> unit, const Plan& plan, const std::string
   j["model_cycles"] = modelled_cycles(kernel_loops(unit, plan), hls.trips);
   j["hls_cycles"] = hls.cycles;
   j["rtl_cycles"] = rtl.cycles;
+  if (hls.in_flight > 0) j["in_flight"] = hls.in_flight;
   j["hls_bits"] = hls.counters.at("bits of state");
+  for (const TurnTerm& term : hls.trips.terms) j["turns"][term.what] = term.turns;
   j["loops"] = Json::array();
   for (const KernelLoop& loop : kernel_loops(unit, plan))
     j["loops"].push_back({{"process", loop.process}, {"interval", loop.interval()}});

@@ -7,6 +7,9 @@
 
 namespace photonloom_hls {
 
+// Packets that a stream at a kernel's port holds in native runs.
+constexpr unsigned kPortDepth = 2;
+
 // Bits that address n things; 0 for n <= 1.
 constexpr int clog2(unsigned long long n) {
   int bits = 0;

@@ -11,6 +11,7 @@
 // weights, one addition; the search, a memory for each level, so that requests follow each other.
 // What weigh needs first, the cosines' total, comes after the last cosine: `cosines` holds a table.
 #pragma once
+#include "hls_kernels/cdf_sampler/timing.hpp"
 #include "hls_kernels/vocabulary.hpp"
 
 namespace photonloom_hls {
@@ -99,7 +100,7 @@ struct PowerLevels {
     above_.clear();
   }
   void add(const Cell& cell, const Power& value) {
-    HLS_DISTANCE(power_, 2);
+    HLS_DISTANCE(power_, SamplerTiming::kPowerTurns);
     const Cell at = block_of(cell);
     Power power = power_[index(at)];
     if (forward_ && at == last_) power = last_power_;
@@ -213,6 +214,18 @@ class CdfSampler {
  public:
   static constexpr unsigned kInterval = 1;
 
+  static constexpr int kPlaces = 2, kCommands = 64;  // of its streams
+  // What its streams hold.
+  struct StreamPlaces {
+    Normal normals[kPlaces];
+    PowerTotal power_totals[kPlaces];
+    Spread powers[kCells];
+    uint<kCosineTotalBits> cosine_totals[kPlaces];
+    Cosine cosines[kCells];
+    Total sums[kPlaces];
+    Command commands[kCommands];
+  };
+
   // As after reset.
   CdfSampler() {
     power_.clear();
@@ -222,13 +235,13 @@ class CdfSampler {
   // Takes `packets` packets and gives a sample for each request among them.
   void run(stream<Input>& in, stream<Output>& out, const uint<32>& packets) {
     HLS_DATAFLOW;
-    HLS_STREAM(T, Normal, normals, 2);
-    HLS_STREAM(T, PowerTotal, power_totals, 2);
+    HLS_STREAM(T, Normal, normals, kPlaces);
+    HLS_STREAM(T, PowerTotal, power_totals, kPlaces);
     HLS_STREAM(T, Spread, powers, kCells);
-    HLS_STREAM(T, uint<kCosineTotalBits>, cosine_totals, 2);
+    HLS_STREAM(T, uint<kCosineTotalBits>, cosine_totals, kPlaces);
     HLS_STREAM(T, Cosine, cosines, kCells);
-    HLS_STREAM(T, Total, sums, 2);
-    HLS_STREAM(T, Command, commands, 64);
+    HLS_STREAM(T, Total, sums, kPlaces);
+    HLS_STREAM(T, Command, commands, kCommands);
     HLS_PROCESS(collect, collect(in, normals, power_totals, powers, commands, packets));
     HLS_PROCESS(cosine, cosine(normals, cosines, cosine_totals, packets));
     HLS_PROCESS(weigh, weigh(power_totals, powers, cosine_totals, cosines, sums, packets));

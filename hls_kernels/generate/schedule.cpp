@@ -5,30 +5,150 @@
 #include <bit>
 #include <cmath>
 
+#include "hls_kernels/cdf_sampler/timing.hpp"
+#include "hls_kernels/irradiance_cache/timing.hpp"
+#include "hls_kernels/photon_gatherer/timing.hpp"
+#include "hls_kernels/reorder_buffer/timing.hpp"
+
 namespace photonloom {
 
 namespace {
 
-// As in the gatherer's kernel.
-constexpr int kStepLatency = 12, kLineTurns = 32, kFreeTurns = 12;
-// As in the irradiance cache's kernel.
-constexpr int kDecideLatency = 14, kDecideTurns = 16;
+using photonloom_hls::CacheTiming;
+using photonloom_hls::GathererTiming;
+using photonloom_hls::ReorderTiming;
+using photonloom_hls::SamplerTiming;
 
 int ceil_of(int a, int b) { return (a + b - 1) / b; }
 
-// Visits a turn to a server that takes `service` turns for each, by `customers` who are `beside`
-// turns elsewhere between two visits: mean value analysis (Reiser, Lavenberg 1980), where who finds
-// the server busy waits for half a service of the one before him.
-double closed_throughput(int customers, double beside, double service) {
-  double waiting = 0, throughput = 0;
-  for (int n = 1; n <= customers; ++n) {
-    const double busy = throughput * service;
-    const double visit = service * (1 + waiting - busy / 2);
-    throughput = n / (beside + visit);
-    waiting = throughput * visit;
+double parts_of(const Plan& plan) { return static_cast<double>(plan.bucket) / plan.lanes; }
+// The share of insertions that take a step of their own: about half the lanes of a part face the
+// query, so many insertions come in one part, whose first is in the part's own step.
+double further_insertions(const Plan& plan) { return 1 - 1 / std::max(1.0, plan.lanes / 2.0); }
+
+// The turns of the gatherer's loop `search`, played out from each query's counts: whose turn it is
+// takes a step, the line port gives a beat, the oldest query that is done leaves. Where the steps
+// of a query stand between its leaves is not known, so they are spread evenly.
+class SearchTurns {
+ public:
+  SearchTurns(const Plan& plan, std::span<const GatherQuery> in, std::span<const GatherResult> out)
+      : contexts_(static_cast<size_t>(kernel_contexts(plan))),
+        beats_(static_cast<uint64_t>(8 * plan.line_bytes() / plan.beat_bits)),
+        parts_(parts_of(plan)),
+        further_(further_insertions(plan)),
+        in_(in),
+        out_(out),
+        ready_(out.size(), false),
+        context_of_(out.size()) {}
+
+  uint64_t play() {
+    for (turn_ = 0; given_ < out_.size(); ++turn_) {
+      step(turn_ % contexts_.size());
+      leave();
+    }
+    return turn_;
   }
-  return throughput;
-}
+
+ private:
+  enum class State { kIdle, kWalk, kWait, kLeaf, kLast, kLeave };
+  struct Context {
+    State state = State::kIdle;
+    size_t query = 0;
+    uint64_t leaf = 0;   // that it is on its way to, or in
+    uint64_t steps = 1;  // left of this state
+    uint64_t wake = 0;   // turn from which on it can go on
+  };
+
+  const GatherResult& result(const Context& c) const { return out_[c.query]; }
+  // What falls to part `i` where `all` are spread over `parts`.
+  static uint64_t share(double all, uint64_t i, uint64_t parts) {
+    const double each = all / static_cast<double>(parts);
+    return static_cast<uint64_t>(each * static_cast<double>(i + 1)) -
+           static_cast<uint64_t>(each * static_cast<double>(i));
+  }
+  bool gives_photons(size_t query) const {
+    return in_[query].want_photons && !in_[query].flush && out_[query].count > 0;
+  }
+
+  void step(size_t number) {
+    Context& c = contexts_[number];
+    if (turn_ < c.wake) return;
+    if (c.state == State::kWait) {
+      c.state = State::kLeaf;
+      const GatherResult& r = result(c);
+      c.steps = std::max<uint64_t>(
+          1, share(r.leaves * parts_ + r.insertions * further_, c.leaf, r.leaves));
+    }
+    if (c.state == State::kLeave) c.state = State::kIdle;
+    if (c.state == State::kIdle) {
+      if (started_ == out_.size() || started_ - given_ >= 2 * contexts_.size()) return;
+      c = {};
+      c.query = started_++;
+      context_of_[c.query] = number;
+      if (result(c).leaves == 0)
+        c.state = State::kLast;
+      else
+        walk(c);
+      return;
+    }
+    if (--c.steps > 0) return;
+    if (c.state == State::kWalk) {
+      ask(c);
+    } else if (c.state == State::kLeaf) {
+      if (++c.leaf < result(c).leaves) {
+        walk(c);
+      } else {
+        c.state = State::kLast;  // no subtree is left; the result
+        c.steps = 2;
+      }
+    } else {
+      ready_[c.query] = true;
+      c.state = State::kIdle;
+      if (gives_photons(c.query)) {
+        c.state = State::kLeave;
+        c.wake = ~uint64_t{0};
+      }
+    }
+  }
+
+  // Each inner node once down and, its other child, once up.
+  void walk(Context& c) {
+    c.state = State::kWalk;
+    c.steps = share(2.0 * result(c).nodes, c.leaf, result(c).leaves);
+    if (c.steps == 0 && c.leaf > 0) c.steps = 1;
+    if (c.steps == 0) ask(c);
+  }
+
+  void ask(Context& c) {
+    c.state = State::kWait;
+    port_ = std::max(port_, turn_) + beats_;
+    c.wake = port_ + GathererTiming::kLineTurns;
+  }
+
+  // A result or a photon of the oldest query.
+  void leave() {
+    if (giving_ == 0) {
+      if (!ready_[given_]) return;
+      if (gives_photons(given_))
+        giving_ = out_[given_].count;
+      else
+        ++given_;
+    } else if (--giving_ == 0) {
+      contexts_[context_of_[given_]].wake = turn_ + GathererTiming::kFreeTurns;
+      ++given_;
+    }
+  }
+
+  std::vector<Context> contexts_;
+  uint64_t beats_;
+  double parts_, further_;
+  std::span<const GatherQuery> in_;
+  std::span<const GatherResult> out_;
+  std::vector<bool> ready_;
+  std::vector<size_t> context_of_;
+  size_t started_ = 0, given_ = 0;
+  uint64_t turn_ = 0, port_ = 0, giving_ = 0;
+};
 
 }  // namespace
 
@@ -40,19 +160,20 @@ int KernelLoop::interval() const {
 }
 
 int kernel_contexts(const Plan& plan) {
-  return static_cast<int>(std::bit_ceil(static_cast<unsigned>(std::max(4, plan.contexts))));
+  return static_cast<int>(std::bit_ceil(
+      static_cast<unsigned>(std::max(GathererTiming::kLeastContexts, plan.contexts))));
 }
 
 std::vector<KernelLoop> kernel_loops(std::type_identity<PhotonGatherer>, const Plan& plan) {
   return {
       {"search",
-       {{"state of a context", kStepLatency, kernel_contexts(plan),
+       {{"state of a context", GathererTiming::kStepLatency, kernel_contexts(plan),
          "a step reads what the context's last step wrote; the others take their steps between"},
-        {"buffer_", kStepLatency, kLineTurns,
+        {"buffer_", GathererTiming::kStepLatency, GathererTiming::kLineTurns,
          "a leaf line, read that many turns after its last "
          "beat was asked for"},
-        {"store_, keys_ of a query that leaves", kStepLatency, kFreeTurns,
-         "the context starts again that many turns later"}}},
+        {"store_, keys_ of a query that leaves", GathererTiming::kStepLatency,
+         GathererTiming::kFreeTurns, "the context starts again that many turns later"}}},
       {"finish", {{"none", 1, 1, "a result needs nothing of the one before"}}}};
 }
 
@@ -60,14 +181,17 @@ std::vector<KernelLoop> kernel_loops(std::type_identity<ReorderBuffer>, const Pl
   if (plan.reorder_key == ReorderKey::kNone)
     return {{"run", {{"none", 1, 1, "packets pass through"}}}};
   return {{"run",
-           {{"length_", 4, 1,
+           {{"length_", ReorderTiming::kLengthLatency, 1,
              "whether the current bin is empty decides the bin (read 1, choose 1) whose length is "
              "changed (read 1, write 1)"},
-            {"head_", 3, 1, "head_ to next_ to head_: read 1, read 1, write 1"}}}};
+            {"head_", ReorderTiming::kHeadLatency, 1,
+             "head_ to next_ to head_: read 1, read 1, write 1"}}}};
 }
 
 std::vector<KernelLoop> kernel_loops(std::type_identity<CdfSampler>, const Plan&) {
-  return {{"collect", {{"power_", 2, 2, "read-add-write over two turns, the last sum forwarded"}}},
+  return {{"collect",
+           {{"power_", SamplerTiming::kPowerLatency, SamplerTiming::kPowerTurns,
+             "read-add-write over two turns, the last sum forwarded"}}},
           {"cosine", {{"total", 1, 1, "one addition"}}},
           {"weigh", {{"sum", 1, 1, "one addition, after the weight is known"}}},
           {"search", {{"none", 1, 1, "a memory for each level: requests follow each other"}}}};
@@ -76,59 +200,44 @@ std::vector<KernelLoop> kernel_loops(std::type_identity<CdfSampler>, const Plan&
 std::vector<KernelLoop> kernel_loops(std::type_identity<IrradianceCache>, const Plan&) {
   return {{"run",
            {{"weights_", 1, 1, "a comparison with each of the heaviest"},
-            {"records_, records_count_", kDecideLatency, kDecideTurns,
+            {"records_, records_count_", CacheTiming::kDecideLatency, CacheTiming::kDecideTurns,
              "whether the point becomes a record is known when its last weight is"}}}};
 }
 
 TripCounts trip_counts(const Plan& plan, std::span<const GatherQuery> in,
                        std::span<const GatherResult> out) {
-  const int contexts = kernel_contexts(plan);
-  const double parts = static_cast<double>(plan.bucket) / plan.lanes;
-  // About half the lanes of a part face the query: so many insertions come in one part, each a
-  // step, of which the part itself counts one.
-  const double together = std::max(1.0, plan.lanes / 2.0);
-  double steps = 0, lines = 0, given = 0, longest = 0, held_turns = 0;
-  for (size_t i = 0; i < out.size(); ++i) {
-    double own = 2;  // start and finish
-    if (out[i].leaves > 0) {
-      own += out[i].nodes;      // down
-      own += out[i].nodes + 1;  // up: what was stacked, and that nothing is left
-      own += out[i].leaves * parts + out[i].insertions * (1 - 1 / together);
-    }
-    given += 1;
-    if (in[i].want_photons && !in[i].flush && out[i].count > 0) {
-      // Its photons leave once all older queries have left.
-      held_turns += out[i].count + kFreeTurns;
-      given += out[i].count;
-    }
-    steps += own;
-    lines += out[i].leaves;
-    longest = std::max(longest, own);
+  const auto turns = static_cast<double>(SearchTurns(plan, in, out).play());
+  double nodes = 0, subtrees = 0, leaves = 0, insertions = 0;
+  for (const GatherResult& r : out) {
+    nodes += r.nodes;
+    subtrees += r.leaves > 0 ? r.nodes + 1 : 0;
+    leaves += r.leaves;
+    insertions += r.insertions;
   }
-  // The contexts go round between two stations: their own steps, and the line port, which serves
-  // one line after the other. A line is looked for at the context's own turns, so half a round
-  // late.
-  const double beats = 8.0 * plan.line_bytes() / plan.beat_bits;
-  double turns = steps;
-  if (lines > 0) {
-    const double beside = contexts * (steps / lines + 0.5) + kLineTurns + held_turns / lines;
-    turns = lines / closed_throughput(contexts, beside, beats);
-  }
-  // At the end contexts run dry one by one: half of the longest query goes on alone.
-  return {{std::max(turns, given), static_cast<double>(out.size())}, longest * contexts / 2};
+  const auto packets = static_cast<double>(out.size());
+  std::vector<TurnTerm> terms = {
+      {"start and end", 2 * packets},
+      {"inner nodes", nodes},
+      {"stacked subtrees", subtrees},
+      {"parts of leaves", leaves * parts_of(plan)},
+      {"further insertions of a part", insertions * further_insertions(plan)}};
+  double steps = 0;
+  for (const TurnTerm& t : terms) steps += t.turns;
+  terms.push_back({"contexts that wait", turns - steps});
+  return {{turns, packets}, 0, terms};
 }
 
 TripCounts trip_counts(const Plan& plan, std::span<const GatherQuery> in) {
   const bool fullest = plan.reorder_drain == ReorderDrain::kFullest;
-  if (plan.reorder_key == ReorderKey::kNone) return {{static_cast<double>(in.size())}, 0};
+  const auto packets = static_cast<double>(in.size());
+  if (plan.reorder_key == ReorderKey::kNone) return {{packets}, 0, {{"packets", packets}}};
   const auto capacity = static_cast<size_t>(plan.reorder_packets);
   const double bins = plan.reorder_bins;
-  double turns = 0, looks = 0;  // how often the fullest bin is looked for
+  double flushed = 0, looks = 0;  // how often the fullest bin is looked for
   size_t held = 0;
   for (const GatherQuery& q : in) {
-    turns += 1;
     if (q.flush) {
-      turns += static_cast<double>(held);  // one of them leaves in the flush's own turn
+      flushed += static_cast<double>(held);  // one of them leaves in the flush's own turn
       looks += bins * (1 - std::exp(-static_cast<double>(held) / bins));  // bins that hold any
       held = 0;
     } else if (held + 1 == capacity) {
@@ -139,34 +248,41 @@ TripCounts trip_counts(const Plan& plan, std::span<const GatherQuery> in) {
     }
   }
   // 8 bins a turn; the packet that was to leave does so a turn later.
-  const double look = std::max(1, plan.reorder_bins / 8) + 1;
-  return {{turns + (fullest ? looks * look : 0)}, 0};
+  const double look = std::max(1, plan.reorder_bins / ReorderTiming::kBinsALook) + 1;
+  const double looking = fullest ? looks * look : 0;
+  return {{packets + flushed + looking},
+          0,
+          {{"packets", packets},
+           {"packets before a flush", flushed},
+           {"looking for the fullest bin", looking}}};
 }
 
 TripCounts trip_counts(const Plan& plan, std::span<const SamplerInput> in) {
   const double cells = std::size_t{1} << (2 * plan.cell_bits);
-  double tables = 0, requests = 0, collect = 0;
+  const auto packets = static_cast<double>(in.size());
+  double tables = 0, requests = 0, cleared = 0;
   bool open = false, closed = false, photons = false;
   for (const SamplerInput& p : in) {
-    collect += 1;
     if (p.kind == 0) {
-      if (open && !closed && photons) collect += cells;  // a table that nobody asked is cleared
+      if (open && !closed && photons) cleared += 1;  // a table that nobody asked is cleared
       open = true;
       closed = photons = false;
     } else if (p.kind == 1) {
       photons = true;
     } else if (open) {
       requests += 1;
-      if (!closed) {
-        tables += 1;
-        collect += cells + 1;
-      }
+      if (!closed) tables += 1;
       closed = true;
     }
   }
+  const std::vector<TurnTerm> terms = {{"packets", packets},
+                                       {"cells", (tables + cleared) * cells},
+                                       {"requests that wait for their table", tables}};
+  const double collect = packets + (tables + cleared) * cells + tables;
   // The last table's weights follow its cosines.
   return {{collect, tables * (cells + 1), tables * (cells + 1), tables * (cells + 1) + requests},
-          cells};
+          cells,
+          terms};
 }
 
 // A turn a record, and those of the decision, of reading and of answering. How many records a tile
@@ -174,13 +290,17 @@ TripCounts trip_counts(const Plan& plan, std::span<const SamplerInput> in) {
 TripCounts trip_counts(const Plan& plan, std::span<const CacheLookup> in) {
   std::vector<CacheResult> out;
   make_golden_irradiance_cache(plan)->process(in, out);
-  double turns = 0, records = 0;
+  double compared = 0, records = 0;
   for (size_t i = 0; i < in.size(); ++i) {
     if (in[i].clear) records = 0;
-    turns += records + kDecideTurns + 2;
+    compared += records;
     records += out[i].inserted;
   }
-  return {{turns}, 0};
+  const auto packets = static_cast<double>(in.size());
+  const double decided = packets * CacheTiming::kDecideTurns;
+  return {{2 * packets + compared + decided},
+          0,
+          {{"lookups and answers", 2 * packets}, {"records", compared}, {"decisions", decided}}};
 }
 
 double modelled_cycles(const std::vector<KernelLoop>& loops, const TripCounts& trips) {

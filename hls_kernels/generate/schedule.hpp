@@ -39,11 +39,18 @@ std::vector<KernelLoop> kernel_loops(std::type_identity<IrradianceCache>, const 
 // to a power of two.
 int kernel_contexts(const Plan& plan);
 
+// Turns that a loop takes for one reason.
+struct TurnTerm {
+  std::string what;
+  double turns = 0;
+};
+
 // Turns of each loop for these packets, in the order of kernel_loops, and cycles before the first
 // and after the last packet in which loops do not overlap. `out` is what golden gives.
 struct TripCounts {
   std::vector<double> turns;
   double fill = 0;
+  std::vector<TurnTerm> terms{};  // of the first loop's turns, which are their sum
 };
 TripCounts trip_counts(const Plan& plan, std::span<const GatherQuery> in,
                        std::span<const GatherResult> out);

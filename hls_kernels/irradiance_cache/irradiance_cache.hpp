@@ -6,6 +6,7 @@
 // dependencies that allow it: best_, a comparison with registers; whether a point becomes a record,
 // which the next lookup must know, is decided kDecideTurns after its last record was read.
 #pragma once
+#include "hls_kernels/irradiance_cache/timing.hpp"
 #include "hls_kernels/vocabulary.hpp"
 
 namespace photonloom_hls {
@@ -22,7 +23,7 @@ class IrradianceCache {
   static constexpr int kN2Bits = 2 * kNormalBits + 2;
   static constexpr int kWideBits = kR2Bits + kCacheFalloffBits;
   static constexpr int kFarBits = kCacheWeightBits + 2;
-  static constexpr int kDecideTurns = 16;  // above the latency from a record to its weight
+  static constexpr int kDecideTurns = CacheTiming::kDecideTurns;
   using Weight = uint<kCacheWeightBits + 1>;
   using Number = uint<kCacheRecordBits>;
   using Count = uint<clog2(kCacheRecords + 1)>;
@@ -30,6 +31,8 @@ class IrradianceCache {
 
  public:
   static constexpr unsigned kInterval = 1;
+
+  struct StreamPlaces {};  // it has no stream within
 
   // As after reset.
   IrradianceCache() { records_count_ = 0; }

@@ -45,7 +45,7 @@ class GathererShell final : public Shell {
     Stream<GatherPhoton<Native>> photon("photon", kPortDepth);
     in.watch_reads(&in_cycles_);
     add_source(simulation_, in, far_end_, words, packets);
-    simulation_.add("kernel", [&] {
+    simulation_.add("run", [&] {
       kernel_->run(in, result, photon, nodes_.data(), lines_.data(), maps_, packets);
     });
     add_taker(simulation_, result, far_end_, 1, taken_[0]);

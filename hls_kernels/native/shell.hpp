@@ -6,10 +6,12 @@
 #include <cstring>
 #include <memory>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "hls_kernels/native/sizes.hpp"
 #include "hls_kernels/native/toolset.hpp"
+#include "hls_kernels/vocabulary.hpp"
 
 namespace photonloom_hls {
 
@@ -19,15 +21,12 @@ struct Taken {
   std::vector<uint64_t> cycles;
 };
 
-// The streams at a kernel's ports.
-constexpr unsigned kPortDepth = 2;
-
 // How many cycles the far end of port `port` lets pass before its next packet: 0 is the first port,
 // an input, those that follow are outputs.
 struct FarEnd {
   uint64_t (*gap)(void* owner, int port);
   void* owner;
-  void hold(int port) const { turn(gap(owner, port)); }
+  void hold(int port) const { pass(gap(owner, port)); }
 };
 
 template <class P>
@@ -88,6 +87,7 @@ class Shell {
   const Taken& taken(int stream) const { return taken_[stream]; }
   const std::vector<uint64_t>& in_cycles() const { return in_cycles_; }
   uint64_t cycles() const { return simulation_.cycle(); }
+  const std::vector<LoopCount>& loops() const { return simulation_.loops(); }
 
  protected:
   virtual std::string simulate(const uint32_t* words, size_t packets) = 0;
@@ -113,12 +113,19 @@ class StreamShell final : public Shell {
     Stream<Out> out("out", kPortDepth);
     in.watch_reads(&in_cycles_);
     add_source(simulation_, in, far_end_, words, packets);
-    simulation_.add("kernel", [&] { kernel_->run(in, out, packets); });
+    simulation_.add("run", [&] { kernel_->run(in, out, packets); });
     add_taker(simulation_, out, far_end_, 1, taken_[0]);
     return simulation_.run();
   }
   std::unique_ptr<Kernel> kernel_ = std::make_unique<Kernel>();
 };
+
+// Of a kernel with the toolset Sizes: its members, and what the streams within it hold.
+template <class Kernel>
+constexpr uint64_t state_bits() {
+  using Places = typename Kernel::StreamPlaces;
+  return sizeof(Kernel) + (std::is_empty_v<Places> ? 0 : sizeof(Places));
+}
 
 // A new shell of the unit that this object holds.
 std::unique_ptr<Shell> make_shell(uint64_t seed, const FarEnd& far_end);
@@ -126,40 +133,48 @@ std::unique_ptr<Shell> make_shell(uint64_t seed, const FarEnd& far_end);
 }  // namespace photonloom_hls
 
 #define PHOTONLOOM_HLS_EXPORT extern "C" __attribute__((visibility("default")))
-#define PHOTONLOOM_HLS_INTERFACE(Kernel)                                                      \
-  PHOTONLOOM_HLS_EXPORT uint64_t kernel_state_bits() {                                        \
-    return sizeof(photonloom_hls::Kernel<photonloom_hls::Sizes>);                             \
-  }                                                                                           \
-  PHOTONLOOM_HLS_EXPORT void* kernel_create(uint64_t seed, uint64_t (*gap)(void*, int),       \
-                                            void* owner) {                                    \
-    return photonloom_hls::make_shell(seed, photonloom_hls::FarEnd{gap, owner}).release();    \
-  }                                                                                           \
-  PHOTONLOOM_HLS_EXPORT void kernel_destroy(void* shell) {                                    \
-    delete static_cast<photonloom_hls::Shell*>(shell);                                        \
-  }                                                                                           \
-  PHOTONLOOM_HLS_EXPORT const char* kernel_run(void* shell, const uint32_t* words,            \
-                                               size_t packets) {                              \
-    return static_cast<photonloom_hls::Shell*>(shell)->run(words, packets);                   \
-  }                                                                                           \
-  PHOTONLOOM_HLS_EXPORT void kernel_configure(void* shell, uint32_t address, uint64_t data) { \
-    static_cast<photonloom_hls::Shell*>(shell)->configure(address, data);                     \
-  }                                                                                           \
-  PHOTONLOOM_HLS_EXPORT void kernel_load_lines(void* shell, int map, const uint8_t* bytes,    \
-                                               size_t size) {                                 \
-    static_cast<photonloom_hls::Shell*>(shell)->load_lines(map, bytes, size);                 \
-  }                                                                                           \
-  PHOTONLOOM_HLS_EXPORT size_t kernel_taken(void* shell, int stream, const uint32_t** words,  \
-                                            const uint64_t** cycles) {                        \
-    const auto& taken = static_cast<photonloom_hls::Shell*>(shell)->taken(stream);            \
-    *words = taken.words.data();                                                              \
-    *cycles = taken.cycles.data();                                                            \
-    return taken.cycles.size();                                                               \
-  }                                                                                           \
-  PHOTONLOOM_HLS_EXPORT size_t kernel_in_cycles(void* shell, const uint64_t** cycles) {       \
-    const auto& in_cycles = static_cast<photonloom_hls::Shell*>(shell)->in_cycles();          \
-    *cycles = in_cycles.data();                                                               \
-    return in_cycles.size();                                                                  \
-  }                                                                                           \
-  PHOTONLOOM_HLS_EXPORT uint64_t kernel_cycles(void* shell) {                                 \
-    return static_cast<photonloom_hls::Shell*>(shell)->cycles();                              \
+#define PHOTONLOOM_HLS_INTERFACE(Kernel)                                                        \
+  PHOTONLOOM_HLS_EXPORT uint64_t kernel_state_bits() {                                          \
+    return photonloom_hls::state_bits<photonloom_hls::Kernel<photonloom_hls::Sizes>>();         \
+  }                                                                                             \
+  PHOTONLOOM_HLS_EXPORT void* kernel_create(uint64_t seed, uint64_t (*gap)(void*, int),         \
+                                            void* owner) {                                      \
+    return photonloom_hls::make_shell(seed, photonloom_hls::FarEnd{gap, owner}).release();      \
+  }                                                                                             \
+  PHOTONLOOM_HLS_EXPORT void kernel_destroy(void* shell) {                                      \
+    delete static_cast<photonloom_hls::Shell*>(shell);                                          \
+  }                                                                                             \
+  PHOTONLOOM_HLS_EXPORT const char* kernel_run(void* shell, const uint32_t* words,              \
+                                               size_t packets) {                                \
+    return static_cast<photonloom_hls::Shell*>(shell)->run(words, packets);                     \
+  }                                                                                             \
+  PHOTONLOOM_HLS_EXPORT void kernel_configure(void* shell, uint32_t address, uint64_t data) {   \
+    static_cast<photonloom_hls::Shell*>(shell)->configure(address, data);                       \
+  }                                                                                             \
+  PHOTONLOOM_HLS_EXPORT void kernel_load_lines(void* shell, int map, const uint8_t* bytes,      \
+                                               size_t size) {                                   \
+    static_cast<photonloom_hls::Shell*>(shell)->load_lines(map, bytes, size);                   \
+  }                                                                                             \
+  PHOTONLOOM_HLS_EXPORT size_t kernel_taken(void* shell, int stream, const uint32_t** words,    \
+                                            const uint64_t** cycles) {                          \
+    const auto& taken = static_cast<photonloom_hls::Shell*>(shell)->taken(stream);              \
+    *words = taken.words.data();                                                                \
+    *cycles = taken.cycles.data();                                                              \
+    return taken.cycles.size();                                                                 \
+  }                                                                                             \
+  PHOTONLOOM_HLS_EXPORT size_t kernel_in_cycles(void* shell, const uint64_t** cycles) {         \
+    const auto& in_cycles = static_cast<photonloom_hls::Shell*>(shell)->in_cycles();            \
+    *cycles = in_cycles.data();                                                                 \
+    return in_cycles.size();                                                                    \
+  }                                                                                             \
+  PHOTONLOOM_HLS_EXPORT uint64_t kernel_cycles(void* shell) {                                   \
+    return static_cast<photonloom_hls::Shell*>(shell)->cycles();                                \
+  }                                                                                             \
+  PHOTONLOOM_HLS_EXPORT const char* kernel_loop(void* shell, size_t number, unsigned* interval, \
+                                                uint64_t* turns) {                              \
+    const auto& loops = static_cast<photonloom_hls::Shell*>(shell)->loops();                    \
+    if (number >= loops.size()) return nullptr;                                                 \
+    *interval = loops[number].interval;                                                         \
+    *turns = loops[number].turns;                                                               \
+    return loops[number].process.c_str();                                                       \
   }

@@ -16,10 +16,19 @@ namespace photonloom_hls {
 
 class Simulation;
 
+// The pipelined loop of a process, as it was counted.
+struct LoopCount {
+  std::string process;
+  unsigned interval = 0;  // cycles between the starts of two turns
+  uint64_t turns = 0;
+};
+
 struct Process {
   std::string name;
   std::function<void()> body;
-  uint64_t cycle = 0;   // of its own clock
+  uint64_t cycle = 0;     // of its own clock
+  unsigned interval = 0;  // of its pipelined loop
+  uint64_t turns = 0;
   bool serves = false;  // a far end of the kernel's ports, which waits forever when all is done
   bool done = false;
   const std::string* stream = nullptr;  // what it waits for; nullptr: it can run
@@ -83,12 +92,17 @@ class Simulation {
     for (size_t i = processes_.size(); i-- > 0;)
       if (!processes_[i]->done) resume(*processes_[i]);
     aborting_ = false;
-    for (const auto& p : processes_)
+    for (const auto& p : processes_) {
       if (!p->serves) cycle_ = std::max(cycle_, p->cycle);
+      if (p->turns != 0) count(*p);
+    }
     processes_.clear();
     current() = before;
     return problem_;
   }
+
+  // The loops of all runs so far, in the order in which their processes were added.
+  const std::vector<LoopCount>& loops() const { return loops_; }
 
   // The latest clock of all runs so far.
   uint64_t cycle() const { return cycle_; }
@@ -140,6 +154,14 @@ class Simulation {
     }
   }
 
+  void count(const Process& p) {
+    auto place = std::find_if(loops_.begin(), loops_.end(),
+                              [&](const LoopCount& l) { return l.process == p.name; });
+    if (place == loops_.end()) place = loops_.insert(loops_.end(), LoopCount{p.name});
+    place->interval = p.interval;
+    place->turns += p.turns;
+  }
+
   void resume(Process& process) {
     running_ = &process;
     swapcontext(&home_, &process.context);
@@ -164,6 +186,7 @@ class Simulation {
   uint64_t random_;
   uint64_t cycle_ = 0;
   std::vector<std::unique_ptr<Process>> processes_;
+  std::vector<LoopCount> loops_;
   Process* running_ = nullptr;
   bool aborting_ = false;
   ucontext_t home_{};
@@ -250,7 +273,15 @@ class Dataflow {
   void run() { Simulation::current()->join(); }
 };
 
-// A turn of a pipelined loop of the running process.
-inline void turn(unsigned interval) { Simulation::current()->running().cycle += interval; }
+// The running process does nothing for so many cycles.
+inline void pass(uint64_t cycles) { Simulation::current()->running().cycle += cycles; }
+
+// A turn of the pipelined loop of the running process.
+inline void turn(unsigned interval) {
+  Process& process = Simulation::current()->running();
+  process.cycle += interval;
+  process.interval = interval;
+  ++process.turns;
+}
 
 }  // namespace photonloom_hls

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A toolset whose integers are as many bytes as they have bits: sizeof(KERNEL<Sizes>) is the bits
-// of a kernel's state. Its streams' places are not among them.
+// of a kernel's members. Its streams are not among them: StreamPlaces is what they hold.
 #pragma once
 
 namespace photonloom_hls {

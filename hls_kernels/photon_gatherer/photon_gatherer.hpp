@@ -20,6 +20,7 @@
 // insertion. A result is written before its photons; whoever reads both has to take a query's
 // photons before he waits for the next result, or to have room for k of them.
 #pragma once
+#include "hls_kernels/photon_gatherer/timing.hpp"
 #include "hls_kernels/vocabulary.hpp"
 
 namespace photonloom_hls {
@@ -44,11 +45,12 @@ class PhotonGatherer {
   using Photon = GatherPhoton<T>;
 
  public:
-  // Queries in flight: the plan's, at least 4, rounded up to a power of two.
-  static constexpr int kContexts = 1 << clog2(at_least(4, photonloom_hls::kContexts));
-  static constexpr int kStepLatency = 12;  // cycles; not run on a vendor's tool
-  static constexpr int kLineTurns = 32;
-  static constexpr int kFreeTurns = 12;
+  static constexpr int kStepLatency = GathererTiming::kStepLatency;
+  static constexpr int kLineTurns = GathererTiming::kLineTurns;
+  static constexpr int kFreeTurns = GathererTiming::kFreeTurns;
+  // Queries in flight: the plan's, at least kLeastContexts, rounded up to a power of two.
+  static constexpr int kContexts =
+      1 << clog2(at_least(GathererTiming::kLeastContexts, photonloom_hls::kContexts));
   static constexpr unsigned kInterval = (kStepLatency + kContexts - 1) / kContexts;
 
   // Node memory: word = {axis, split}; the node of the global map at its number, that of the
@@ -71,7 +73,7 @@ class PhotonGatherer {
   void run(stream<Query>& in, stream<Result>& result, stream<Photon>& photon, const Node* nodes,
            const Beat* lines, const GatherMaps<T>& maps, const uint<32>& packets) {
     HLS_DATAFLOW;
-    HLS_STREAM(T, Raw, raw_results, 2);
+    HLS_STREAM(T, Raw, raw_results, kPlaces);
     HLS_PROCESS(search, search(in, raw_results, photon, nodes, lines, maps, packets));
     HLS_PROCESS(finish, finish(raw_results, result, packets));
     HLS_DATAFLOW_END;
@@ -84,6 +86,7 @@ class PhotonGatherer {
   static constexpr int kContextBits = clog2(kContexts);
   static constexpr int kSlots = 1 << (kContextBits + 1);  // results that wait for older ones
   static constexpr int kParts = kBucket / kLanes;
+  static constexpr int kPlaces = 2;  // of raw_results
 
   using Context = uint<kContextBits>;
   using Ticket = uint<32>;
@@ -128,6 +131,14 @@ class PhotonGatherer {
     uint<kIndexBits + 1> insertions;
     Context context;
   };
+
+ public:
+  // What its stream holds.
+  struct StreamPlaces {
+    Raw raw_results[kPlaces];
+  };
+
+ private:
   // A context, or none.
   struct Token {
     bool valid;

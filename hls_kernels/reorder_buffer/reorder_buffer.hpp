@@ -9,6 +9,7 @@
 // changed (read 1, write 1) before the next turn reads it. The list's own, head_ -> next_ -> head_,
 // takes 3.
 #pragma once
+#include "hls_kernels/reorder_buffer/timing.hpp"
 #include "hls_kernels/vocabulary.hpp"
 
 namespace photonloom_hls {
@@ -26,7 +27,8 @@ class ReorderBuffer {
   static constexpr int kWord =
       kReorderBins < 64 ? kReorderBins : 64;  // bins in a word of the bitmap
   static constexpr int kWords = kReorderBins / kWord;
-  static constexpr int kLook = kReorderBins < 8 ? kReorderBins : 8;
+  static constexpr int kLook =
+      kReorderBins < ReorderTiming::kBinsALook ? kReorderBins : ReorderTiming::kBinsALook;
   static constexpr int kLooks = kReorderBins / kLook;
   using Bin = uint<at_least(1, kBinBits)>;
   using Slot = uint<at_least(1, clog2(kReorderPackets))>;
@@ -35,7 +37,9 @@ class ReorderBuffer {
   using Summary = uint<kWords>;
 
  public:
-  static constexpr unsigned kInterval = kPassThrough ? 1 : 4;
+  static constexpr unsigned kInterval = kPassThrough ? 1 : ReorderTiming::kLengthLatency;
+
+  struct StreamPlaces {};  // it has no stream within
 
   // As after reset.
   ReorderBuffer() { clear(); }

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "hls_kernels/toolset.hpp"
+#include "hls_kernels/vocabulary.hpp"
 
 // Catapult's SCVerify finds testbench and design by these names.
 #if defined(CCS_SCVERIFY)
@@ -22,9 +23,6 @@
 #endif
 
 namespace photonloom_hls {
-
-// The depth of the streams at a kernel's ports.
-constexpr unsigned kPortDepth = 2;
 
 template <int W>
 void from_words(const uint32_t* words, typename Tool::template bits<W>& word) {

@@ -8,6 +8,7 @@
 #include "tests/command/run.hpp"
 #include "verilator_tb/unit/backends.hpp"
 #include "verilator_tb/unit/compare_units.hpp"
+#include "verilator_tb/unit/drawn_run.hpp"
 
 using namespace photonloom;
 using namespace photonloom::test;
@@ -101,6 +102,24 @@ TEST_CASE("a depth one too small is found and named") {
                             ContainsSubstring("cosines full (process cosine)") &&
                             ContainsSubstring("cosine_totals empty (process weigh)"));
   }
+}
+
+TEST_CASE("the gatherer answers queries while at least four are in flight") {
+  Plan plan;
+  plan.global.present = true;
+  plan.global.photons = 500;
+  plan.global.r2_max = uint64_t{1} << 24;
+  plan.k = 8;
+  plan.contexts = 1;
+  const std::type_identity<PhotonGatherer> gatherer;
+  const DrawnRun run = run_drawn(gatherer, plan, options());
+  INFO(run.in_flight << " in flight");
+  CHECK(run.in_flight >= 4);
+
+  const Planted planted("photon_gatherer/timing.hpp", "kLeastContexts = 4", "kLeastContexts = 2");
+  const DrawnRun fewer = run_drawn(gatherer, plan, options());
+  INFO(fewer.in_flight << " in flight with two contexts");
+  CHECK(fewer.in_flight < 4);
 }
 
 TEST_CASE("a packet that nobody reads is found") {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // The kernels' schedule as a model beside the cycles that instrumented kernels count.
-#include "tests/catch.hpp"
-#include "verilator_tb/unit/drawn_run.hpp"
+#include "tests/rtl/hls_schedule.hpp"
 
 using namespace photonloom;
+using namespace photonloom::test;
 
 namespace {
 
@@ -34,31 +34,16 @@ std::vector<Plan> plans() {
   return list;
 }
 
-RunOptions options() {
-  RunOptions o;
-  o.kind = ModelKind::kHls;
-  o.work_dir = "cosim";
-  return o;
-}
-
 }  // namespace
 
 TEST_CASE("the schedule model is within 15 % of what instrumented kernels count") {
-  for (const Plan& plan : plans())
-    for_each_unit([&](auto unit) {
-      const DrawnRun run = run_drawn(unit, plan, options());
-      const double model = modelled_cycles(kernel_loops(unit, plan), run.trips);
-      INFO(unit_name<typename decltype(unit)::type> << ": " << run.cycles << " counted, model "
-                                                    << model << ", contexts " << plan.contexts);
-      CHECK(model > 0.85 * static_cast<double>(run.cycles));
-      CHECK(model < 1.15 * static_cast<double>(run.cycles));
-    });
+  for (const Plan& plan : plans()) for_each_unit([&](auto unit) { check_schedule(unit, plan); });
 }
 
 TEST_CASE("a dependency from turn to turn raises the model's count") {
   const Plan plan = base_plan();
   for_each_unit([&](auto unit) {
-    const DrawnRun run = run_drawn(unit, plan, options());
+    const DrawnRun run = run_drawn(unit, plan, kernel_options());
     std::vector<KernelLoop> loops = kernel_loops(unit, plan);
     const double before = modelled_cycles(loops, run.trips);
     loops[0].dependencies.push_back({"planted", 9, 1, "a divider in the loop"});

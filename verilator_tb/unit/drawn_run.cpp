@@ -3,6 +3,7 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <stdexcept>
 
 #include "hls_kernels/generate/recording.hpp"
@@ -17,6 +18,14 @@ void expect_equal(bool equal, const std::string& unit, const RunOptions& options
                                          unit, model_kind_name(options.kind)));
 }
 
+// By Little's law: the time that packets take, over the time of the run.
+double mean_in_flight(const Clocked& clocked, uint64_t cycles) {
+  const std::span<const uint64_t> in = clocked.in_cycles(), out = clocked.out_cycles(0);
+  uint64_t sum = 0;
+  for (size_t i = 0; i < std::min(in.size(), out.size()); ++i) sum += out[i] - in[i];
+  return static_cast<double>(sum) / static_cast<double>(std::max<uint64_t>(1, cycles));
+}
+
 template <class Unit>
 DrawnRun run_stream(std::type_identity<Unit> unit, const Plan& plan, const RunOptions& options) {
   const auto in = drawn_packets(unit, plan);
@@ -26,7 +35,7 @@ DrawnRun run_stream(std::type_identity<Unit> unit, const Plan& plan, const RunOp
   const uint64_t before = clocked->cycles();
   clocked->process(in, out);
   expect_equal(out == due, unit_name<Unit>, options);
-  return {in.size(), clocked->cycles() - before, trip_counts(plan, in), clocked->counters()};
+  return {in.size(), clocked->cycles() - before, trip_counts(plan, in), clocked->counters(), 0};
 }
 
 }  // namespace
@@ -60,7 +69,9 @@ DrawnRun run_drawn(std::type_identity<PhotonGatherer> unit, const Plan& plan,
   const uint64_t before = clocked->cycles();
   clocked->process(in, results, photons);
   expect_equal(results == due && photons == due_photons, unit_name<PhotonGatherer>, options);
-  return {in.size(), clocked->cycles() - before, trip_counts(plan, in, due), clocked->counters()};
+  const uint64_t cycles = clocked->cycles() - before;
+  return {in.size(), cycles, trip_counts(plan, in, due), clocked->counters(),
+          mean_in_flight(*clocked, cycles)};
 }
 
 }  // namespace photonloom

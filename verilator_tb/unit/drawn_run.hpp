@@ -12,6 +12,7 @@ struct DrawnRun {
   uint64_t cycles = 0;   // of the backend for them
   TripCounts trips{};    // of the kernel's loops
   Counters counters{};
+  double in_flight = 0;  // packets that are in and not out, on average; where each has an answer
 };
 
 // Packets that differ from golden's are an error.

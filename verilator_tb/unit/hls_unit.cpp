@@ -37,8 +37,19 @@ HlsKernel::HlsKernel(const Plan& plan, const std::string& unit, const RunOptions
   symbol(in_cycles_, "kernel_in_cycles");
   symbol(cycles_, "kernel_cycles");
   symbol(state_bits_, "kernel_state_bits");
+  symbol(loop_, "kernel_loop");
   shell_ = create(mix64(options.seed ^ mix64(options.initial_seed)), gap, this);
 }
+
+void HlsKernel::count_loops(Counters& counters) const {
+  unsigned interval = 0;
+  uint64_t turns = 0;
+  for (size_t i = 0; const char* process = loop_(shell_, i, &interval, &turns); ++i) {
+    counters[fmt::format("turns of {}", process)] = turns;
+    counters[fmt::format("interval of {}", process)] = interval;
+  }
+}
+
 uint64_t HlsKernel::gap(void* self, int port) {
   Stall& stall = static_cast<HlsKernel*>(self)->stalls_[static_cast<size_t>(port)];
   uint64_t cycles = 0;

@@ -62,6 +62,8 @@ class HlsKernel {
     return {cycles, n};
   }
   uint64_t cycles() const { return cycles_(shell_); }
+  // "turns of P" and "interval of P" for the loop of each process P.
+  void count_loops(Counters& counters) const;
   // Of the kernel itself, without its streams.
   uint64_t state_bits() const { return state_bits_(); }
 
@@ -83,6 +85,7 @@ class HlsKernel {
   size_t (*in_cycles_)(void*, const uint64_t**) = nullptr;
   uint64_t (*cycles_)(void*) = nullptr;
   uint64_t (*state_bits_)() = nullptr;
+  const char* (*loop_)(void*, size_t, unsigned*, uint64_t*) = nullptr;
   std::vector<uint32_t> words_;
 };
 
@@ -100,8 +103,10 @@ class HlsUnit : public ClockedUnit<Unit> {
   }
   void finish() final {}
   Counters counters() const override {
-    return {
+    Counters all = {
         {"packets in", packets_}, {"cycles", cycles()}, {"bits of state", kernel_.state_bits()}};
+    kernel_.count_loops(all);
+    return all;
   }
 
  protected:
