@@ -370,6 +370,11 @@ std::optional<PlanProblem> find_problem(const Plan& plan) {
                 fmt::format("is {}, but squared distances of normals with {} bits a coordinate "
                             "end below 2^{}",
                             plan.cache_angle_bits, plan.normal_bits, 2 * plan.normal_bits + 2));
+  if (plan.cache_present && plan.first_rays > 0)
+    return fail("cache.present",
+                fmt::format("is true, but with frame.first_rays = {} the rays of a frame follow "
+                            "each sample's own noise; expected frame.first_rays = 0",
+                            plan.first_rays));
   if (plan.cache_radius_min > plan.cache_radius_max)
     return fail("cache.radius_min", fmt::format("is {}, expected at most radius_max = {}",
                                                 plan.cache_radius_min, plan.cache_radius_max));

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "golden/numeric/random.hpp"
+#include "golden/plan/plan_file.hpp"
 #include "golden/unit/backend.hpp"
 #include "golden/unit/shader.hpp"
 #include "tests/catch.hpp"
@@ -232,4 +233,17 @@ TEST_CASE("one record's share is exact where it divides nothing") {
   CHECK((v == PixelValue{light / 2, light, light * 2}));
   const PixelValue odd = shader.interpolated({3, 1, 0}, 1, 1, half);
   CHECK((odd == PixelValue{2, 1, 0}));  // half up
+}
+
+TEST_CASE("what a cache cannot go with is refused") {
+  Plan plan = cache_plan();
+  CHECK(!find_problem(plan));
+  plan.first_rays = plan.gather_rays / 2;
+  CHECK(find_problem(plan)->line == "cache.present");
+  plan = cache_plan();
+  plan.cache_angle_bits = 2 * plan.normal_bits + 3;
+  CHECK(find_problem(plan)->line == "cache.angle_bits");
+  plan = cache_plan();
+  plan.cache_radius_min = 2 * plan.cache_radius_max;
+  CHECK(find_problem(plan)->line == "cache.radius_min");
 }
