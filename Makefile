@@ -3,7 +3,7 @@
 JOBS := $(shell nproc)
 PREFIX ?= /usr/local
 .DEFAULT_GOAL := build
-.PHONY: help build install demo test test-full gallery precision mutate bench bench-rtl asan fuzz format clean references mutate-golden fpga-tools fpga board-sim headline fpga-plans area-check tradeoffs plan-promise sweep-search slurm-test cycle-fit report-bundle mutate-hls test-hls
+.PHONY: help build install demo test test-full gallery precision mutate bench bench-rtl asan fuzz format clean references mutate-golden fpga-tools fpga board-sim headline fpga-plans area-check tradeoffs studies plan-promise sweep-search slurm-test cycle-fit report-bundle mutate-hls test-hls
 
 help: ## this list
 	@sed -n 's/^\([a-z-]*\):[^#]*## \(.*\)/  make \1\t\2/p' Makefile | expand -t 24
@@ -116,6 +116,10 @@ tradeoffs: build ## a hundred plans on three scenes, error against cycles, LUTs 
 plan-promise: build ## whether plans for a visible error keep it on whole frames: docs/planner.md (half an hour)
 	@scripts/setup plan-promise
 	@scripts/plan-promise
+
+studies: build ## shipped studies with tables, plots and goals: docs/studies.md (10 minutes)
+	@scripts/setup studies
+	@scripts/studies
 
 cycle-fit: build ## plans through the RTL, and the fit that predicts cycles a gather: study/cycle_fit.hpp
 	@scripts/setup cycle-fit

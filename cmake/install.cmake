@@ -12,6 +12,7 @@ install(DIRECTORY rtl fpga DESTINATION ${share} ${programs})
 install(DIRECTORY hls_kernels DESTINATION ${share} PATTERN "generate" EXCLUDE)
 install(DIRECTORY scenes DESTINATION ${share} FILES_MATCHING PATTERN "*.xml" PATTERN "*.obj" PATTERN "*.ply"
   PATTERN "references" EXCLUDE)
+install(DIRECTORY studies DESTINATION ${share} FILES_MATCHING PATTERN "*.toml")
 install(FILES LICENSE DESTINATION ${share})
 
 # Written by the program itself, from its own commands.

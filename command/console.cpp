@@ -44,6 +44,42 @@ double cpu_seconds() {
   return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
 }
 
+namespace {
+
+class LineProgress final : public Progress {
+ public:
+  void begin(const std::string& phase, uint64_t total, const std::string& unit) override {
+    phase_ = phase;
+    unit_ = unit;
+    total_ = total;
+    done_ = 0;
+    start_ = std::chrono::steady_clock::now();
+  }
+  void advance(uint64_t steps) override {
+    const uint64_t before = done_.fetch_add(steps), now = before + steps;
+    if (total_ < 10 || now * 10 / total_ == before * 10 / total_) return;
+    const double seconds =
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+    if (seconds < 10) return;
+    const double rate = static_cast<double>(now) / std::max(seconds, 1e-9);
+    fmt::print(stderr, "{}: {} of {} {}, {:.3g}/s, {} left\n", phase_, now, total_, unit_, rate,
+               spoken(static_cast<double>(total_ - now) / rate));
+  }
+
+ private:
+  std::string phase_, unit_;
+  uint64_t total_ = 0;
+  std::atomic<uint64_t> done_{0};
+  std::chrono::steady_clock::time_point start_;
+};
+
+}  // namespace
+
+std::unique_ptr<Progress> make_progress_or_log() {
+  if (isatty(STDERR_FILENO) == 1) return std::make_unique<ConsoleProgress>();
+  return std::make_unique<LineProgress>();
+}
+
 std::string spoken(double seconds) {
   if (seconds < 10) return fmt::format("{:.1f} s", seconds);
   const long s = static_cast<long>(seconds + 0.5);

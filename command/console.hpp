@@ -4,6 +4,7 @@
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
+#include <memory>
 #include <mutex>
 #include <string>
 #include <thread>
@@ -51,6 +52,9 @@ class ConsoleProgress final : public Progress {
   std::condition_variable wake_;
   std::thread painter_;
 };
+
+// A bar where stderr is a terminal; else, for logs, a line at each tenth of a long phase.
+std::unique_ptr<Progress> make_progress_or_log();
 
 // Seconds as a person says them: "0.4 s", "12 s", "3 min 20 s", "2 h 5 min".
 std::string spoken(double seconds);

@@ -1,11 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // photonloom sweep STUDY.toml -o DIR: many plans, measured.
 #include <fmt/core.h>
-#include <unistd.h>
 
-#include <algorithm>
-#include <atomic>
-#include <chrono>
 #include <filesystem>
 #include <memory>
 
@@ -22,37 +18,8 @@ struct SweepOptions {
   ThreadsOption threads;
 };
 
-// For logs: a line at each tenth of a long phase, where no terminal shows a bar.
-class LineProgress final : public Progress {
- public:
-  void begin(const std::string& phase, uint64_t total, const std::string& unit) override {
-    phase_ = phase;
-    unit_ = unit;
-    total_ = total;
-    done_ = 0;
-    start_ = std::chrono::steady_clock::now();
-  }
-  void advance(uint64_t steps) override {
-    const uint64_t before = done_.fetch_add(steps), now = before + steps;
-    if (total_ < 10 || now * 10 / total_ == before * 10 / total_) return;
-    const double seconds =
-        std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-    if (seconds < 10) return;
-    const double rate = static_cast<double>(now) / std::max(seconds, 1e-9);
-    fmt::print(stderr, "{}: {} of {} {}, {:.3g}/s, {} left\n", phase_, now, total_, unit_, rate,
-               spoken(static_cast<double>(total_ - now) / rate));
-  }
-
- private:
-  std::string phase_, unit_;
-  uint64_t total_ = 0;
-  std::atomic<uint64_t> done_{0};
-  std::chrono::steady_clock::time_point start_;
-};
-
 void sweep(const SweepOptions& o) {
-  ConsoleProgress bar;
-  LineProgress lines;
+  const std::unique_ptr<Progress> progress = make_progress_or_log();
   SweepRequest request;
   request.study_file = o.study;
   request.folder = o.output;
@@ -64,7 +31,7 @@ void sweep(const SweepOptions& o) {
   request.workers = o.threads.threads();
   request.work_dir = o.work;
   request.program = std::filesystem::read_symlink("/proc/self/exe").string();
-  request.progress = isatty(STDERR_FILENO) == 1 ? static_cast<Progress*>(&bar) : &lines;
+  request.progress = progress.get();
   request.say = [](const std::string& sentence) {
     fmt::print(stderr, "photonloom: {}\n", sentence);
   };

@@ -5,11 +5,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <stdexcept>
 
 #include "golden/numeric/sha256.hpp"
 #include "golden/plan/plan_file.hpp"
 #include "golden/unit/photon_gatherer.hpp"
+#include "study/cache_model.hpp"
 #include "study/cycle_fit.hpp"
 #include "verilator_tb/unit/backends.hpp"
 
@@ -17,41 +19,6 @@ namespace photonloom {
 namespace {
 
 constexpr size_t kRuns = 4;  // of neighbouring queries
-
-// Lines that the leaf cache fetches when as many queries as the unit has contexts take turns, a
-// leaf each. The cache's victim is the next way in turn.
-double cache_misses(const Plan& plan, const std::vector<std::vector<uint32_t>>& visits) {
-  const auto ways = static_cast<size_t>(plan.cache_ways);
-  const size_t sets =
-      static_cast<size_t>(plan.cache_bytes) / (static_cast<size_t>(plan.line_bytes()) * ways);
-  std::vector<uint32_t> tags(sets * ways, ~0u);
-  std::vector<size_t> turn(sets, 0);
-  const size_t contexts = static_cast<size_t>(plan.contexts);
-  struct Flight {
-    size_t query, leaf;
-  };
-  std::vector<Flight> flights;
-  size_t next = 0;
-  uint64_t misses = 0;
-  for (;;) {
-    while (flights.size() < contexts && next < visits.size()) flights.push_back({next++, 0});
-    if (flights.empty()) break;
-    for (Flight& f : flights) {
-      if (f.leaf == visits[f.query].size()) continue;
-      const uint32_t line = visits[f.query][f.leaf++];
-      const size_t set = line % sets;
-      const auto begin = tags.begin() + static_cast<std::ptrdiff_t>(set * ways);
-      if (std::find(begin, begin + static_cast<std::ptrdiff_t>(ways), line) !=
-          begin + static_cast<std::ptrdiff_t>(ways))
-        continue;
-      ++misses;
-      tags[set * ways + turn[set]] = line;
-      turn[set] = (turn[set] + 1) % ways;
-    }
-    std::erase_if(flights, [&](const Flight& f) { return f.leaf == visits[f.query].size(); });
-  }
-  return static_cast<double>(misses) / static_cast<double>(visits.size());
-}
 
 }  // namespace
 
@@ -116,18 +83,27 @@ GatherCost gather_cost_model(const Plan& plan, const PhotonMap& global, const Ph
                              std::span<const GatherQuery> queries, int latency) {
   GatherCost cost;
   if (queries.empty()) return cost;
-  std::vector<std::vector<uint32_t>> visits(queries.size());
+  LineVisits visits;
   std::vector<Neighbour> found;
-  for (size_t i = 0; i < queries.size(); ++i) {
+  std::vector<uint32_t> lines, order(queries.size());
+  std::iota(order.begin(), order.end(), 0u);
+  for (const GatherQuery& query : queries) {
+    lines.clear();
     const SearchCounts counts =
-        search_gather(plan, queries[i].map ? caustic : global, queries[i], found, &visits[i]);
+        search_gather(plan, query.map ? caustic : global, query, found, &lines);
+    // The address's top bit names the map.
+    if (query.map)
+      for (uint32_t& line : lines) line += 1u << plan.line_bits();
+    visits.add_query(lines);
     cost.load.nodes += counts.nodes;
     cost.load.leaves += counts.leaves;
     cost.load.insertions += counts.insertions;
   }
   for (double* sum : {&cost.load.nodes, &cost.load.leaves, &cost.load.insertions})
     *sum /= static_cast<double>(queries.size());
-  cost.load.misses = cache_misses(plan, visits);
+  cost.load.misses =
+      static_cast<double>(lines_fetched(leaf_cache_shape(plan), visits, order, plan.contexts)) /
+      static_cast<double>(queries.size());
   cost.bytes = cost.load.misses * plan.line_bytes();
   cost.cycles = modelled_cycles(plan, cost.load, latency);
   return cost;

@@ -13,7 +13,9 @@
 #include "golden/unit/cdf_sampler.hpp"
 #include "rtl/generate/hardware.hpp"
 #include "study/bounded_search.hpp"
+#include "study/layout_traffic.hpp"
 #include "study/routed.hpp"
+#include "study/traffic.hpp"
 
 namespace photonloom {
 namespace {
@@ -494,7 +496,17 @@ const std::vector<Measure>& measures() {
         {"ebr", "block RAMs", "the gatherer"},
         {"mhz", "MHz", "Fmax of one placement"}},
        measure_routed,
-       no_settings}};
+       no_settings},
+      {"traffic",
+       "bytes from the photon map in the plan's order and in others",
+       traffic_columns(),
+       measure_traffic,
+       traffic_settings},
+      {"layouts",
+       "bytes from the photon map in other layouts",
+       layout_columns(),
+       measure_layouts,
+       layout_settings}};
   return all;
 }
 

@@ -56,11 +56,12 @@ class PointRun {
   const std::vector<GatherQuery>& watched_queries();
   const PhotonMap& map(bool is_caustic);
   const PackCounts& packed();  // of both maps
+  // A frame of this plan, which asks for the same maps, with these units, rendered anew.
+  Image render(const Plan& plan, Arithmetic arithmetic, FrameUnits& units, FrameCounts& counts,
+               uint64_t ray_seed);
 
  private:
   void prepare();
-  Image render(const Plan& plan, Arithmetic arithmetic, FrameUnits& units, FrameCounts& counts,
-               uint64_t ray_seed);
 
   StudyScene& scene_;
   const Study& study_;

@@ -36,7 +36,9 @@ class Sweep {
   explicit Sweep(const SweepRequest& request)
       : request_(request),
         study_(parse_study(read_file(request.study_file), request.study_file, measure_names())),
-        store_(request.folder) {}
+        store_(request.folder) {
+    if (!request.scenes.empty()) study_.scenes = request.scenes;
+  }
 
   SweepReport run() {
     std::unique_ptr<FolderLock> lock;

@@ -14,9 +14,10 @@ namespace photonloom {
 
 struct SweepRequest {
   std::string study_file, folder;
-  std::vector<uint32_t> only;  // points; empty: all
-  bool wait = false;           // for another sweep on the folder
-  bool is_task = false;        // part of a sweep that holds the lock and will collect
+  std::vector<std::string> scenes;  // files instead of the study's; empty: the study's
+  std::vector<uint32_t> only;       // points; empty: all
+  bool wait = false;                // for another sweep on the folder
+  bool is_task = false;             // part of a sweep that holds the lock and will collect
   bool on_slurm = false;
   int workers = 1;                       // results at a time
   std::string work_dir = "build/cosim";  // of Verilated models

@@ -170,6 +170,27 @@ std::shared_ptr<const ConvergedFrames> StudyScene::converged(
   return find_or_make(mutex_, converged_, key, same, trim, make);
 }
 
+StudyScene::Any StudyScene::shared_any(const std::string& key, const std::function<Any()>& make) {
+  std::promise<Any> promise;
+  {
+    std::unique_lock lock(mutex_);
+    const auto [at, is_new] = shared_.try_emplace(key, promise.get_future().share());
+    if (!is_new) {
+      const std::shared_future<Any> found = at->second;
+      lock.unlock();
+      return found.get();
+    }
+  }
+  try {
+    Any made = make();
+    promise.set_value(made);
+    return made;
+  } catch (...) {
+    promise.set_exception(std::current_exception());
+    throw;
+  }
+}
+
 void StudyScene::load_references(const Study& study, const std::string& folder,
                                  Progress* progress) {
   const auto reference = [&](const std::string& which, const auto& make) {

@@ -5,6 +5,7 @@
 #include <deque>
 #include <functional>
 #include <future>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -54,12 +55,22 @@ class StudyScene {
   std::shared_ptr<const ConvergedFrames> converged(const std::string& key,
                                                    const std::function<ConvergedFrames()>& make);
 
+  // What points share beside photons: made once for each key, which names the type too, and kept.
+  template <class T>
+  std::shared_ptr<const T> shared(const std::string& key, const std::function<T()>& make) {
+    return std::static_pointer_cast<const T>(
+        shared_any(key, [&make] { return std::make_shared<const T>(make()); }));
+  }
+
   // From the study's files, else from `folder`, else path traced into it. Call it once, before
   // references() is asked.
   void load_references(const Study& study, const std::string& folder, Progress* progress);
   const SceneReferences& references() const { return references_; }
 
  private:
+  using Any = std::shared_ptr<const void>;
+  Any shared_any(const std::string& key, const std::function<Any()>& make);
+
   using PhotonKey = std::tuple<bool, uint64_t, uint64_t>;
   using PhotonFuture = std::shared_future<std::shared_ptr<const PhotonPass>>;
   using ConvergedFuture = std::shared_future<std::shared_ptr<const ConvergedFrames>>;
@@ -70,6 +81,7 @@ class StudyScene {
   std::mutex mutex_;
   std::deque<std::pair<PhotonKey, PhotonFuture>> kept_;            // the longest unused first
   std::deque<std::pair<std::string, ConvergedFuture>> converged_;  // likewise
+  std::map<std::string, std::shared_future<Any>> shared_;
   SceneReferences references_;
 };
 

@@ -9,6 +9,7 @@
 #include <atomic>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <optional>
 #include <type_traits>
 #include <utility>
@@ -224,11 +225,43 @@ class Renderer {
 
   void gather_finally(const char* name) {
     const ProgressPhase phase(progress_, name, ray_begins_.back(), "rays");
-    for (size_t begin = 0, end; begin < entries_.size(); begin = end) {
-      end = chunk_end(begin, 0);
-      cast_final_gathers(begin, end);
-      phase.advance(ray_begins_[end] - ray_begins_[begin]);
+    std::vector<Ray> rays;
+    const auto take = [&](size_t entry) {
+      for (size_t place = ray_begins_[entry]; place < ray_begins_[entry + 1]; ++place)
+        rays.push_back({entry, place});
+    };
+    const auto cast = [&] {
+      for (size_t begin = 0; begin < rays.size(); begin += kChunk) {
+        const size_t count = std::min(kChunk, rays.size() - begin);
+        cast_final_gathers(std::span(rays).subspan(begin, count));
+        phase.advance(count);
+      }
+      rays.clear();
+    };
+    if (plan_.order == FrameOrder::kPixel) {
+      // Samples stay tile by tile, so that nothing but the order of rays changes.
+      std::vector<size_t> places(pixels_.size());
+      std::iota(places.begin(), places.end(), size_t{0});
+      std::sort(places.begin(), places.end(),
+                [&](size_t a, size_t b) { return pixels_[a] < pixels_[b]; });
+      for (const size_t place : places) {
+        for (size_t sample = 0; sample < spp_; ++sample) take(place * spp_ + sample);
+        if (rays.size() >= kChunk) cast();
+      }
+    } else if (plan_.order == FrameOrder::kDirectionBins) {
+      size_t entry = 0;
+      for (const size_t end : tile_ends_) {
+        for (; entry < end; ++entry) take(entry);
+        sort_by_direction(rays);
+        cast();
+      }
+    } else {
+      for (size_t entry = 0; entry < entries_.size(); ++entry) {
+        take(entry);
+        if (rays.size() >= kChunk) cast();
+      }
     }
+    cast();
     if constexpr (kGolden) {
       GatherQuery flush{};
       flush.flush = 1;
@@ -709,26 +742,42 @@ class Renderer {
     return Random(ray_seed_, Phase::kSampler, (uint64_t{pixel_of(entry)} << 20) | sample_of(entry));
   }
 
-  void cast_final_gathers(size_t begin, size_t end) {
+  // A final gather ray of this pass: its sample, and its place in directions_ and slot_of_.
+  struct Ray {
+    size_t entry, place;
+  };
+
+  // Direction bin by direction bin, each bin as it was.
+  void sort_by_direction(std::vector<Ray>& rays) const {
+    const auto bin = [&](const Ray& ray) {
+      return direction_bin(plan_, directions_[ray.place].code);
+    };
+    std::vector<size_t> next(direction_bins(plan_) + 1, 0);
+    for (const Ray& ray : rays) ++next[bin(ray) + 1];
+    std::partial_sum(next.begin(), next.end(), next.begin());
+    std::vector<Ray> sorted(rays.size());
+    for (const Ray& ray : rays) sorted[next[bin(ray)]++] = ray;
+    rays = std::move(sorted);
+  }
+
+  void cast_final_gathers(std::span<const Ray> rays) {
     struct Gather {
-      size_t entry = 0;
       bool below = false, asks = false;
       Value glossy{};
       QueryWeight weight{};
       GatherQuery query{};
       DiffuseHit y;
     };
-    const size_t first = ray_begins_[begin];
-    std::vector<Gather> gathers(ray_begins_[end] - first);
-    for (size_t entry = begin; entry < end; ++entry)
-      for (size_t i = 0; i < rays_of(entry); ++i)
-        gathers[ray_begins_[entry] - first + i].entry = entry;
+    const auto tag_of = [&](const Ray& ray) {
+      return first_tag_ + ray.place - ray_begins_[ray.entry];
+    };
+    std::vector<Gather> gathers(rays.size());
     SharedCounts shared;
     parallel(gathers.size(), [&](size_t i) {
       Gather& g = gathers[i];
-      const size_t entry = g.entry, ray = first_tag_ + first + i - ray_begins_[entry];
+      const size_t entry = rays[i].entry, ray = tag_of(rays[i]);
       const Entry& e = entries_[entry];
-      const SampledCode& sampled = directions_[first + i];
+      const SampledCode& sampled = directions_[rays[i].place];
       if (!e.diffuse || sampled.probability == 0) return;
       const Random random = random_of(entry);
       const Vec3 unfolded =
@@ -776,10 +825,10 @@ class Renderer {
       const Gather& g = gathers[i];
       counts_.below_horizon += g.below;
       counts_.final_gathers += g.asks;
-      add_ray(g.entry, first_tag_ + first + i - ray_begins_[g.entry], g.glossy);
+      add_ray(rays[i].entry, tag_of(rays[i]), g.glossy);
       if constexpr (kGolden) {
         if (!g.asks) continue;
-        slot_of_[first + i] = take_slot(g.weight);
+        slot_of_[rays[i].place] = take_slot(g.weight);
         queries_.push_back(g.query);
       }
     }

@@ -17,6 +17,9 @@ enum class ReorderDrain { kSweep, kFullest };
 // by their number, or one of them alone.
 enum class TableCombine { kSum, kProduct, kWeighted, kPhotons, kCosine };
 enum class TablePhotons { kAll, kIndirect };
+// Which final gather ray follows which: pixels row by row, tile by tile, or direction bin by
+// direction bin within a tile.
+enum class FrameOrder { kPixel, kTile, kDirectionBins };
 enum class PhotonMemory { kBlockRam, kSdram };  // of a board
 enum class CacheRadius { kPhotons, kProbe };    // what an irradiance record's radius comes from
 
@@ -120,6 +123,8 @@ struct Plan {
   TablePhotons table_photons = TablePhotons::kAll;
   int tile = 16;        // edge of a tile in pixels
   int batch_tiles = 0;  // tiles per batch; 0: the whole frame
+  FrameOrder order = FrameOrder::kTile;
+  int direction_bin_bits = 2;  // of each octahedral coordinate, of a direction bin
   // [pixel]
   int weight_bits = 18;    // mantissa of a query's weight
   int fraction_bits = 32;  // F: a pixel counts 2^-F W/(m^2 sr)
@@ -282,6 +287,9 @@ struct Plan {
       "photons that make a sampler's table: all, or those that another surface sent (indirect)");
     v("frame", "tile", p.tile, 1, 1024, "edge of a tile in pixels");
     v("frame", "batch_tiles", p.batch_tiles, 0, 1 << 28, "tiles per batch, 0 for the whole frame");
+    v("frame", "order", p.order, 0, 0, "of final gather rays: pixel, tile or direction_bins");
+    v("frame", "direction_bin_bits", p.direction_bin_bits, 1, 6,
+      "bits of each octahedral coordinate that name a direction bin");
     v("pixel", "weight_bits", p.weight_bits, 8, 24, "mantissa of a query's weight");
     v("pixel", "fraction_bits", p.fraction_bits, -64, 96, "F: a pixel counts 2^-F W/(m^2 sr)");
     v("pixel", "integer_bits", p.integer_bits, 1, 96, "I: integer bits of a pixel");

@@ -24,6 +24,7 @@ constexpr std::array<const char*, 2> kDrainNames{"sweep", "fullest"};
 constexpr std::array<const char*, 5> kCombineNames{"sum", "product", "weighted", "photons",
                                                    "cosine"};
 constexpr std::array<const char*, 2> kTablePhotonsNames{"all", "indirect"};
+constexpr std::array<const char*, 3> kOrderNames{"pixel", "tile", "direction_bins"};
 constexpr std::array<const char*, 2> kPhotonMemoryNames{"block_ram", "sdram"};
 constexpr std::array<const char*, 2> kCacheRadiusNames{"photons", "probe"};
 constexpr uint64_t kSdramBytes = uint64_t{32} << 20;  // 256 Mbit
@@ -31,6 +32,7 @@ constexpr const auto& names_of(ReorderKey) { return kKeyNames; }
 constexpr const auto& names_of(ReorderDrain) { return kDrainNames; }
 constexpr const auto& names_of(TableCombine) { return kCombineNames; }
 constexpr const auto& names_of(TablePhotons) { return kTablePhotonsNames; }
+constexpr const auto& names_of(FrameOrder) { return kOrderNames; }
 constexpr const auto& names_of(PhotonMemory) { return kPhotonMemoryNames; }
 constexpr const auto& names_of(CacheRadius) { return kCacheRadiusNames; }
 
@@ -360,6 +362,10 @@ std::optional<PlanProblem> find_problem(const Plan& plan) {
                               "most {}",
                               plan.levels, plan.cell_power_bits(), plan.spread_power_bits(), room));
   }
+  if (plan.direction_bin_bits > plan.sample_direction_bits())
+    return fail("frame.direction_bin_bits",
+                fmt::format("is {}, but a sampled direction has {} bits a coordinate",
+                            plan.direction_bin_bits, plan.sample_direction_bits()));
   if (plan.u_bits < plan.total_bits() + 8)
     return fail("sampler.u_bits",
                 fmt::format("is {}, expected at least 8 bits more than the table's total, which "
@@ -451,7 +457,9 @@ bool may_be_left_out(const std::string& line) {
                                             "sampler.cosine_samples",
                                             "frame.first_rays",
                                             "frame.mean_rays",
-                                            "frame.table_photons"};
+                                            "frame.table_photons",
+                                            "frame.order",
+                                            "frame.direction_bin_bits"};
   return kLines.count(line) != 0;
 }
 

@@ -189,6 +189,11 @@ SampledCode sampled_code(const Sample& sample) {
           {sample.direction[0], sample.direction[1]}};
 }
 
+size_t direction_bin(const Plan& plan, OctCode code) {
+  const int shift = plan.sample_direction_bits() - plan.direction_bin_bits;
+  return (size_t{code.u >> shift} << plan.direction_bin_bits) | (code.v >> shift);
+}
+
 Vec3 sample_direction(const Plan& plan, const SampledCode& sampled, double du, double dv) {
   const double step = std::ldexp(2.0, -plan.sample_direction_bits());
   return oct_unfold((sampled.code.u + du) * step - 1, (sampled.code.v + dv) * step - 1);

@@ -75,6 +75,12 @@ struct SampledCode {
 };
 SampledCode sampled_code(const Sample& sample);
 
+// The bin of a sampled code: the top direction_bin_bits of both coordinates, the first on top.
+size_t direction_bin(const Plan& plan, OctCode code);
+inline size_t direction_bins(const Plan& plan) {
+  return size_t{1} << (2 * plan.direction_bin_bits);
+}
+
 // The direction of a sample, jittered uniformly inside the code's square by (du, dv) in [0, 1)^2;
 // not normalised (|x| + |y| + |z| = 1). (0.5, 0.5) is the code's centre.
 Vec3 sample_direction(const Plan& plan, const SampledCode& sampled, double du, double dv);

@@ -7,7 +7,6 @@
 #include "golden/numeric/bits.hpp"
 #include "golden/numeric/hilbert.hpp"
 #include "golden/plan/plan_file.hpp"
-#include "golden/unit/backend.hpp"
 
 namespace photonloom {
 
@@ -147,6 +146,10 @@ class GoldenReorderBuffer final : public ReorderBuffer {
 
 std::unique_ptr<ReorderBuffer> make_golden_reorder_buffer(const Plan& plan) {
   check_plan(plan);
+  return make_golden_reorder_pool(plan);
+}
+
+std::unique_ptr<ReorderBuffer> make_golden_reorder_pool(const Plan& plan) {
   if (plan.reorder_key == ReorderKey::kNone) return std::make_unique<PassThrough>();
   return std::make_unique<GoldenReorderBuffer>(plan);
 }

@@ -4,10 +4,14 @@
 
 #include <oneapi/tbb/global_control.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
+#include <map>
 
 #include "golden/pipeline/prepare.hpp"
+#include "golden/unit/cdf_sampler.hpp"
 #include "tests/catch.hpp"
 #include "tests/oracles/scenes.hpp"
 
@@ -109,7 +113,8 @@ TEST_CASE(
   CHECK(same_bytes(rendered(frame), one));
   for (const char* line :
        {"frame.batch_tiles=1", "frame.tile=5", "reorder.key=none", "reorder.key=hash",
-        "reorder.drain=fullest", "reorder.packets=1", "gatherer.contexts=1"}) {
+        "reorder.drain=fullest", "reorder.packets=1", "gatherer.contexts=1", "frame.order=pixel",
+        "frame.order=direction_bins", "frame.direction_bin_bits=1", "frame.batch_tiles=0"}) {
     INFO(line);
     set_plan_line(frame.plan, line);
     CHECK(same_bytes(rendered(frame), one));
@@ -227,6 +232,82 @@ TEST_CASE("every table and both passes are unbiased: 64 ray seeds against 64 tim
     // 16 blocks: 99.9 % lie below 39.
     CHECK(chi2 < 45);
   }
+}
+
+namespace {
+
+// Keeps what comes.
+class KeepingBuffer final : public ReorderBuffer {
+ public:
+  explicit KeepingBuffer(std::vector<GatherQuery>& kept) : kept_(kept) {}
+  void process(std::span<const GatherQuery> in, std::vector<GatherQuery>& out) override {
+    for (const GatherQuery& query : in)
+      if (!query.flush) kept_.push_back(query);
+    out.insert(out.end(), in.begin(), in.end());
+  }
+  Counters counters() const override { return {}; }
+
+ private:
+  std::vector<GatherQuery>& kept_;
+};
+
+// Keeps the bin of every direction that it samples, by pixel, sample and ray.
+class KeepingSampler final : public CdfSampler {
+ public:
+  using Bins = std::map<std::array<uint32_t, 3>, size_t>;
+  KeepingSampler(const Plan& plan, Bins& bins)
+      : golden_(make_golden_cdf_sampler(plan)), plan_(plan), bins_(bins) {}
+  void process(std::span<const SamplerInput> in, std::vector<Sample>& out) override {
+    const size_t first = out.size();
+    golden_->process(in, out);
+    for (size_t i = first; i < out.size(); ++i)
+      bins_[{out[i].pixel, out[i].sample, out[i].tag}] =
+          direction_bin(plan_, sampled_code(out[i]).code);
+  }
+  Counters counters() const override { return {}; }
+
+ private:
+  std::unique_ptr<CdfSampler> golden_;
+  const Plan& plan_;
+  Bins& bins_;
+};
+
+}  // namespace
+
+TEST_CASE("final gathers come in the order that the plan names") {
+  PreparedFrame frame = prepared(room(1, true), small_request());
+  Plan& plan = frame.plan;
+  plan.tile = 10;  // 24 x 24 pixels: tiles at the borders are smaller
+  for (const FrameOrder order : {FrameOrder::kPixel, FrameOrder::kTile, FrameOrder::kDirectionBins})
+    for (const int batch : {0, 2}) {
+      plan.order = order;
+      plan.batch_tiles = batch;
+      std::vector<GatherQuery> kept;
+      KeepingSampler::Bins bins;
+      FrameUnits units = make_golden_units(plan);
+      units.reorder_buffer = std::make_unique<KeepingBuffer>(kept);
+      units.cdf_sampler = std::make_unique<KeepingSampler>(plan, bins);
+      FrameCounts counts;
+      render_frame(frame.input(Arithmetic::kGolden), units, counts);
+      REQUIRE(kept.size() == counts.final_gathers);
+      // The key by which docs/reordering.md sorts: batch, tile, bin, place of the pixel, sample,
+      // ray.
+      const auto key = [&](const GatherQuery& q) {
+        const int x = static_cast<int>(q.pixel) % 24, y = static_cast<int>(q.pixel) / 24;
+        const int tile = y / 10 * 3 + x / 10;
+        const bool tiles = order != FrameOrder::kPixel;
+        return std::array<size_t, 6>{
+            batch ? static_cast<size_t>(tile / batch) : 0,
+            tiles ? static_cast<size_t>(tile) : 0,
+            order == FrameOrder::kDirectionBins ? bins.at({q.pixel, q.sample, q.tag}) : 0,
+            q.pixel,
+            q.sample,
+            q.tag};
+      };
+      INFO("order " << static_cast<int>(order) << ", batch " << batch);
+      CHECK(std::is_sorted(kept.begin(), kept.end(),
+                           [&](const auto& a, const auto& b) { return key(a) < key(b); }));
+    }
 }
 
 TEST_CASE("another seed gives another image, the same one the same") {

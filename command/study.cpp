@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: Apache-2.0
+// photonloom study NAME SCENE... -o DIR: shipped studies.
+#include "command/study.hpp"
+
+#include <fmt/core.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <limits>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "command/command.hpp"
+#include "command/console.hpp"
+#include "golden/numeric/output_file.hpp"
+#include "rtl/generate/data_files.hpp"
+#include "study/runner.hpp"
+
+namespace photonloom {
+namespace {
+
+struct ShippedStudy {
+  const char* name;  // of studies/NAME.toml too
+  const char* summary;
+  Conclusion (*conclude)(const StudyOutcome&);
+};
+constexpr ShippedStudy kStudies[] = {
+    {"reordering", "Bytes from the photon map in every order of the final gathers",
+     conclude_reordering},
+};
+
+struct StudyOptions {
+  std::vector<std::string> scenes;
+  std::string output, file, work = "build/cosim";
+  bool wait = false;
+  ThreadsOption threads;
+};
+
+// A scene's file: as given, or the shipped scene of that name.
+std::string scene_file(const std::string& name) {
+  if (std::filesystem::exists(name)) return name;
+  const std::string shipped = data_dir() + "/scenes/" + name + ".xml";
+  if (std::filesystem::exists(shipped)) return shipped;
+  throw UsageError(fmt::format("SCENE '{}': expected a file, or the name of one in {}/scenes", name,
+                               data_dir()));
+}
+
+void run_study(const ShippedStudy& study, const StudyOptions& o) {
+  const std::unique_ptr<Progress> progress = make_progress_or_log();
+  SweepRequest request;
+  request.study_file =
+      o.file.empty() ? fmt::format("{}/studies/{}.toml", data_dir(), study.name) : o.file;
+  request.folder = o.output;
+  for (const std::string& scene : o.scenes) request.scenes.push_back(scene_file(scene));
+  request.wait = o.wait;
+  request.workers = o.threads.threads();
+  request.work_dir = o.work;
+  request.progress = progress.get();
+  request.say = [](const std::string& sentence) {
+    fmt::print(stderr, "photonloom: {}\n", sentence);
+  };
+  const SweepReport r = run_sweep(request);
+  fmt::print("{} results computed, {} there before\n", r.computed, r.kept);
+  Conclusion conclusion = study.conclude(read_outcome(o.output));
+  for (const Goal& goal : conclusion.goals) {
+    const std::string line = fmt::format("{}: {:.4g}, goal {} {:.4g}{}", goal.text, goal.reached,
+                                         goal.at_least ? "at least" : "at most", goal.wanted,
+                                         goal.holds() ? "" : ": MISSED");
+    fmt::print("{}\n", line);
+    conclusion.page += "- " + line + "\n";
+  }
+  write_file(fmt::format("{}/{}.md", o.output, study.name), conclusion.page);
+  fmt::print("wrote {0}/results.csv, {0}/summary.json, {0}/{1}.md and plots\n", o.output,
+             study.name);
+  if (!r.failures.empty())
+    throw CheckFailed(fmt::format("{} of scenes and points failed; what they said stands above",
+                                  r.failures.size()));
+}
+
+void add_study(CLI::App& app) {
+  CLI::App* all = app.add_subcommand("study", "Shipped studies, measured and concluded");
+  all->require_subcommand(1);
+  all->footer(
+      "A study (docs/studies.md) is a sweep of a shipped study file, with tables, plots and "
+      "goals.\n"
+      "Stopped at any moment it goes on with the same command.\n\n"
+      "Examples:\n"
+      "  photonloom study reordering atrium cornell_balls -o build/studies/reordering");
+  for (const ShippedStudy& study : kStudies) {
+    auto o = std::make_shared<StudyOptions>();
+    CLI::App* c = all->add_subcommand(study.name, study.summary);
+    c->add_option("SCENE", o->scenes,
+                  "Scene files or names of shipped scenes (default: the study's)");
+    c->add_option("-o,--output", o->output, "The study's folder, new or to go on with")
+        ->required()
+        ->type_name("DIR");
+    c->add_option("--study", o->file, "A study file instead of the shipped one")
+        ->type_name("STUDY.toml");
+    c->add_flag("--wait", o->wait, "Wait for another study on the folder instead of refusing");
+    c->add_option("--work", o->work, "Folder of Verilated models (default build/cosim)")
+        ->type_name("DIR");
+    o->threads.add_to(*c);
+    c->callback([o, &study] { run_study(study, *o); });
+  }
+}
+
+const Command registered(46, add_study);
+
+}  // namespace
+
+std::string StudyRow::line(const std::string& name, const std::string& otherwise) const {
+  const auto found = lines.find(name);
+  return found == lines.end() ? otherwise : found->second;
+}
+
+double StudyRow::value(const std::string& name) const {
+  const auto found = values.find(name);
+  return found == values.end() ? std::numeric_limits<double>::quiet_NaN() : found->second;
+}
+
+StudyOutcome read_outcome(const std::string& folder) {
+  const nlohmann::json summary = nlohmann::json::parse(read_file(folder + "/summary.json"));
+  StudyOutcome outcome;
+  outcome.folder = folder;
+  for (const auto& scene : summary.at("scenes"))
+    outcome.scenes.push_back(scene.at("scene").get<std::string>());
+  for (const auto& point : summary.at("points")) {
+    if (point.at("state") != "done") continue;
+    StudyRow row;
+    row.scene = point.at("scene").get<std::string>();
+    for (const auto& [line, value] : point.at("lines").items())
+      row.lines[line] = value.get<std::string>();
+    for (const auto& [name, value] : point.at("values").items())
+      row.values[name] = value.at("mean").is_null() ? std::numeric_limits<double>::quiet_NaN()
+                                                    : value.at("mean").get<double>();
+    outcome.rows.push_back(std::move(row));
+  }
+  return outcome;
+}
+
+void write_plot(const std::string& folder, const std::string& name, const std::string& commands,
+                int width, int height) {
+  const std::string file = fmt::format("{}/{}.gp", folder, name);
+  write_file(file, commands);
+  for (const char* kind : {"svg", "png"}) {
+    const std::string terminal =
+        fmt::format("set terminal {} size {},{} background \\\"white\\\"", kind, width, height);
+    const std::string command = fmt::format(
+        "cd '{0}' && gnuplot -e \"{1}; set output '{2}.{3}'\" "
+        "'{2}.gp'",
+        folder, terminal, name, kind);
+    if (std::system(command.c_str()) != 0) {
+      fmt::print(stderr,
+                 "photonloom: {}: gnuplot did not draw it (Debian package gnuplot-nox); the tables "
+                 "are whole\n",
+                 file);
+      return;
+    }
+  }
+}
+
+}  // namespace photonloom

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+// Shipped studies: photonloom study NAME runs studies/NAME.toml and says what its figures mean. A
+// further study is a file there, a conclusion here, and a row of the list in study.cpp.
+#pragma once
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace photonloom {
+
+// A point with figures, as summary.json has it.
+struct StudyRow {
+  std::string scene;
+  std::map<std::string, std::string> lines;  // set in this point, beyond the study's base
+  std::map<std::string, double> values;      // "measure.column": the mean; NaN where there is none
+
+  // The line's value, or what it is without.
+  std::string line(const std::string& name, const std::string& otherwise = "") const;
+  double value(const std::string& name) const;
+};
+
+struct StudyOutcome {
+  std::string folder;
+  std::vector<std::string> scenes;
+  std::vector<StudyRow> rows;
+};
+StudyOutcome read_outcome(const std::string& folder);
+
+// What a study set out to reach; printed with what was reached, and MISSED where it was not.
+struct Goal {
+  std::string text;  // "atrium, at most 1 MB of buffer: gain"
+  double wanted = 0, reached = 0;
+  bool at_least = true;
+  bool holds() const { return at_least ? reached >= wanted : reached <= wanted; }
+};
+
+// What a study's figures say: tables as Markdown, and the goals of the scenes that are there.
+struct Conclusion {
+  std::string page;
+  std::vector<Goal> goals;
+};
+// Writes plots into the folder.
+Conclusion conclude_reordering(const StudyOutcome& outcome);
+
+// FOLDER/NAME.svg and FOLDER/NAME.png from gnuplot commands, which stay beside them as NAME.gp.
+// Says so where gnuplot is missing, and leaves the commands.
+void write_plot(const std::string& folder, const std::string& name, const std::string& commands,
+                int width, int height);
+
+}  // namespace photonloom

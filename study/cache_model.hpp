@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the gatherer's leaf cache fetches for a stream of gathers: the cache of rtl/common/cache.sv,
+// without time. docs/reordering.md defines it.
+#pragma once
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "golden/plan/plan.hpp"
+
+namespace photonloom {
+
+// Lines that queries read, query by query, in the order in which each reads them.
+class LineVisits {
+ public:
+  size_t queries() const { return begin_.size() - 1; }
+  size_t total() const { return lines_.size(); }
+  std::span<const uint32_t> of(size_t query) const {
+    return std::span(lines_).subspan(begin_[query], begin_[query + 1] - begin_[query]);
+  }
+  void add_query(std::span<const uint32_t> lines) {
+    lines_.insert(lines_.end(), lines.begin(), lines.end());
+    begin_.push_back(lines_.size());
+  }
+
+ private:
+  std::vector<size_t> begin_{0};
+  std::vector<uint32_t> lines_;
+};
+
+struct CacheShape {
+  uint32_t sets = 1;  // in the RTL a power of two
+  uint32_t ways = 1;
+};
+CacheShape leaf_cache_shape(const Plan& plan);
+// As many bytes in lines of another size: sets need no power of two.
+CacheShape cache_shape(const Plan& plan, int line_bytes);
+
+// A set-associative cache of lines. A line's set is its number modulo the sets. The victim of
+// a miss is the next way in turn; one turn serves all sets.
+class CacheModel {
+ public:
+  explicit CacheModel(const CacheShape& shape);
+  // Whether the line was there; it is afterwards.
+  bool read(uint32_t line);
+
+ private:
+  uint32_t sets_, ways_, turn_ = 0;
+  std::vector<uint32_t> tags_;  // set by set; ~0: nothing
+};
+
+// Lines fetched, from an empty cache, when the queries of `order` (numbers of queries in `visits`)
+// are served and `contexts` of them at a time take turns, a line each. Exactly those of the RTL
+// with one context.
+uint64_t lines_fetched(const CacheShape& shape, const LineVisits& visits,
+                       std::span<const uint32_t> order, int contexts);
+
+}  // namespace photonloom
