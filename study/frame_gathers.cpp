@@ -48,6 +48,8 @@ Plan asked_by(const Plan& plan) {
   p.cache_ways = 1;
   p.cache_bytes = p.line_bytes();
   p.order = FrameOrder::kTile;
+  p.tile = usual.tile;
+  p.batch_tiles = usual.batch_tiles;
   p.direction_bin_bits = usual.direction_bin_bits;
   return p;
 }
@@ -93,14 +95,18 @@ std::shared_ptr<const FrameGathers> frame_gathers(PointRun& run) {
 
 std::shared_ptr<const std::vector<uint32_t>> frame_order(PointRun& run) {
   const std::shared_ptr<const FrameGathers> gathers = frame_gathers(run);
-  Plan plan = asked_by(run.plan());
+  const Plan usual = asked_by(run.plan());
+  Plan plan = usual;
   plan.order = run.plan().order;
+  plan.batch_tiles = run.plan().batch_tiles;
+  // Whole frames in pixel order have no tiles, orders without bins no bins.
+  if (plan.order != FrameOrder::kPixel || plan.batch_tiles != 0) plan.tile = run.plan().tile;
   if (plan.order == FrameOrder::kDirectionBins)
     plan.direction_bin_bits = run.plan().direction_bin_bits;
   return run.scene().shared<std::vector<uint32_t>>(key_of(run, "frame order", plan), [&] {
     std::vector<uint32_t> order(gathers->queries.size());
     std::iota(order.begin(), order.end(), 0u);
-    if (plan.order == FrameOrder::kTile) return order;
+    if (plan_hash(plan) == plan_hash(usual)) return order;
     std::unordered_map<uint64_t, uint32_t> numbers;
     for (const uint32_t i : order) numbers.emplace(name_of(plan, gathers->queries[i]), i);
     const std::vector<GatherQuery> made = made_by(run, plan);

@@ -20,9 +20,10 @@ uint64_t shared_lines(PointRun& run, const std::string& name, const Plan& order_
   const CacheShape shape = leaf_cache_shape(plan);
   const std::shared_ptr<const FrameGathers> gathers = frame_gathers(run);
   const std::string key = fmt::format(
-      "lines fetched {} order {} {} of {} queries {} sets {} ways {} contexts seed {}", name,
-      static_cast<int>(order_plan.order), order_plan.direction_bin_bits,
-      static_cast<const void*>(gathers.get()), shape.sets, shape.ways, plan.contexts, run.seed());
+      "lines fetched {} order {} {} tile {} {} of {} queries {} sets {} ways {} contexts seed {}",
+      name, static_cast<int>(order_plan.order), order_plan.direction_bin_bits, order_plan.tile,
+      order_plan.batch_tiles, static_cast<const void*>(gathers.get()), shape.sets, shape.ways,
+      plan.contexts, run.seed());
   return *run.scene().shared<uint64_t>(
       key, [&] { return lines_fetched(shape, gathers->visits, make(*gathers), plan.contexts); });
 }
@@ -58,6 +59,7 @@ Measurement measure_traffic(PointRun& run) {
   Plan pixel = plan, tile = plan;
   pixel.order = FrameOrder::kPixel;
   tile.order = FrameOrder::kTile;
+  tile.tile = Plan{}.tile;
   const auto made_as = [&](const Plan& p) {
     PointRun other(run.scene(), run.study(), p, run.seed(), run.work_dir());
     return frame_order(other);
