@@ -28,6 +28,8 @@ struct ShippedStudy {
 constexpr ShippedStudy kStudies[] = {
     {"reordering", "Bytes from the photon map in every order of the final gathers",
      conclude_reordering},
+    {"layouts", "Bytes from the photon map in other layouts, compressed lines among them",
+     conclude_layouts},
 };
 
 struct StudyOptions {

@@ -42,6 +42,7 @@ struct Conclusion {
 };
 // Writes plots into the folder.
 Conclusion conclude_reordering(const StudyOutcome& outcome);
+Conclusion conclude_layouts(const StudyOutcome& outcome);
 
 // FOLDER/NAME.svg and FOLDER/NAME.png from gnuplot commands, which stay beside them as NAME.gp.
 // Says so where gnuplot is missing, and leaves the commands.

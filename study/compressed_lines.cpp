@@ -27,8 +27,10 @@ Box box_of(std::span<const PackedPhoton> line) {
     most = std::max(most, p.power.exponent);
   }
   Box box{low, least, {}};
-  for (size_t c = 0; c < 3; ++c)
-    box.needed.position[c] = static_cast<uint8_t>(std::bit_width(high[c] - low[c]));
+  for (size_t c = 0; c < 3; ++c) {
+    box.corner[c] = low[c] >> kCornerStep << kCornerStep;
+    box.needed.position[c] = static_cast<uint8_t>(std::bit_width(high[c] - box.corner[c]));
+  }
   box.needed.exponent = static_cast<uint8_t>(std::bit_width(most - least));
   return box;
 }
@@ -37,6 +39,8 @@ bool fits(const LineLayout& needed, const LineLayout& layout) {
   return needed.position[0] <= layout.position[0] && needed.position[1] <= layout.position[1] &&
          needed.position[2] <= layout.position[2] && needed.exponent <= layout.exponent;
 }
+
+int corner_bits(const Plan& plan) { return std::max(0, plan.position_bits - kCornerStep); }
 
 // Fields one after the other, little endian.
 class Writer {
@@ -71,7 +75,7 @@ class Reader {
 }  // namespace
 
 int offset_bits(const Plan& plan, int line_bytes) {
-  const int header = kLayoutBits + 3 * plan.position_bits + plan.exponent_bits;
+  const int header = kLayoutBits + 3 * corner_bits(plan) + plan.exponent_bits;
   const int fixed = 2 * plan.direction_bits + plan.channels * plan.mantissa_bits;
   return (8 * line_bytes - header) / plan.bucket - fixed;
 }
@@ -129,7 +133,7 @@ std::vector<uint8_t> encode_line(const Plan& plan, const LineFormat& format,
   out.put(chosen.value_or(kLineLayouts), kLayoutBits);
   if (chosen) {
     layout = format.layouts[*chosen];
-    for (const uint32_t x : box.corner) out.put(x, plan.position_bits);
+    for (const uint32_t x : box.corner) out.put(x >> kCornerStep, corner_bits(plan));
     out.put(box.exponent, plan.exponent_bits);
   }
   for (const PackedPhoton& p : line) {
@@ -154,7 +158,7 @@ std::vector<PackedPhoton> decode_line(const Plan& plan, const LineFormat& format
       static_cast<uint8_t>(plan.exponent_bits)};
   if (chosen < kLineLayouts) {
     layout = format.layouts[chosen];
-    for (uint32_t& x : box.corner) x = in.get(plan.position_bits);
+    for (uint32_t& x : box.corner) x = in.get(corner_bits(plan)) << kCornerStep;
     box.exponent = in.get(plan.exponent_bits);
   }
   std::vector<PackedPhoton> line(static_cast<size_t>(plan.bucket));

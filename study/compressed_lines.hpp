@@ -24,8 +24,11 @@ struct LineFormat {
   int line_bytes = 80;
   std::vector<LineLayout> layouts;  // at most kLineLayouts
 };
-inline constexpr int kLayoutBits = 3;
+inline constexpr int kLayoutBits = 4;
 inline constexpr size_t kLineLayouts = (1 << kLayoutBits) - 1;  // the last code says: overflow
+
+// The corner is a multiple of 2^kCornerStep position units.
+inline constexpr int kCornerStep = 6;
 
 // Bits that a photon's offsets may take together in a line of so many bytes; negative: none.
 int offset_bits(const Plan& plan, int line_bytes);

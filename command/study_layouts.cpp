@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+// What `photonloom study layouts` says: bytes a gather in each layout of the photon map.
+#include <fmt/core.h>
+
+#include <string>
+
+#include "command/study.hpp"
+
+namespace photonloom {
+
+Conclusion conclude_layouts(const StudyOutcome& outcome) {
+  struct Layout {
+    const char *column, *name;
+  };
+  constexpr Layout kLayouts[] = {{"textbook", "textbook tree, a photon a node"},
+                                 {"grid", "hash grid"},
+                                 {"padded", "lines of 8, 16 bytes a photon"},
+                                 {"plain16", "lines of 16, no padding"},
+                                 {"plain", "lines of 8, no padding"},
+                                 {"compressed", "compressed lines of 8 in 80 bytes"}};
+  Conclusion conclusion;
+  for (const std::string& scene : outcome.scenes) {
+    std::vector<const StudyRow*> rows;
+    for (const StudyRow& row : outcome.rows)
+      if (row.scene == scene && !row.line("gather.k").empty()) rows.push_back(&row);
+    if (rows.empty()) continue;
+    std::string head = "| bytes a gather (of plain lines of 8) |", rule = "|---|";
+    for (const StudyRow* row : rows) {
+      head += fmt::format(" k = {} |", row->line("gather.k"));
+      rule += "---|";
+    }
+    conclusion.page += fmt::format("### {}\n\n{}\n{}\n", scene, head, rule);
+    std::string blocks, plots;
+    for (const Layout& layout : kLayouts) {
+      conclusion.page += fmt::format("| {} |", layout.name);
+      blocks += fmt::format("${} << EOD\n", layout.column);
+      for (const StudyRow* row : rows) {
+        const double bytes = row->value(std::string("layouts.") + layout.column);
+        conclusion.page +=
+            fmt::format(" {:.1f} ({:.3f}) |", bytes, bytes / row->value("layouts.plain"));
+        blocks += fmt::format("{} {}\n", row->line("gather.k"), bytes);
+      }
+      conclusion.page += "\n";
+      blocks += "EOD\n";
+      plots += fmt::format("{}${} using 1:2 with linespoints title \"{}\" noenhanced",
+                           plots.empty() ? "plot " : ", ", layout.column, layout.name);
+    }
+    conclusion.page += "| compressed lines that take two |";
+    for (const StudyRow* row : rows)
+      conclusion.page += fmt::format(" {:.1f} % |", 100 * row->value("layouts.overflow"));
+    conclusion.page += "\n\n";
+    write_plot(outcome.folder, "layouts_" + scene,
+               fmt::format("set logscale xy 2\nset grid\nset key outside right top\n"
+                           "set xlabel \"k\"\nset ylabel \"bytes a gather\"\n"
+                           "set format y \"%g\"\nset format x \"%g\"\n"
+                           "set title \"{}: layouts of the photon map\" noenhanced\n{}{}\n",
+                           scene, blocks, plots),
+               900, 420);
+    for (const StudyRow* row : rows) {
+      const std::string what = fmt::format("{}, k = {}: ", scene, row->line("gather.k"));
+      conclusion.goals.push_back({what + "compressed over plain lines without padding", 0.85,
+                                  row->value("layouts.to_plain"), false});
+      conclusion.goals.push_back({what + "compressed over the textbook tree", 0.6,
+                                  row->value("layouts.to_textbook"), false});
+      conclusion.goals.push_back(
+          {what + "gathers that found other photons", 0, row->value("layouts.different"), false});
+    }
+  }
+  return conclusion;
+}
+
+}  // namespace photonloom
