@@ -18,7 +18,7 @@ TEST_CASE("bytes at the RTL's port are the model's") {
   request.gather_rays = 8;
   request.photons = 8000;
   request.caustic_photons = 2000;
-  request.k = 16;
+  request.k = 8;
   PreparedFrame frame = prepare_frame(request, Arithmetic::kGolden, nullptr);
   Plan& plan = frame.plan;
   struct Order {
@@ -51,7 +51,7 @@ TEST_CASE("bytes at the RTL's port are the model's") {
         plan.cache_ways = cache.ways;
         plan.cache_bytes = cache.sets * cache.ways * plan.line_bytes();
         plan.contexts = contexts;
-        plan.lanes = 4;
+        plan.lanes = 1;
         const GatherCost model =
             gather_cost_model(plan, frame.global, frame.caustic, window.kept(), 20);
         const GatherCost rtl =
