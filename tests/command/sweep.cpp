@@ -301,3 +301,38 @@ TEST_CASE("the command beside a point writes its plan") {
   REQUIRE(o.status == 0);
   CHECK(o.out.find("(hash " + text_after("plan") + ")") != std::string::npos);
 }
+
+TEST_CASE("a shipped study's conclusion: tables from the stored results, goals, plots") {
+  const Scratch s;
+  write_file(
+      s / "study.toml",
+      "[study]\nname = \"small\"\nscenes = [" + cornell() +
+          "]\nseeds = [1]\nsize = \"16x16\"\nmeasure = [\"traffic\", \"layouts\"]\n"
+          "[base]\nphotons = 4000\ncaustic_photons = 100\nframe.spp = 1\n"
+          "frame.gather_rays = 4\ngather.k = 8\ngatherer.contexts = 1\n"
+          "reorder.cell_bits = 3\nreorder.bins = 512\n"
+          "[[points]]\nstrategy = \"grid\"\n"
+          "lines = { reorder.key = \"none\", frame.order = [\"pixel\", \"direction_bins\"], "
+          "gatherer.cache_bytes = [4096, 131072] }\n"
+          "[[points]]\nstrategy = \"grid\"\n"
+          "lines = { reorder.key = \"hilbert\", frame.order = \"tile\", reorder.packets = 128, "
+          "gatherer.cache_bytes = [4096, 131072] }\n");
+  const std::string command =
+      "study reordering cornell --study '" + s / "study.toml" + "' -o '" + s / "out" + "'";
+  const auto first = run(command);
+  INFO(first.err);
+  REQUIRE(first.status == 0);
+  const std::string page = read_file(s / "out/reordering.md"),
+                    summary = read_file(s / "out/summary.json");
+  CHECK(page.find("| pixel (naive) | 1.00×") != std::string::npos);
+  CHECK(page.find("| tile, Hilbert bins, sweep |") != std::string::npos);
+  CHECK(std::filesystem::exists(s / "out/reordering_cornell.gp"));
+  // Goes on, and says the same.
+  const auto again = run(command);
+  REQUIRE(again.status == 0);
+  CHECK(again.out.find("0 results computed") != std::string::npos);
+  CHECK(read_file(s / "out/reordering.md") == page);
+  CHECK(read_file(s / "out/summary.json") == summary);
+  CHECK(run("study reordering no_such_scene -o '" + s / "other" + "'").status == 2);
+  CHECK(run("study no_such_study -o '" + s / "other" + "'").status == 2);
+}
