@@ -48,8 +48,11 @@ Plan asked_by(const Plan& plan) {
   p.cache_ways = 1;
   p.cache_bytes = p.line_bytes();
   p.order = FrameOrder::kTile;
-  p.tile = usual.tile;
-  p.batch_tiles = usual.batch_tiles;
+  // Tiles decide what the irradiance cache shares.
+  if (!p.cache_present) {
+    p.tile = usual.tile;
+    p.batch_tiles = usual.batch_tiles;
+  }
   p.direction_bin_bits = usual.direction_bin_bits;
   return p;
 }
@@ -100,7 +103,8 @@ std::shared_ptr<const std::vector<uint32_t>> frame_order(PointRun& run) {
   plan.order = run.plan().order;
   plan.batch_tiles = run.plan().batch_tiles;
   // Whole frames in pixel order have no tiles, orders without bins no bins.
-  if (plan.order != FrameOrder::kPixel || plan.batch_tiles != 0) plan.tile = run.plan().tile;
+  if (plan.order != FrameOrder::kPixel || plan.batch_tiles != 0 || plan.cache_present)
+    plan.tile = run.plan().tile;
   if (plan.order == FrameOrder::kDirectionBins)
     plan.direction_bin_bits = run.plan().direction_bin_bits;
   return run.scene().shared<std::vector<uint32_t>>(key_of(run, "frame order", plan), [&] {
