@@ -64,8 +64,7 @@ std::vector<Column> layout_columns() {
 Measurement measure_layouts(PointRun& run) {
   Measurement m;
   const Plan& plan = run.plan();
-  if (!plan.global.present || plan.gather_rays == 0 || plan.first_rays > 0 ||
-      plan.bucket != 8) {
+  if (!plan.global.present || plan.gather_rays == 0 || plan.first_rays > 0 || plan.bucket != 8) {
     m.values.assign(layout_columns().size(), kNone);
     return m;
   }

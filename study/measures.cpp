@@ -497,15 +497,9 @@ const std::vector<Measure>& measures() {
         {"mhz", "MHz", "Fmax of one placement"}},
        measure_routed,
        no_settings},
-      {"traffic",
-       "bytes from the photon map in the plan's order and in others",
-       traffic_columns(),
-       measure_traffic,
-       traffic_settings},
-      {"layouts",
-       "bytes from the photon map in other layouts",
-       layout_columns(),
-       measure_layouts,
+      {"traffic", "bytes from the photon map in the plan's order and in others", traffic_columns(),
+       measure_traffic, traffic_settings},
+      {"layouts", "bytes from the photon map in other layouts", layout_columns(), measure_layouts,
        layout_settings}};
   return all;
 }
