@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "command/console.hpp"
@@ -221,6 +222,13 @@ void PlanForError::run(const FrameRequest& request, const std::string& output, b
     std::tie(r.measured_width, r.measured_height) = parse_size(measured_size_);
   r.asked = asked_lines(request);
   r.flip = metric_ == "flip";
+  if (r.flip) {
+    if (!measured_size_.empty())
+      throw UsageError(
+          "--measure-size: HDR-FLIP looks at a pixel's neighbours, so --metric flip measures all "
+          "pixels of the frame; expected a smaller --size instead");
+    r.measured_width = r.measured_height = std::numeric_limits<int>::max();
+  }
   r.objective = minimise_ == "cycles" ? PlanObjective::kCycles
                 : minimise_ == "luts" ? PlanObjective::kLuts
                                       : PlanObjective::kBytes;

@@ -127,6 +127,8 @@ TEST_CASE("plan --error: wrong command lines name the option and what was expect
       {"--metric flip" + end, "--metric: goes with --error", 2},
       {"--board ulx3s-85f" + end, "--board: goes with --error", 2},
       {"--advise" + end, "--advise: goes with --error", 2},
+      {"--error 0.1 --metric flip" + end, "--measure-size: HDR-FLIP looks at a pixel's neighbours",
+       2},
       {"--error 0.1 --metric ssim" + end, "--metric", 2},
       {"--error 0.1 --minimise money" + end, "--minimise", 2},
       {"--error 0.1 --format-error 0.1" + end, "--format-error", 2},
