@@ -396,6 +396,8 @@ PlannedFrame make_plan(const World& world, const PlanRequest& request, const Pho
   // The frame.
   why["frame.first_rays"] = why["frame.mean_rays"] = "one pass, the same number of rays everywhere";
   why["frame.table_photons"] = "tables of all photons around a point";
+  why["frame.order"] = "the reorder buffer brings neighbours together; the frame need not";
+  why["frame.direction_bin_bits"] = "used where frame.order is direction_bins";
   why["frame.tile"] = "rays of a tile are made together";
   const uint64_t tile_samples = static_cast<uint64_t>(plan.tile) *
                                 static_cast<uint64_t>(plan.tile) * static_cast<uint64_t>(plan.spp);
