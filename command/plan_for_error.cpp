@@ -21,9 +21,9 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 // What goes with --error or --explain alone.
-constexpr const char* kSearchOptions[] = {"--metric", "--board",        "--minimise",     "--work",
-                                          "--advise", "--check",        "--measure-size", "--seeds",
-                                          "--points", "--reference-spp"};
+constexpr const char* kSearchOptions[] = {
+    "--advise", "--metric",       "--board", "--minimise", "--check",
+    "--work",   "--measure-size", "--seeds", "--points",   "--reference-spp"};
 
 // The lines that the user fixed, as a study's [base].
 LineValues asked_lines(const FrameRequest& r) {

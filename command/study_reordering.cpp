@@ -32,7 +32,7 @@ std::string order_name(const StudyRow& row) {
     name += fmt::format(" of {0} × {0}", tile);
   if (key == "none") return name == "pixel" ? "pixel (naive)" : name;
   return fmt::format("{}, {} {}", name, key == "hash" ? "hashed," : "Hilbert bins,",
-                     row.line("reorder.drain"));
+                     row.line("reorder.drain", "sweep"));
 }
 
 std::vector<Cell> cells_of(const StudyOutcome& outcome) {

@@ -93,6 +93,7 @@ PacketWatch::~PacketWatch() = default;
 
 FrameUnits PacketWatch::wrap(FrameUnits units) {
   for_each_unit([&](auto unit) {
+    if (!unit_info<typename decltype(unit)::type>.lacks(plan_).empty()) return;
     auto& inner = units.of(unit);
     const auto* kind = inner.get();
     inner = tapped<WatchedStream>(std::move(inner), kind, [&](auto packet, const char* name) {

@@ -371,7 +371,7 @@ std::optional<PlanProblem> find_problem(const Plan& plan) {
                 fmt::format("is {}, expected at least 8 bits more than the table's total, which "
                             "has {}",
                             plan.u_bits, plan.total_bits()));
-  if (plan.cache_angle_bits > 2 * plan.normal_bits + 2)
+  if (plan.cache_present && plan.cache_angle_bits > 2 * plan.normal_bits + 2)
     return fail("cache.angle_bits",
                 fmt::format("is {}, but squared distances of normals with {} bits a coordinate "
                             "end below 2^{}",

@@ -62,9 +62,7 @@ TEST_CASE("plan --error: the plan keeps the error in a run with another seed, an
   REQUIRE(run("render" + box() + "--integrator path --size 16x16 --spp 1024 --seed 5 -o '" + truth +
               "'")
               .status == 0);
-  const double seen = relmse(frame, truth), checked = j["check"]["error"].get<double>();
-  CHECK(seen > 0.5 * checked);
-  CHECK(seen < 2 * checked);
+  CHECK(relmse(frame, truth) <= limit);
 
   // What was measured is there: the same answer without rendering a frame again.
   const auto again = run("plan" + box() + small(s) + "--error 1.6x -o -");
@@ -87,7 +85,7 @@ TEST_CASE("plan --error: what cannot be met is said, with the best found and wha
   INFO(o.err);
   CHECK(o.status == 1);
   for (const char* part : {"no plan of cornell", "1e-05", "the best found has 0.", " ± ",
-                           "what binds is samples of pixel and hemisphere", "--gather-rays"})
+                           "what binds is samples of pixel and hemisphere", "--spp"})
     CHECK(o.err.find(part) != std::string::npos);
   CHECK(!std::filesystem::exists(s / "plan.toml"));
 }

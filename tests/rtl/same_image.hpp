@@ -147,9 +147,13 @@ class LawFrame {
     units.reorder_buffer = compare_units(plan, context, *golden.reorder_buffer, *reorder);
     units.cdf_sampler = compare_units(plan, context, *golden.cdf_sampler, *sampler);
     FrameInput input = frame_.input(Arithmetic::kGolden);
-    const FrameInput with_plan{input.world,  input.caster,  plan,
-                               input.global, input.caustic, nullptr,
-                               nullptr,      input.seed,    Arithmetic::kGolden};
+    const FrameInput with_plan{.world = input.world,
+                               .caster = input.caster,
+                               .plan = plan,
+                               .global = input.global,
+                               .caustic = input.caustic,
+                               .seed = input.seed,
+                               .arithmetic = Arithmetic::kGolden};
     FrameCounts counts;
     const Image image = render_frame(with_plan, units, counts);
     CHECK(counts.unmatched == 0);

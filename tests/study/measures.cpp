@@ -146,7 +146,8 @@ TEST_CASE("the error's model learns which lines cost error, and knows how well")
   };
   std::vector<ErrorSample> samples;
   for (const Plan& p : {base, made(8, 65536, 16), made(50, 8192, 16), made(8, 8192, 16),
-                        made(50, 65536, 10), made(16, 16384, 12)})
+                        made(50, 65536, 10), made(16, 16384, 12), made(24, 8192, 16),
+                        made(50, 12000, 16), made(24, 65536, 10), made(16, 65536, 11)})
     samples.push_back(sample(p));
   const ErrorModel model(samples);
   // Of what it has seen and of what lies between.

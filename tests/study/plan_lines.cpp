@@ -184,7 +184,8 @@ class Scenes {
     if (!scene) {
       const std::string file = name == "room"
                                    ? folder_.write("room.xml", kRoom)
-                                   : environment("PHOTONLOOM_SOURCE") + "/scenes/cornell_balls.xml";
+                                   : environment("PHOTONLOOM_SOURCE") + "/scenes/" +
+                                         (name.empty() ? "cornell_balls" : name) + ".xml";
       scene = std::make_unique<StudyScene>(file, small_study(file));
     }
     return *scene;

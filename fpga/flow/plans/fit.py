@@ -101,6 +101,8 @@ def fit(measurements: Sequence[Measurement]) -> Fits:
     result: Fits = {}
     for unit in UNITS:
         of_unit = [m for m in measurements if m["unit"] == unit]
+        if not of_unit:
+            continue
         plans = [m["plan"] for m in of_unit]
         terms = {plan: said[plan]["resource_terms"][unit] for plan in plans}
         twins = twins_of(plans, terms)
