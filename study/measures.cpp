@@ -196,14 +196,14 @@ Measurement image_errors(const Planes& a, const Planes& b1, const Planes& b2, co
 // this seed gives way to what it is in the mean. Their squared distance from their own mean is
 // taken off and its expectation added. A few pixels that see a lamp in a mirror would else hide
 // what plans differ in.
-double walk_correction(PointRun& run, size_t p) {
+double walk_correction(PointRun& run, const WalkNoise& noise, size_t p) {
   const SceneReferences& r = run.scene().references();
   const Planes& walks = run.walks();
   double sum = 0;
   for (size_t c = 0; c < 3; ++c) {
-    const double d = walks.c[c][p] - r.walks.c[c][p], b = r.mean.c[c][p];
+    const double d = walks.c[c][p] - noise.mean.c[c][p], b = r.mean.c[c][p];
     // The mean that d is measured from has noise of its own.
-    const double expected = r.walk_variance.c[c][p] * (1.0 / run.plan().spp + 1 / r.walk_samples);
+    const double expected = noise.variance.c[c][p] * (1 + 1 / noise.frames);
     sum += (expected - d * d) / (b * b + 0.01);
   }
   return sum / (3.0 * static_cast<double>(walks.c[0].size()));
@@ -212,9 +212,10 @@ double walk_correction(PointRun& run, size_t p) {
 Measurement measure_visible(PointRun& run) {
   const SceneReferences& r = run.scene().references();
   Measurement m = image_errors(run.golden(), r.b1, r.b2, r.mean);
+  const auto walks = run.scene().walk_noise(run.plan().spp);
   Blocks& relmse = m.blocks["relmse"];
   for (size_t p = 0; p < r.mean.c[0].size(); ++p)
-    relmse[block_of(r.mean, p)] += walk_correction(run, p);
+    relmse[block_of(r.mean, p)] += walk_correction(run, *walks, p);
   m.values[0] = total(relmse);
   return m;
 }
@@ -256,13 +257,14 @@ Measurement measure_lot(PointRun& run) {
   const Planes& a = run.golden();
   if (run.study().frame_width == 0) return {{reference_error(a, r), 0.0}, {}};
   const size_t pixels = a.c[0].size();
+  const auto walks = run.scene().walk_noise(run.plan().spp);
   std::vector<double> relmse(pixels, 0.0);
   for (size_t p = 0; p < pixels; ++p) {
     for (size_t c = 0; c < 3; ++c) {
       const double v = a.c[c][p], b = r.mean.c[c][p];
       relmse[p] += (v - r.b1.c[c][p]) * (v - r.b2.c[c][p]) / (b * b + 0.01) / 3;
     }
-    relmse[p] += static_cast<double>(pixels) * walk_correction(run, p);
+    relmse[p] += static_cast<double>(pixels) * walk_correction(run, *walks, p);
   }
   // What the references' noise adds to how pixels differ is in it.
   return {{lot_error(relmse, a.width, a.height), lot_error(hdr_flip(a, r.mean), a.width, a.height)},
