@@ -29,7 +29,7 @@ def refute(tools: Tools, folder: Path, proved: Property, sources: list[Path], wo
     """The same where a run that breaks it is looked for, the shortest first."""
     if proved.method == "path":
         return _path(tools, folder, proved, sources, work, limit)
-    found = _search(tools, folder, proved, sources, work, 100, limit)
+    found = _search(tools, folder, proved, sources, work, max(100, proved.depth), limit)
     if found.verdict == "fails":
         return found
     return Outcome("undecided", found.depth, found.seconds)
@@ -38,7 +38,10 @@ def refute(tools: Tools, folder: Path, proved: Property, sources: list[Path], wo
 def _abc(tools: Tools, aig: Path, command: str, log: Path, limit: float) -> commands.Finished:
     # Constraints are folded into the properties, and these into one.
     # It looks at the clock between steps of its own and is given time for the last; unbuffered, as it may have to be ended.
-    return commands.run(["stdbuf", "-oL", tools.abc, "-c", f"read_aiger {aig}; fold; strash; {command}"], log, limit + 60)
+    done = commands.run(["stdbuf", "-oL", tools.abc, "-c", f"read_aiger {aig}; fold; strash; {command}"], log, limit + 60)
+    if re.search(r"^Error", done.text, re.MULTILINE):
+        raise Failure(f"{tools.abc}: refuses {aig} (log: {log})")
+    return done
 
 
 _FAILS = re.compile(r"Output \d+ of miter .* was asserted in frame (\d+)")

@@ -27,6 +27,7 @@ class Property:
     depth: int  # cycles, 0 where the method needs none
     parameters: dict[str, int]  # of the harness
     probes: dict[str, str]  # wires of the harness that get the value of a wire inside, by its flattened name
+    cuts: tuple[str, ...]  # wires inside, by flattened name, that take any value in each step: more runs, never fewer
     paths: tuple[tuple[str, str], ...]  # of a path: from input, to output
     bug: str  # tests/formal/bugs/BUG.patch or tests/mutants/rtl/BUG.patch, which must be refuted
     clocks: int  # of the harness; where there are several, a clock input is 1 in the steps that are its edges
@@ -37,7 +38,7 @@ class Property:
         return UNBOUNDED[self.method]
 
 
-_KEYS = {"name", "module", "says", "harness", "method", "depth", "parameters", "probes", "paths", "bug", "clocks", "quick"}
+_KEYS = {"name", "module", "says", "harness", "method", "depth", "parameters", "probes", "cuts", "paths", "bug", "clocks", "quick"}
 
 
 def _property(entry: dict[str, Any], where: str) -> Property:
@@ -63,7 +64,7 @@ def _property(entry: dict[str, Any], where: str) -> Property:
     if bool(paths) != (method == "path"):
         raise Failure(f"{where}: paths: expected pairs of input and output with the method path alone")
     return Property(text("name"), text("module"), text("says"), text("harness"), method, depth, parameters,
-                    entry.get("probes", {}), paths, text("bug"), entry.get("clocks", 1), bool(entry.get("quick", False)))
+                    entry.get("probes", {}), tuple(entry.get("cuts", [])), paths, text("bug"), entry.get("clocks", 1), bool(entry.get("quick", False)))
 
 
 def load(file: Path) -> list[Property]:
