@@ -2,8 +2,9 @@
 // sources: rtl/board/sdram_controller.sv
 // sdram_controller: no command comes inside an interval that the data sheet forbids, no row is read or written that is not
 // open, and nobody drives the data pins against the chip. The times, in ns, are written down here from the data sheet and
-// turned into cycles here; the commands are read from the chip's pins. One bank, any, is watched. Requests are free. With
-// Pause 1 instead: no command in the first 200 us, whose cycles are counted out.
+// turned into cycles here; the commands are read from the chip's pins. One bank, any, is watched. Requests are free.
+// Refreshes fall due at any time, but only 16 cycles after the last one was made; each is made within 64 cycles, so with the
+// controller's own 7.8 us between them that is so. With Pause 1 instead: no command in the first 200 us, counted out.
 module sdram_intervals #(
     parameter int unsigned ClockKHz = 100000,
     parameter int unsigned LineHalfwords = 16,
@@ -76,6 +77,23 @@ module sdram_intervals #(
   assign mine = ba == bank;
   assign mine_or_all = mine || a[10];
 
+  // A refresh falls due, and is not made yet.
+  localparam int unsigned RefreshEvery = 7800 * (ClockKHz / 1000) / 1000;
+  localparam int unsigned RefreshBits = $clog2(RefreshEvery);
+  logic [RefreshBits-1:0] refresh_count;  // probe: the controller's own, and any value
+  logic falls_due, due_q;
+  logic [5:0] due_age_q;
+  assign falls_due = ready && refresh_count == RefreshBits'(RefreshEvery - 1);
+  always_ff @(posedge clk_i) begin
+    if (refresh) due_q <= 1'b0;
+    if (falls_due) due_q <= 1'b1;
+    due_age_q <= due_q && !refresh ? due_age_q + 1'b1 : '0;
+    if (rst_i) begin
+      due_q <= 1'b0;
+      due_age_q <= '0;
+    end
+  end
+
   if (Pause == 1) begin : gen_pause
     localparam int unsigned PauseCycles = cycles(200000);
     localparam int unsigned Bits = $clog2(PauseCycles + 1);
@@ -114,6 +132,10 @@ module sdram_intervals #(
   end
 
   always_comb begin
+    if (!rst_i && Pause == 0) begin
+      assume (!(refresh_count == RefreshBits'(RefreshEvery - 1) && (!ready || due_q || refresh || refresh_q != '0)));
+      assert (due_age_q != '1);
+    end
     if (!rst_i && started_q && Pause == 0) begin
       if (activate && mine) assert (!open_q && precharge_q[Trp-2:0] == '0);
       if (activate) assert (any_activate_q[Trrd-2:0] == '0);
