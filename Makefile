@@ -3,7 +3,7 @@
 JOBS := $(shell nproc)
 PREFIX ?= /usr/local
 .DEFAULT_GOAL := build
-.PHONY: help build install demo test test-full gallery precision mutate bench bench-rtl asan fuzz format clean references mutate-golden fpga-tools fpga board-sim headline fpga-plans area-check tradeoffs studies plan-promise sweep-search slurm-test cycle-fit report-bundle mutate-hls test-hls
+.PHONY: help build install demo test test-full gallery precision mutate bench bench-rtl asan fuzz format clean references mutate-golden fpga-tools fpga board-sim headline fpga-plans area-check tradeoffs studies plan-promise sweep-search slurm-test cycle-fit report-bundle mutate-hls test-hls formal
 
 help: ## this list
 	@sed -n 's/^\([a-z-]*\):[^#]*## \(.*\)/  make \1\t\2/p' Makefile | expand -t 24
@@ -50,6 +50,11 @@ bench-rtl: ## throughput of the RTL units beside its goals
 	@scripts/setup bench-rtl
 	@cmake --preset release
 	@scripts/bench-rtl
+
+formal: ## proofs of the RTL, each beside a planted bug that must be refuted (15 minutes on two cores; docs/formal.md)
+	@scripts/setup formal
+	@scripts/fpga-tools
+	@scripts/formal $(FORMAL_FLAGS)
 
 references: build ## scenes/references: path traced, two seeds, with their own error
 	@scripts/references

@@ -2,7 +2,7 @@
 // sources: rtl/common/skid_buffer.sv rtl/common/arbiter.sv
 // arbiter: what comes out of it from one input is what that input gave, in order, nothing lost or doubled; nobody is
 // passed over twice by the same input; what is offered is held. Three inputs of one freely chosen bit each.
-module arbiter_proof (
+module arbiter_turns (
     input logic       clk_i,
     input logic       rst_i,
     input logic [2:0] in_valid_i,
