@@ -24,7 +24,7 @@ demo: build ## images of two scenes: reference, golden, error map, metrics; then
 test: ## the quick tests
 	@scripts/setup test
 	@cmake --preset release -DBUILD_TESTING=ON
-	@cmake --build build
+	@cmake --build build --target quick
 	@ctest --preset release -j $(JOBS)
 
 test-full: ## all tests, the slow ones too
@@ -81,7 +81,7 @@ precision: build ## what positions, mantissas and directions cost: docs/precisio
 asan: ## the quick tests under AddressSanitizer and UndefinedBehaviorSanitizer
 	@scripts/setup asan
 	@cmake --preset asan -DBUILD_TESTING=ON
-	@cmake --build build-asan
+	@cmake --build build-asan --target quick
 	@ctest --preset asan -j $(JOBS)
 
 fuzz: ## a minute of the scene loader under libFuzzer
