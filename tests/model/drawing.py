@@ -14,8 +14,10 @@ Point = list[int]
 
 @dataclass(frozen=True)
 class Widths:
-    """Bits of each field, by packet and field (`photonloom packets --plan`)."""
+    """Bits of each field, by packet and field in the order of the packet (`photonloom packets --plan`). elements: of the fields
+    that are arrays."""
     bits: dict[str, dict[str, int]]
+    elements: dict[tuple[str, str], int]
 
     def draw(self, random: Random, packet: str, field: str) -> int:
         return random.getrandbits(self.bits[packet][field])

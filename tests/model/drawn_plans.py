@@ -22,10 +22,16 @@ def draw_plan(random: Random, base: Plan) -> Plan:
         plan[name] = value
         return value
 
-    position_bits = line("photon.position_bits", random.randint(4, 24))
-    direction_bits = line("photon.direction_bits", random.randint(2, 14))
-    mantissa_bits = line("photon.mantissa_bits", random.randint(2, 16))
-    exponent_bits = line("photon.exponent_bits", random.randint(1, 5))
+    # Now and then every format is at one end of its range: flux is then wider than a JSON number, or nearly nothing.
+    end = random.choice((*[None] * 8, 0, 1))
+
+    def format_bits(low: int, high: int) -> int:
+        return random.randint(low, high) if end is None else (low, high)[end]
+
+    position_bits = line("photon.position_bits", format_bits(4, 24))
+    direction_bits = line("photon.direction_bits", format_bits(2, 14))
+    mantissa_bits = line("photon.mantissa_bits", format_bits(2, 16))
+    exponent_bits = line("photon.exponent_bits", format_bits(1, 5))
     channels = line("photon.channels", random.choice((1, 3)))
     bucket = line("photon.bucket", random.choice((2, 4, 8, 16)))
     photon_bits = 3 * position_bits + 2 * direction_bits + channels * mantissa_bits + exponent_bits
@@ -40,7 +46,7 @@ def draw_plan(random: Random, base: Plan) -> Plan:
         reach = random.choice((0.0, random.uniform(0, 0.3), 2.0))
         line(f"{section}.radius", plan["scene.extent"] * reach)
 
-    k = line("gather.k", random.choice((1, 2, 8, 50, low_often(random, 1, 256))))
+    k = line("gather.k", random.choice((1, 2, 8, 50, low_often(random, 1, 256))) if end is None else format_bits(1, 256))
     normal_bits = line("gather.normal_bits", random.randint(2, 14))
     line("gather.r2_floor", low_often(random, 1, (4 << 2 * position_bits) - 1))
     line("gather.epsilon_factor", 1)

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Recorded frames: every unit's packets, and the memory image of the frame's maps (docs/photon_map.md, "In a package")."""
+"""Recorded frames: every unit's packets, the memory image of the frame's maps (docs/photon_map.md, "In a package"), and the
+recordings of the kernel package of their plan."""
 from pathlib import Path
 from random import Random
 from typing import Any
@@ -11,6 +12,7 @@ import photon_map
 import reorder_buffer
 from comparing import Tally
 from drawn_plans import draw_plan
+from packages import compare_package, rebuilt
 from plan import Plan, r2_max, read_plan
 from program import Program, read_packets
 
@@ -20,38 +22,35 @@ OF_THE_PHOTONS = ("photon.channels", "photon.exponent_bits")  # the planner know
 
 
 def record(program: Program, scene: Path, random: Random, base: Plan, folder: Path) -> Plan:
-    """A frame with drawn lines: `record` has its packets, `hw` its images, `plan.toml` is its plan."""
+    """A frame with drawn lines: `record` has its packets, `hw` its package, `plan.toml` is its plan."""
     plan = draw_plan(random, base)
-    lines = {name: value for name, value in plan.items() if name.split(".")[0] in SECTIONS and name not in OF_THE_PHOTONS}
+    lines = {name: value for name, value in plan.items()
+             if name.split(".")[0] in SECTIONS and name not in OF_THE_PHOTONS}
+    lines["gather.k"] = max(2, plan["gather.k"])  # an image takes no estimate of one photon
     # The widest stride, since the photon's width is the planner's.
     lines["photon.photon_bytes"] = 32
     lines["gatherer.cache_bytes"] = 32 * lines["photon.bucket"] * lines["gatherer.cache_ways"]
     lines["gatherer.beat_bits"] = random.choice((32, 128, 512))
     path = folder / "plan.toml"
-    program.run("plan", scene, "--size", "12x12", "--spp", "2", "--gather-rays", "6", "--photons", "1200",
-                "--caustic-photons", "300", "-o", path,
+    program.run("plan", scene, "--size", "12x12", "--spp", "2", "--gather-rays", "6",
+                "--photons", "1200", "--caustic-photons", "300", "-o", path,
                 *(word for name, value in lines.items() for word in ("--set", f"{name}={str(value).lower()}")))
     program.run("render", scene, "--plan", path, "-o", folder / "frame.exr", "--record", folder / "record")
-    program.run("generate", scene, "--plan", path, "-o", folder / "hw")
+    program.run("generate", scene, "--plan", path, "-o", folder / "hw", "--hls")
     return read_plan(path)
 
 
 def compare_maps(plan: Plan, images: Path, tally: Tally) -> list[photon_map.PhotonMap]:
-    """The maps of the memory image. Built again of the photons in it, they are the same lines and inner nodes."""
-    unit = "photon_gatherer"
-    line_bytes = plan["photon.bucket"] * plan["photon.photon_bytes"]
+    """The maps of a package's images, and the configuration: their inner nodes, lines and radii."""
     maps = []
     for section in ("global", "caustic"):
         beats = (images / f"{section}_lines.hex").read_text(encoding="utf-8").split()
-        data = b"".join(bytes.fromhex(beat)[::-1] for beat in beats)
-        lines = [data[start:start + line_bytes] for start in range(0, len(data), line_bytes)]
-        maps.append(photon_map.build(plan, [photon for line in lines for photon in photon_map.read_line(plan, line)]))
-        tally.compare(unit, "memory line", [{"bytes": line.hex()} for line in lines],
-                      [{"bytes": photon_map.line_bytes(plan, line).hex()} for line in maps[-1].lines])
+        maps.append(rebuilt(plan, b"".join(bytes.fromhex(beat)[::-1] for beat in beats), tally))
     # Sorted: the order of writes means nothing.
     writes = sorted(line.split() for line in (images / "cfg.hex").read_text(encoding="utf-8").splitlines())
     modelled = photon_map.configuration(plan, maps, [r2_max(plan, "global"), r2_max(plan, "caustic")])
-    tally.compare(unit, "configuration", [{"address": int(address, 16), "datum": int(datum, 16)} for address, datum in writes],
+    tally.compare("photon_gatherer", "configuration",
+                  [{"address": int(address, 16), "datum": int(datum, 16)} for address, datum in writes],
                   [{"address": address, "datum": datum} for address, datum in sorted(modelled.items())])
     return maps
 
@@ -59,7 +58,9 @@ def compare_maps(plan: Plan, images: Path, tally: Tally) -> list[photon_map.Phot
 def compare_frame(program: Program, scene: Path, random: Random, base: Plan, folder: Path, tally: Tally) -> None:
     """Every stream of a frame (docs/packets.md; a unit that the plan lacks has none)."""
     plan = record(program, scene, random, base, folder)
-    bits = program.widths(folder / "plan.toml").bits
+    widths = program.widths(folder / "plan.toml")
+    bits = widths.bits
+    compare_package(plan, widths, folder / "hw" / "hls" / "data", tally)
     maps = compare_maps(plan, folder / "hw" / "images", tally)
 
     def recorded(stream: str, packet: str) -> list[Packet]:

@@ -65,7 +65,7 @@ class Units(unittest.TestCase):
             photons = map_photons(random, self.plan, 60)
             built = photon_map.build(self.plan, photons)
             self.assertEqual(sorted(built.addresses), sorted(p.index for line in built.lines for p in line))
-            widths = Widths({"gather_query": {"pixel": 1, "sample": 1, "tag": 1}})
+            widths = Widths({"gather_query": {"pixel": 1, "sample": 1, "tag": 1}}, {})
             for query in gather_queries(random, self.plan, widths, 20, [photons, []]):
                 radius = random.choice((0, 50, 500, 16383))
                 found = photon_gatherer.search(self.plan, built, radius, query)

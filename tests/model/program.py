@@ -13,6 +13,9 @@ from plan import Plan
 
 Packet = dict[str, Any]
 WIDEST_NUMBER = 53  # bits of an integer that JSON writes as a number
+# Arrays whose length is a line of the plan: of one element they are arrays still (docs/packets.md, "As text").
+ARRAYS = {("gather_result", "flux"), ("gather_photon", "mantissa"), ("sampler_input", "mantissa"), ("map_photon", "mantissa"),
+          ("cache_result", "record"), ("cache_result", "weight")}
 
 
 class Failure(Exception):
@@ -31,21 +34,27 @@ class Program:
     def run(self, *arguments: str | Path) -> str:
         """What it prints; a command that fails is a failure."""
         command = self.command(*arguments)
-        done = subprocess.run(command, capture_output=True, text=True)
+        try:
+            done = subprocess.run(command, capture_output=True, text=True)
+        except OSError as error:
+            raise Failure(f"{self.path}: {error.strerror}, expected the program (make build, or --photonloom)") from None
         if done.returncode:
             raise Failure(f"{shlex.join(command)}\n  exit status {done.returncode}: {done.stderr.strip()}")
         return done.stdout
 
     def widths(self, plan: Path) -> Widths:
         """Fields of all packets of a plan, from its tables; refuses a plan that cannot be built."""
-        bits: dict[str, dict[str, int]] = {}
-        fields: dict[str, int] = {}
+        widths = Widths({}, {})
+        packet = ""
         for line in self.run("packets", "--plan", plan).splitlines():
-            if packet := re.match(r"`(\w+)`, \d+ bits", line):
-                fields = bits.setdefault(packet[1], {})
-            elif field := re.match(r"\| `(\w+)` \| (?:\d+ x )?(\d+) \|", line):
-                fields[field[1]] = int(field[2])
-        return Widths(bits)
+            if heading := re.match(r"`(\w+)`, \d+ bits", line):
+                packet = heading[1]
+                widths.bits[packet] = {}
+            elif field := re.match(r"\| `(\w+)` \| (?:(\d+) x )?(\d+) \|", line):
+                widths.bits[packet][field[1]] = int(field[3])
+                if field[2] or (packet, field[1]) in ARRAYS:
+                    widths.elements[packet, field[1]] = int(field[2] or 1)
+        return widths
 
 
 def write_packets(path: Path, packets: Iterable[Packet]) -> None:

@@ -40,9 +40,12 @@ def compare_all(program: Program, options: argparse.Namespace, folder: Path, tal
     for number in range(options.plans) if options.plan is None else [options.plan]:
         plan = draw_plan(Random(f"{options.seed} plan {number}"), base)
         write_plan(folder / "plan.toml", plan)
+        try:
+            widths = program.widths(folder / "plan.toml")
+        except Failure as failure:
+            raise Failure(f"seed {options.seed}, plan {number}: can be built by docs/plan.md, but is refused\n{failure}") from None
         for unit in units:
             try:
-                widths = program.widths(folder / "plan.toml")
                 UNITS[unit](Case(program, plan, widths, folder, Random(f"{options.seed} plan {number} {unit}"), options.packets,
                                  options.backend, tally))
             except Failure as failure:
