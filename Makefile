@@ -3,7 +3,7 @@
 JOBS := $(shell nproc)
 PREFIX ?= /usr/local
 .DEFAULT_GOAL := build
-.PHONY: help build install demo test test-full gallery precision mutate bench bench-rtl asan fuzz format clean references mutate-golden fpga-tools fpga board-sim headline fpga-plans area-check tradeoffs studies plan-promise sweep-search slurm-test cycle-fit report-bundle mutate-hls test-hls formal
+.PHONY: help build install demo test test-full gallery precision mutate bench bench-rtl asan tsan fuzz extremes soak format clean references mutate-golden fpga-tools fpga board-sim headline fpga-plans area-check tradeoffs studies plan-promise sweep-search slurm-test cycle-fit report-bundle mutate-hls test-hls formal
 
 help: ## this list
 	@sed -n 's/^\([a-z-]*\):[^#]*## \(.*\)/  make \1\t\2/p' Makefile | expand -t 24
@@ -84,9 +84,25 @@ asan: ## the quick tests under AddressSanitizer and UndefinedBehaviorSanitizer
 	@cmake --build build-asan --target quick
 	@ctest --preset asan -j $(JOBS)
 
-fuzz: ## a minute of the scene loader under libFuzzer
+tsan: ## a frame and a sweep under ThreadSanitizer
+	@scripts/setup tsan
+	@scripts/tsan
+
+fuzz: ## SECONDS (60) of libFuzzer for each thing that reads files or bytes, and the lines of its parser that were reached
 	@scripts/setup fuzz
-	@scripts/fuzz 60
+	@scripts/fuzz $(or $(SECONDS),60)
+
+extremes: ## cases at the ends of all ranges, with the RTL: docs/extremes.md; bounds of golden's arithmetic: docs/error-analysis.md
+	@scripts/setup extremes
+	@cmake --preset release -DBUILD_TESTING=ON
+	@cmake --build build --target extremes
+	@scripts/extremes
+
+soak: ## PACKETS (10000000) random packets through the gatherer and the reorder buffer, golden beside RTL: docs/soak.md
+	@scripts/setup soak
+	@cmake --preset release
+	@cmake --build build --target bench_photon_gatherer bench_reorder_buffer
+	@scripts/soak $(PACKETS)
 
 fpga-tools: ## Yosys, nextpnr-ecp5 and ecppack in build/fpga-tools, without touching the host
 	@scripts/fpga-tools

@@ -437,6 +437,9 @@ Study parse_study(const std::string& text, const std::string& file, const Measur
   return Parser(file, measures).parse(text);
 }
 
+// Points of a study at most.
+constexpr uint32_t kMostNumbers = 1000000;
+
 std::vector<uint32_t> parse_numbers(const std::string& text, const std::string& option) {
   std::set<uint32_t> numbers;
   std::istringstream stream(text);
@@ -453,9 +456,11 @@ std::vector<uint32_t> parse_numbers(const std::string& text, const std::string& 
     if (a.ptr != end) {
       if (*a.ptr != '-') bad(part);
       const auto b = std::from_chars(a.ptr + 1, end, last);
-      if (b.ec != std::errc() || b.ptr != end || last < first || last - first > 10000000) bad(part);
+      if (b.ec != std::errc() || b.ptr != end || last < first || last - first >= kMostNumbers)
+        bad(part);
     }
-    for (uint32_t i = first; i <= last; ++i) numbers.insert(i);
+    for (uint64_t i = first; i <= last; ++i) numbers.insert(static_cast<uint32_t>(i));
+    if (numbers.size() > kMostNumbers) bad(part);
   }
   return {numbers.begin(), numbers.end()};
 }
