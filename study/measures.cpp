@@ -150,6 +150,21 @@ const std::vector<GatherQuery>& PointRun::watched_queries() { return golden(), w
 const PhotonMap& PointRun::map(bool is_caustic) { return prepare(), maps_[is_caustic]; }
 const PackCounts& PointRun::packed() { return prepare(), packed_; }
 
+Blocks half_differences(const std::vector<double>& values, int width, int height) {
+  constexpr size_t kEdge = 8;
+  const auto w = static_cast<size_t>(width), h = static_cast<size_t>(height);
+  // Of even size, so that the halves of a cell have as many pixels, but for the last ones'.
+  const size_t across = (w + 2 * kEdge - 1) / (2 * kEdge) * 2,
+               down = (h + 2 * kEdge - 1) / (2 * kEdge) * 2;
+  Blocks differences(kEdge * kEdge, 0.0);
+  for (size_t y = 0; y < h; ++y)
+    for (size_t x = 0; x < w; ++x) {
+      const double v = values[y * w + x] / static_cast<double>(values.size());
+      differences[y / down * kEdge + x / across] += (x + y) % 2 == 0 ? v : -v;
+    }
+  return differences;
+}
+
 namespace {
 
 // The unit whose resources stand apart.
@@ -220,23 +235,6 @@ Measurement measure_visible(PointRun& run) {
   return m;
 }
 
-// The standard error of a mean over parts of a frame of which each has one pixel in the film, drawn
-// by lot, from how neighbours differ: half the mean square of a difference is a part's variance,
-// and a little more where the parts' own means differ.
-double lot_error(const std::vector<double>& values, int width, int height) {
-  const auto w = static_cast<size_t>(width), h = static_cast<size_t>(height);
-  double sum = 0;
-  size_t pairs = 0;
-  for (size_t y = 0; y < h; ++y)
-    for (size_t x = 0; x < w; ++x) {
-      const double v = values[y * w + x];
-      if (x + 1 < w) sum += (v - values[y * w + x + 1]) * (v - values[y * w + x + 1]), ++pairs;
-      if (y + 1 < h) sum += (v - values[y * w + w + x]) * (v - values[y * w + w + x]), ++pairs;
-    }
-  if (pairs == 0) return kNone;
-  return std::sqrt(sum / 2 / static_cast<double>(pairs) / static_cast<double>(values.size()));
-}
-
 // The standard error of relMSE from the references' own noise alone, as the two differ. That of a
 // pixel's channels is taken as one.
 double reference_error(const Planes& a, const SceneReferences& r) {
@@ -250,6 +248,12 @@ double reference_error(const Planes& a, const SceneReferences& r) {
     sum += pixel * pixel;
   }
   return std::sqrt(sum) / static_cast<double>(a.c[0].size());
+}
+
+double root_of_squares(const Blocks& differences) {
+  double sum = 0;
+  for (const double d : differences) sum += d * d;
+  return std::sqrt(sum);
 }
 
 Measurement measure_lot(PointRun& run) {
@@ -267,8 +271,10 @@ Measurement measure_lot(PointRun& run) {
     relmse[p] += static_cast<double>(pixels) * walk_correction(run, *walks, p);
   }
   // What the references' noise adds to how pixels differ is in it.
-  return {{lot_error(relmse, a.width, a.height), lot_error(hdr_flip(a, r.mean), a.width, a.height)},
-          {}};
+  const Blocks halves = half_differences(relmse, a.width, a.height),
+               flip_halves = half_differences(hdr_flip(a, r.mean), a.width, a.height);
+  return {{root_of_squares(halves), root_of_squares(flip_halves)},
+          {{"relmse", halves}, {"flip", flip_halves}}};
 }
 
 Measurement measure_formats(PointRun& run) {
@@ -408,7 +414,9 @@ const std::vector<Measure>& measures() {
        "references",
        {{"relmse", "", "of visible.relmse"}, {"flip", "", "of visible.flip"}},
        measure_lot,
-       [](const Study&, const StudyScene& s) { return "references " + s.references().signature; }},
+       [](const Study&, const StudyScene& s) {
+         return "references " + s.references().signature + ", halves";
+       }},
       {"formats",
        "error against reference arithmetic on the same photons",
        {{"relmse", "", "mean (a - c)^2 / (c^2 + 0.01)"},

@@ -188,6 +188,23 @@ TEST_CASE("the bound of a run is above what nineteen of twenty runs have") {
   CHECK(above < 0.07 * trials);
 }
 
+TEST_CASE("halves of a film by lot tell the variance of its mean") {
+  // A smooth picture, and noise of which the variance is known; odd sizes too.
+  for (const auto& [width, height] : {std::pair(64, 64), std::pair(37, 50)}) {
+    const auto pixels = static_cast<size_t>(width * height);
+    double told = 0;
+    for (uint64_t trial = 0; trial < 40; ++trial) {
+      std::vector<double> values(pixels);
+      for (size_t p = 0; p < pixels; ++p)
+        values[p] = 2 + std::sin(0.05 * static_cast<double>(p % static_cast<size_t>(width))) +
+                    0.5 * noise(trial, p, 3);
+      for (const double d : half_differences(values, width, height)) told += d * d / 40;
+    }
+    INFO(width << "x" << height);
+    CHECK(told == Approx(0.25 / static_cast<double>(pixels)).epsilon(0.1));
+  }
+}
+
 TEST_CASE("visible error is in the mean over seeds that of the frames as they are") {
   Study study;
   study.scenes = {test::source("scenes/cornell.xml")};
