@@ -1,10 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Programs run to their end or to a limit, with the processor time they took."""
+"""Programs run to their end or to a limit of processor time, which does not depend on what else the machine does."""
 import os
 import resource
-import signal
 import subprocess
-import threading
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -18,42 +16,17 @@ class Finished:
 
 
 def run(command: list[str], log: Path, limit: float) -> Finished:
-    """Runs a command for at most limit seconds of the clock; its output is added to log."""
+    """Runs a command whose processes each get limit seconds of the processor; its output is added to log."""
+    seconds = max(1, round(limit))
     with log.open("a+") as stream:
         stream.write(f"$ {' '.join(command)}\n")
         stream.flush()
         start = stream.tell()
-        process = subprocess.Popen(command, stdout=stream, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL,
-                                   start_new_session=True)
-        timer = _Deadline(process.pid, limit)
+        # The programs print what they have done so far as they go: unbuffered, it is there when they are ended.
+        process = subprocess.Popen(["stdbuf", "-oL", *command], stdout=stream, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL,
+                                   preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds + 5)))
         _, status, usage = os.wait4(process.pid, 0)
-        timer.cancel()
         process.returncode = os.waitstatus_to_exitcode(status)
         stream.seek(start)
         text = stream.read()
-    return Finished(process.returncode, text, _seconds(usage), not timer.fired)
-
-
-def _seconds(usage: resource.struct_rusage) -> float:
-    return usage.ru_utime + usage.ru_stime
-
-
-class _Deadline:
-    """Ends a process and those that it started when its time is over."""
-
-    def __init__(self, pid: int, limit: float) -> None:
-        self.fired = False
-        self._pid = pid
-        self._timer = threading.Timer(limit, self._fire)
-        self._timer.daemon = True
-        self._timer.start()
-
-    def _fire(self) -> None:
-        self.fired = True
-        try:
-            os.killpg(self._pid, signal.SIGKILL)
-        except ProcessLookupError:
-            pass
-
-    def cancel(self) -> None:
-        self._timer.cancel()
+    return Finished(process.returncode, text, usage.ru_utime + usage.ru_stime, process.returncode >= 0)

@@ -13,7 +13,7 @@ from .tools import Tools
 
 @dataclass(frozen=True)
 class Outcome:
-    verdict: str  # holds, fails, undecided
+    verdict: str  # holds, fails, undecided, error
     depth: int | None  # cycles looked at; None without a bound
     seconds: float  # of the processor
     note: str = ""
@@ -36,9 +36,8 @@ def refute(tools: Tools, folder: Path, proved: Property, sources: list[Path], wo
 
 
 def _abc(tools: Tools, aig: Path, command: str, log: Path, limit: float) -> commands.Finished:
-    # Constraints are folded into the properties, and these into one.
-    # It looks at the clock between steps of its own and is given time for the last; unbuffered, as it may have to be ended.
-    done = commands.run(["stdbuf", "-oL", tools.abc, "-c", f"read_aiger {aig}; fold; strash; {command}"], log, limit + 60)
+    # Constraints are folded into the properties.
+    done = commands.run([tools.abc, "-c", f"read_aiger {aig}; fold; strash; {command}"], log, limit)
     if re.search(r"^Error", done.text, re.MULTILINE):
         raise Failure(f"{tools.abc}: refuses {aig} (log: {log})")
     return done
@@ -51,20 +50,18 @@ def _pdr(tools: Tools, folder: Path, proved: Property, sources: list[Path], work
     log = work / "log"
     aig = work / "model.aig"
     built = model.aiger(tools, folder, proved, sources, aig, log)
-    done = _abc(tools, aig, f"pdr -T {int(limit)}", log, limit)
+    done = _abc(tools, aig, "pdr -v", log, limit)
     seconds = built + done.seconds
     failed = _FAILS.search(done.text)
     if failed:
         return Outcome("fails", int(failed[1]), seconds)
-    if "Property proved." in done.text and "Verification of invariant" in done.text:
-        if "was successful" not in done.text:
+    if "Property proved." in done.text:
+        if "Verification of invariant" in done.text and "was successful" not in done.text:
             raise Failure(f"{tools.abc}: its invariant does not verify (log: {log})")
         return Outcome("holds", None, seconds)
-    if "Property proved." in done.text:  # by simplification alone
-        return Outcome("holds", None, seconds)
-    if "UNDECIDED" not in done.text and done.ended:
+    if done.ended:
         raise Failure(f"{tools.abc}: neither proved nor refuted {proved.name} (log: {log})")
-    frames = re.findall(r"in frame (\d+)\.", done.text)
+    frames = re.findall(r"^ *(\d+) :", done.text, re.MULTILINE)
     return Outcome("undecided", int(frames[-1]) if frames else 0, seconds)
 
 
@@ -74,14 +71,16 @@ def _search(tools: Tools, folder: Path, proved: Property, sources: list[Path], w
     log = work / "log"
     aig = work / "model.aig"
     built = model.aiger(tools, folder, proved, sources, aig, log)
-    done = _abc(tools, aig, f"bmc3 -F {depth} -T {int(limit)}", log, limit)
+    done = _abc(tools, aig, f"bmc3 -v -F {depth}", log, limit)
     seconds = built + done.seconds
     failed = _FAILS.search(done.text)
     if failed:
         return Outcome("fails", int(failed[1]), seconds)
     clean = re.search(r"No output asserted in (\d+) frames", done.text)
-    reached = int(clean[1]) if clean else 0
-    return Outcome("holds" if reached >= depth else "undecided", reached, seconds)
+    if clean and int(clean[1]) >= depth:
+        return Outcome("holds", depth, seconds)
+    frames = re.findall(r"^ *(\d+) \S", done.text, re.MULTILINE)
+    return Outcome("undecided", int(frames[-1]) if frames else 0, seconds)
 
 
 def _bounded(tools: Tools, folder: Path, proved: Property, sources: list[Path], work: Path, limit: float) -> Outcome:

@@ -9,6 +9,7 @@ from pathlib import Path
 from flow.shell import ROOT, Failure, say
 
 from . import engines, properties, report, sources, tools
+from .engines import Outcome
 from .properties import Property
 from .report import Result
 
@@ -17,6 +18,14 @@ PAGE = Path("docs/formal.md")
 
 
 def check(found: tools.Tools, proved: Property, work: Path, limit: float) -> Result:
+    """A result in any case: a tool that refuses is one property's failure, not the others' end."""
+    try:
+        return _check(found, proved, work, limit)
+    except Failure as failure:
+        return Result(proved, Outcome("error", 0, 0.0, str(failure)), None)
+
+
+def _check(found: tools.Tools, proved: Property, work: Path, limit: float) -> Result:
     files = sources.of(ROOT, proved)
     sound_work = work / proved.name
     planted_work = work / proved.name / "planted"
@@ -35,7 +44,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(prog="formal", description=__doc__)
     parser.add_argument("names", nargs="*", metavar="NAME", help="properties by name, all without one")
     parser.add_argument("-j", "--jobs", type=int, default=2, help="proofs at a time (default 2)")
-    parser.add_argument("--limit", type=float, default=600.0, help="seconds until a property counts as undecided (default 600)")
+    parser.add_argument("--limit", type=float, default=600.0, help="seconds of the processor until a property counts as undecided (default 600)")
     parser.add_argument("--quick", action="store_true", help="only the properties marked quick, in a few seconds")
     parser.add_argument("--page", action="store_true", help=f"write the table into {PAGE} as well")
     parser.add_argument("--check", action="store_true", help="prove nothing: tell whether sources are there and planted bugs apply")

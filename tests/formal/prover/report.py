@@ -28,12 +28,14 @@ class Result:
 
     @property
     def depth(self) -> str:
-        return "unbounded" if self.sound.depth is None else f"{self.sound.depth} cycles"
+        return "unbounded" if self.sound.depth is None and self.sound.verdict == "holds" else f"{self.sound.depth} cycles"
 
     @property
     def verdict(self) -> str:
         if self.sound.verdict == "fails":
             return f"FAILS in cycle {self.sound.depth}{': ' + self.sound.note if self.sound.note else ''}"
+        if self.sound.verdict == "error":
+            return f"NOT RUN: {self.sound.note}"
         if self.sound.verdict == "undecided":
             return "UNDECIDED (bounded only)"
         word = "proved" if self.proved.unbounded else "holds"
