@@ -3,7 +3,7 @@
 JOBS := $(shell nproc)
 PREFIX ?= /usr/local
 .DEFAULT_GOAL := build
-.PHONY: help build install demo test test-full gallery precision mutate bench bench-rtl asan fuzz format clean references mutate-golden fpga-tools fpga board-sim headline fpga-plans area-check tradeoffs studies plan-promise sweep-search slurm-test cycle-fit report-bundle mutate-hls test-hls
+.PHONY: help build install demo test test-full gallery precision mutate bench bench-rtl asan tsan fuzz extremes soak format clean references mutate-golden fpga-tools fpga board-sim headline fpga-plans area-check tradeoffs studies plan-promise sweep-search slurm-test cycle-fit report-bundle mutate-hls test-hls formal
 
 help: ## this list
 	@sed -n 's/^\([a-z-]*\):[^#]*## \(.*\)/  make \1\t\2/p' Makefile | expand -t 24
@@ -24,7 +24,7 @@ demo: build ## images of two scenes: reference, golden, error map, metrics; then
 test: ## the quick tests
 	@scripts/setup test
 	@cmake --preset release -DBUILD_TESTING=ON
-	@cmake --build build
+	@cmake --build build --target quick
 	@ctest --preset release -j $(JOBS)
 
 test-full: ## all tests, the slow ones too
@@ -51,6 +51,11 @@ bench-rtl: ## throughput of the RTL units beside its goals
 	@cmake --preset release
 	@scripts/bench-rtl
 
+formal: ## proofs of the RTL, each beside a planted bug that must be refuted (15 minutes on two cores; docs/formal.md)
+	@scripts/setup formal
+	@scripts/fpga-tools
+	@scripts/formal $(FORMAL_FLAGS)
+
 references: build ## scenes/references: path traced, two seeds, with their own error
 	@scripts/references
 
@@ -76,12 +81,28 @@ precision: build ## what positions, mantissas and directions cost: docs/precisio
 asan: ## the quick tests under AddressSanitizer and UndefinedBehaviorSanitizer
 	@scripts/setup asan
 	@cmake --preset asan -DBUILD_TESTING=ON
-	@cmake --build build-asan
+	@cmake --build build-asan --target quick
 	@ctest --preset asan -j $(JOBS)
 
-fuzz: ## a minute of the scene loader under libFuzzer
+tsan: ## a frame and a sweep under ThreadSanitizer
+	@scripts/setup tsan
+	@scripts/tsan
+
+fuzz: ## SECONDS (60) of libFuzzer for each thing that reads files or bytes, and the lines of its parser that were reached
 	@scripts/setup fuzz
-	@scripts/fuzz 60
+	@scripts/fuzz $(or $(SECONDS),60)
+
+extremes: ## cases at the ends of all ranges, with the RTL: docs/extremes.md; bounds of golden's arithmetic: docs/error-analysis.md
+	@scripts/setup extremes
+	@cmake --preset release -DBUILD_TESTING=ON
+	@cmake --build build --target extremes
+	@scripts/extremes
+
+soak: ## PACKETS (10000000) random packets through the gatherer and the reorder buffer, golden beside RTL: docs/soak.md
+	@scripts/setup soak
+	@cmake --preset release
+	@cmake --build build --target bench_photon_gatherer bench_reorder_buffer
+	@scripts/soak $(PACKETS)
 
 fpga-tools: ## Yosys, nextpnr-ecp5 and ecppack in build/fpga-tools, without touching the host
 	@scripts/fpga-tools

@@ -292,6 +292,7 @@ void cosim(const CosimOptions& o) {
   const GatherDiagnosis diagnosis = diagnose_into(golden_image, golden_gathers, frame, request);
   diagnose_into(hardware_image, hardware_gathers, frame, request);
   print_warnings(diagnosis_messages(diagnosis));
+  print_warnings(count_messages(counts));
   const std::string golden_file = folder.temporary() + "/golden.exr",
                     hardware_file = folder.temporary() + "/" + name + ".exr";
   write_exr(reference_image, folder.temporary() + "/reference.exr");
@@ -319,6 +320,8 @@ void cosim(const CosimOptions& o) {
   summary["table_gathers"] = counts.table_gathers;
   summary["directions"] = counts.directions;
   summary["final_gathers"] = counts.final_gathers;
+  summary["counts"] = counts_json(counts);
+  summary.update(packed_json(frame));
   summary["diagnosis"] = diagnosis_json(diagnosis);
   for (const UnitReport& u : reports) {
     compared += u.compared;

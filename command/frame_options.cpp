@@ -197,6 +197,39 @@ std::vector<std::string> diagnosis_messages(const GatherDiagnosis& diagnosis) {
   return messages;
 }
 
+nlohmann::ordered_json counts_json(const FrameCounts& c) {
+  return {{"camera_samples", c.camera_samples},
+          {"caustic_queries", c.caustic_queries},
+          {"table_gathers", c.table_gathers},
+          {"directions", c.directions},
+          {"below_horizon", c.below_horizon},
+          {"final_gathers", c.final_gathers},
+          {"full", c.full},
+          {"clamped", c.clamped},
+          {"cache_full", c.cache_full},
+          {"saturated_weights", c.shader.weights},
+          {"saturated_direct", c.shader.direct},
+          {"not_finite", c.shader.not_finite}};
+}
+
+std::vector<std::string> count_messages(const FrameCounts& counts) {
+  std::vector<std::string> messages;
+  if (counts.shader.weights || counts.shader.direct)
+    messages.push_back(
+        fmt::format("{} weights and {} values of direct light exceed the pixel's integer bits and "
+                    "were taken as the largest that fit",
+                    counts.shader.weights, counts.shader.direct));
+  if (counts.shader.not_finite)
+    messages.push_back(fmt::format("{} values of light were no finite number and count as 0",
+                                   counts.shader.not_finite));
+  return messages;
+}
+
+nlohmann::ordered_json packed_json(const PreparedFrame& frame) {
+  return {{"zeroed_photons", frame.global_counts.zeroed + frame.caustic_counts.zeroed},
+          {"saturated_photons", frame.global_counts.saturated + frame.caustic_counts.saturated}};
+}
+
 void print_warnings(const std::vector<std::string>& warnings) {
   for (const std::string& w : warnings) fmt::print(stderr, "photonloom: warning: {}\n", w);
 }

@@ -50,6 +50,13 @@ GatherDiagnosis diagnose_into(Image& image, const GatherWatch& watch, const Prep
 nlohmann::ordered_json diagnosis_json(const GatherDiagnosis& diagnosis);
 std::vector<std::string> diagnosis_messages(const GatherDiagnosis& diagnosis);
 
+// What happened in a frame, in packets, and what was taken as the largest that fits; messages for
+// what a user should know of it.
+nlohmann::ordered_json counts_json(const FrameCounts& counts);
+std::vector<std::string> count_messages(const FrameCounts& counts);
+// Photons that the power format made zero, and those that it clipped.
+nlohmann::ordered_json packed_json(const PreparedFrame& frame);
+
 void print_warnings(const std::vector<std::string>& warnings);
 
 }  // namespace photonloom

@@ -56,18 +56,14 @@ std::vector<std::string> decided_lines(const std::string& line) {
   return {line};
 }
 
-struct Limit {
-  double value = 0;
-  bool is_factor = false;  // of the default plan's error
-};
 // "0.005" or "1.5x"; nothing for an empty text.
-std::optional<Limit> parse_limit(const std::string& text) {
+std::optional<ErrorLimit> parse_limit(const std::string& text) {
   if (text.empty()) return std::nullopt;
-  Limit limit;
+  ErrorLimit limit;
   limit.is_factor = text.back() == 'x';
   const char* const end = text.data() + text.size() - (limit.is_factor ? 1 : 0);
-  const auto [rest, problem] = std::from_chars(text.data(), end, limit.value);
-  if (problem != std::errc() || rest != end || !(limit.value > 0 && std::isfinite(limit.value)))
+  const auto [rest, problem] = std::from_chars(text.data(), end, limit.error);
+  if (problem != std::errc() || rest != end || !(limit.error > 0 && std::isfinite(limit.error)))
     throw UsageError(fmt::format(
         "--error: {}, expected a number above 0, or one with an x for so many times the default "
         "plan's error",
@@ -83,7 +79,7 @@ std::string row(const PlanSearch& search, const std::string& name, const Measure
   return fmt::format(
       "  {:<10} {:>8.5f} ±{:>8.5f} {:>8.5f} {:>9} {:>7.4f} {:>7.1f} {:>7.0f} {:>7.0f} "
       "{:>7.0f} {:>9}  {}\n",
-      name, m.error.mean, m.error.error(), m.error.bound(), error_then, m.flip, m.cost.cycles,
+      name, m.error.mean, m.error.error(), m.run_bound, error_then, m.flip, m.cost.cycles,
       m.cost.bytes, m.cost.gatherer_lut, m.cost.lut, cost_then, lines_text(m.lines));
 }
 
@@ -101,7 +97,7 @@ Json measured_json(const MeasuredPlan& m) {
   j["standard_error"] = m.error.error();
   j["from_seeds"] = m.error.seed_error;
   j["from_pixels"] = m.error.pixel_error;
-  j["bound_of_a_run"] = m.error.bound();
+  j["bound_of_a_run"] = m.run_bound;
   j["seeds"] = m.error.seeds;
   j["predicted_error"] = m.predicted_error > 0 ? Json(m.predicted_error) : Json();
   j["relmse"] = m.relmse;
@@ -121,7 +117,7 @@ std::string why_it_lost(const PlanSearch& search, const MeasuredPlan& m, const M
     return fmt::format("its error is {:.1f} % above the limit", 100 * (m.error.mean / limit - 1));
   if (more < 0)
     return fmt::format("{:.1f} % cheaper, but a run of it may have {:.5f}, above the limit",
-                       -100 * more, m.error.bound());
+                       -100 * more, m.run_bound);
   return fmt::format("costs {:.1f} % more", 100 * more);
 }
 
@@ -196,7 +192,7 @@ void PlanForError::refuse_alone() const {
 
 void PlanForError::run(const FrameRequest& request, const std::string& output, bool json,
                        int workers, const std::function<void(const Plan&)>& describe) const {
-  const std::optional<Limit> asked = parse_limit(error_);
+  const std::optional<ErrorLimit> asked = parse_limit(error_);
   if (!asked) {
     if (advise_) throw UsageError("--advise: goes with --error");
     if (check_) throw UsageError("--check: goes with --error");
@@ -255,13 +251,16 @@ void PlanForError::run(const FrameRequest& request, const std::string& output, b
   LineValues around;
   double limit = 0;
   if (asked) {
-    limit = asked->value * (asked->is_factor ? search.standard().error.mean : 1);
-    const PlanSearchResult found = search.meet(limit);
+    const PlanSearchResult found = search.meet(*asked);
     if (!found.best) throw CheckFailed("--error: " + found.binds);
+    limit = found.limit;
     const MeasuredPlan& best = *found.best;
     around = best.lines;
-    fmt::print(text, "{}, {}x{}: least {} with a visible error ({}) of at most {:g}\n",
-               search.scene_name(), width, height, minimise_, name, limit);
+    fmt::print(text, "{}, {}x{}: least {} with a visible error ({}) of at most {:g}{}\n",
+               search.scene_name(), width, height, minimise_, name, limit,
+               asked->is_factor
+                   ? fmt::format(", {:g} times the default plan's in the same run", asked->error)
+                   : "");
     fmt::print(text, "{}{}{}", header(), row(search, "best", best),
                row(search, "default", found.standard));
     std::vector<const MeasuredPlan*> runners;
@@ -356,11 +355,19 @@ void PlanForError::run(const FrameRequest& request, const std::string& output, b
                "{:.1f} cycles and {:.0f} bytes a gather\n",
                *check_, search.check_spp(), name, m.error.mean, m.flip, m.cost.cycles,
                m.cost.bytes);
-    j["check"] = {{"seed", *check_}, {"error", m.error.mean},   {"relmse", m.relmse},
-                  {"flip", m.flip},  {"cycles", m.cost.cycles}, {"bytes", m.cost.bytes}};
-    if (m.error.mean > limit)
+    double run_limit = limit;
+    if (asked->is_factor) {
+      const double standard = search.check({}, *check_).error.mean;
+      run_limit = asked->error * standard;
+      fmt::print(text, "  the default plan's has {:.5f}; {:g} times that is {:.5f}\n", standard,
+                 asked->error, run_limit);
+    }
+    j["check"] = {{"seed", *check_},      {"error", m.error.mean}, {"limit", run_limit},
+                  {"relmse", m.relmse},   {"flip", m.flip},        {"cycles", m.cost.cycles},
+                  {"bytes", m.cost.bytes}};
+    if (m.error.mean > run_limit)
       missed = fmt::format("--check: the whole frame with seed {} has {:.5f}, above {:g}", *check_,
-                           m.error.mean, limit);
+                           m.error.mean, run_limit);
   }
   if (json) fmt::print("{}\n", j.dump(2));
   if (!missed.empty()) throw CheckFailed(missed);

@@ -31,20 +31,6 @@ std::string png_beside(const std::string& exr) {
   return std::filesystem::path(exr).replace_extension(".png").string();
 }
 
-Json counts_json(const FrameCounts& c) {
-  return {{"camera_samples", c.camera_samples},
-          {"caustic_queries", c.caustic_queries},
-          {"table_gathers", c.table_gathers},
-          {"directions", c.directions},
-          {"below_horizon", c.below_horizon},
-          {"final_gathers", c.final_gathers},
-          {"full", c.full},
-          {"clamped", c.clamped},
-          {"saturated_weights", c.shader.weights},
-          {"saturated_direct", c.shader.direct},
-          {"not_finite", c.shader.not_finite}};
-}
-
 // Renders by photon mapping; fills metadata and summary.
 Image photon_map(const RenderOptions& o, const FrameRequest& request, ConsoleProgress& progress,
                  Json& summary) {
@@ -69,14 +55,7 @@ Image photon_map(const RenderOptions& o, const FrameRequest& request, ConsolePro
     write_plan(frame.plan, folder->temporary() + "/plan.toml", frame.reasons);
     folder->commit();
   }
-  if (counts.shader.weights || counts.shader.direct)
-    print_warnings(
-        {fmt::format("{} weights and {} values of direct light exceed the pixel's "
-                     "integer bits and were taken as the largest that fit",
-                     counts.shader.weights, counts.shader.direct)});
-  if (counts.shader.not_finite)
-    print_warnings({fmt::format("{} values of light were no finite number and count as 0",
-                                counts.shader.not_finite)});
+  print_warnings(count_messages(counts));
   if (counts.unmatched || counts.unanswered)
     throw std::runtime_error(fmt::format("{} results answer no query and {} queries have no result",
                                          counts.unmatched, counts.unanswered));
@@ -94,8 +73,7 @@ Image photon_map(const RenderOptions& o, const FrameRequest& request, ConsolePro
   summary["caustic_photons"] = frame.caustic.count;
   summary["paths"] = frame.global_pass.paths;
   summary["caustic_paths"] = frame.caustic_pass.paths;
-  summary["zeroed_photons"] = frame.global_counts.zeroed + frame.caustic_counts.zeroed;
-  summary["saturated_photons"] = frame.global_counts.saturated + frame.caustic_counts.saturated;
+  summary.update(packed_json(frame));
   summary["k"] = plan.k;
   summary["radius"] = plan.global.radius;
   summary["caustic_radius"] = plan.caustic.radius;

@@ -177,6 +177,21 @@ size_t block_of(const Planes& image, size_t pixel) {
   return pixel / width * kBlockEdge / height * kBlockEdge + pixel % width * kBlockEdge / width;
 }
 
+Blocks half_differences(const std::vector<double>& values, int width, int height) {
+  constexpr size_t kEdge = 8;
+  const auto w = static_cast<size_t>(width), h = static_cast<size_t>(height);
+  // Of even size, so that the halves of a cell have as many pixels, but for the last ones'.
+  const size_t across = (w + 2 * kEdge - 1) / (2 * kEdge) * 2,
+               down = (h + 2 * kEdge - 1) / (2 * kEdge) * 2;
+  Blocks differences(kEdge * kEdge, 0.0);
+  for (size_t y = 0; y < h; ++y)
+    for (size_t x = 0; x < w; ++x) {
+      const double v = values[y * w + x] / static_cast<double>(values.size());
+      differences[y / down * kEdge + x / across] += (x + y) % 2 == 0 ? v : -v;
+    }
+  return differences;
+}
+
 namespace {
 
 // The unit whose resources stand apart.
@@ -218,14 +233,14 @@ Measurement image_errors(const Planes& a, const Planes& b1, const Planes& b2, co
 // this seed gives way to what it is in the mean. Their squared distance from their own mean is
 // taken off and its expectation added. A few pixels that see a lamp in a mirror would else hide
 // what plans differ in.
-double walk_correction(PointRun& run, size_t p) {
+double walk_correction(PointRun& run, const WalkNoise& noise, size_t p) {
   const SceneReferences& r = run.scene().references();
   const Planes& walks = run.walks();
   double sum = 0;
   for (size_t c = 0; c < 3; ++c) {
-    const double d = walks.c[c][p] - r.walks.c[c][p], b = r.mean.c[c][p];
+    const double d = walks.c[c][p] - noise.mean.c[c][p], b = r.mean.c[c][p];
     // The mean that d is measured from has noise of its own.
-    const double expected = r.walk_variance.c[c][p] * (1.0 / run.plan().spp + 1 / r.walk_samples);
+    const double expected = noise.variance.c[c][p] * (1 + 1 / noise.frames);
     sum += (expected - d * d) / (b * b + 0.01);
   }
   return sum / (3.0 * static_cast<double>(walks.c[0].size()));
@@ -234,28 +249,12 @@ double walk_correction(PointRun& run, size_t p) {
 Measurement measure_visible(PointRun& run) {
   const SceneReferences& r = run.scene().references();
   Measurement m = image_errors(run.golden(), r.b1, r.b2, r.mean);
+  const auto walks = run.scene().walk_noise(run.plan().spp);
   Blocks& relmse = m.blocks["relmse"];
   for (size_t p = 0; p < r.mean.c[0].size(); ++p)
-    relmse[block_of(r.mean, p)] += walk_correction(run, p);
+    relmse[block_of(r.mean, p)] += walk_correction(run, *walks, p);
   m.values[0] = total(relmse);
   return m;
-}
-
-// The standard error of a mean over parts of a frame of which each has one pixel in the film, drawn
-// by lot, from how neighbours differ: half the mean square of a difference is a part's variance,
-// and a little more where the parts' own means differ.
-double lot_error(const std::vector<double>& values, int width, int height) {
-  const auto w = static_cast<size_t>(width), h = static_cast<size_t>(height);
-  double sum = 0;
-  size_t pairs = 0;
-  for (size_t y = 0; y < h; ++y)
-    for (size_t x = 0; x < w; ++x) {
-      const double v = values[y * w + x];
-      if (x + 1 < w) sum += (v - values[y * w + x + 1]) * (v - values[y * w + x + 1]), ++pairs;
-      if (y + 1 < h) sum += (v - values[y * w + w + x]) * (v - values[y * w + w + x]), ++pairs;
-    }
-  if (pairs == 0) return kNone;
-  return std::sqrt(sum / 2 / static_cast<double>(pairs) / static_cast<double>(values.size()));
 }
 
 // The standard error of relMSE from the references' own noise alone, as the two differ. That of a
@@ -273,22 +272,31 @@ double reference_error(const Planes& a, const SceneReferences& r) {
   return std::sqrt(sum) / static_cast<double>(a.c[0].size());
 }
 
+double root_of_squares(const Blocks& differences) {
+  double sum = 0;
+  for (const double d : differences) sum += d * d;
+  return std::sqrt(sum);
+}
+
 Measurement measure_lot(PointRun& run) {
   const SceneReferences& r = run.scene().references();
   const Planes& a = run.golden();
   if (run.study().frame_width == 0) return {{reference_error(a, r), 0.0}, {}};
   const size_t pixels = a.c[0].size();
+  const auto walks = run.scene().walk_noise(run.plan().spp);
   std::vector<double> relmse(pixels, 0.0);
   for (size_t p = 0; p < pixels; ++p) {
     for (size_t c = 0; c < 3; ++c) {
       const double v = a.c[c][p], b = r.mean.c[c][p];
       relmse[p] += (v - r.b1.c[c][p]) * (v - r.b2.c[c][p]) / (b * b + 0.01) / 3;
     }
-    relmse[p] += static_cast<double>(pixels) * walk_correction(run, p);
+    relmse[p] += static_cast<double>(pixels) * walk_correction(run, *walks, p);
   }
   // What the references' noise adds to how pixels differ is in it.
-  return {{lot_error(relmse, a.width, a.height), lot_error(hdr_flip(a, r.mean), a.width, a.height)},
-          {}};
+  const Blocks halves = half_differences(relmse, a.width, a.height),
+               flip_halves = half_differences(hdr_flip(a, r.mean), a.width, a.height);
+  return {{root_of_squares(halves), root_of_squares(flip_halves)},
+          {{"relmse", halves}, {"flip", flip_halves}}};
 }
 
 Measurement measure_formats(PointRun& run) {
@@ -441,7 +449,9 @@ const std::vector<Measure>& measures() {
        "references",
        {{"relmse", "", "of visible.relmse"}, {"flip", "", "of visible.flip"}},
        measure_lot,
-       [](const Study&, const StudyScene& s) { return "references " + s.references().signature; }},
+       [](const Study&, const StudyScene& s) {
+         return "references " + s.references().signature + ", halves";
+       }},
       {"formats",
        "error against reference arithmetic on the same photons",
        {{"relmse", "", "mean (a - c)^2 / (c^2 + 0.01)"},

@@ -38,6 +38,13 @@ struct Measurement {
 };
 
 // One plan in one scene with one seed. What several measures need is made once.
+// A film of which each pixel was drawn by lot from a part of the frame, in 64 cells: of each, the
+// pixels of one colour of a chessboard minus those of the other, as parts of the mean over all
+// pixels. The halves see the same picture, so the sum of squares is the variance of that mean from
+// which pixels were drawn and from their noise. Linear, so a mean over seeds and the difference of
+// two plans have theirs too.
+Blocks half_differences(const std::vector<double>& values, int width, int height);
+
 class PointRun {
  public:
   PointRun(StudyScene& scene, const Study& study, const Plan& plan, uint64_t seed,

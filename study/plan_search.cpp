@@ -95,6 +95,20 @@ double mean_of(const std::vector<Result>& results, const std::string& measure_na
   return sum / static_cast<double>(results.size());
 }
 
+// Over all results; empty where all pixels were measured.
+std::vector<double> mean_halves(const std::vector<Result>& results, const std::string& metric) {
+  std::vector<double> mean;
+  for (const Result& r : results) {
+    const auto& blocks = r.measures.at("lot").figures.blocks;
+    const auto halves = blocks.find(metric);
+    if (halves == blocks.end()) return {};
+    mean.resize(halves->second.size());
+    for (size_t i = 0; i < mean.size(); ++i)
+      mean[i] += halves->second[i] / static_cast<double>(results.size());
+  }
+  return mean;
+}
+
 std::string board_list() {
   std::string names;
   for (const std::string& name : board_names())
@@ -149,12 +163,33 @@ std::string misfit(const Plan& plan, const BoardDescription& board) {
 
 }  // namespace
 
+namespace {
+
+// One more run differs as much as the seeds did, whatever their mean is off by.
+double run_error(double seed_error, int seeds) {
+  return seed_error * std::sqrt(static_cast<double>(seeds) + 1);
+}
+
+}  // namespace
+
 double MeasuredError::error() const { return std::hypot(seed_error, pixel_error); }
 
 double MeasuredError::bound() const {
-  // One more run differs as much as the seeds did, whatever their mean is off by.
-  const double run = seed_error * std::sqrt(static_cast<double>(seeds) + 1);
-  return mean + kSigmas * std::hypot(run, pixel_error);
+  return mean + kSigmas * std::hypot(run_error(seed_error, seeds), pixel_error);
+}
+
+double MeasuredError::bound_beyond(double factor, const MeasuredError& standard) const {
+  double pixels = 0;
+  if (halves.size() == standard.halves.size() && !halves.empty())
+    for (size_t i = 0; i < halves.size(); ++i)
+      pixels = std::hypot(pixels, halves[i] - factor * standard.halves[i]);
+  else
+    pixels = std::hypot(pixel_error, factor * standard.pixel_error);
+  // What the difference at the ratio measured varies by, and what the rest of the factor adds.
+  const double rest = std::fabs(factor - mean / standard.mean) * standard.seed_error;
+  const double run =
+      std::hypot(run_error(beyond_seed_error, seeds), run_error(rest, standard.seeds));
+  return mean - factor * standard.mean + kSigmas * std::hypot(run, pixels);
 }
 
 std::string lines_text(const LineValues& lines) {
@@ -186,10 +221,12 @@ class PlanSearch::Work {
     return points_[0].measured;
   }
 
-  PlanSearchResult meet(double bound) {
-    limit_ = bound;
+  PlanSearchResult meet(const ErrorLimit& limit) {
+    factor_ = limit.is_factor ? limit.error : 0;
+    limit_ = limit.is_factor ? limit.error * standard().error.mean : limit.error;
     learn();
     PlanSearchResult result;
+    result.limit = limit_;
     for (;;) {
       explore();
       // The cheapest that holds, or may hold as far as the search seeds say.
@@ -208,6 +245,8 @@ class PlanSearch::Work {
       fit();
     }
     confirm(0);
+    for (Point& p : points_) p.measured.run_bound = run_bound(p.measured.error);
+    if (result.best) result.best->run_bound = run_bound(result.best->error);
     result.standard = points_[0].measured;
     for (const Point& p : points_) result.points.push_back(p.measured);
     std::stable_sort(result.points.begin(), result.points.end(),
@@ -430,20 +469,29 @@ class PlanSearch::Work {
   // Causes add up in squared errors: FLIP goes with the root of them.
   double power() const { return request_.flip ? 2 : 1; }
 
+  bool holds(const MeasuredError& e) const {
+    return factor_ > 0 ? e.bound_beyond(factor_, points_[0].measured.error) <= 0
+                       : e.bound() <= limit_;
+  }
+  // What another run may have, to be held against limit_.
+  double run_bound(const MeasuredError& e) const {
+    return factor_ > 0 ? limit_ + e.bound_beyond(factor_, points_[0].measured.error) : e.bound();
+  }
+  double margin_of(const MeasuredError& e) const { return run_bound(e) / e.mean; }
+
   // The largest measured mean with which another run of the whole frame would probably still be
   // within the limit: as much less as confirmed plans' bounds were more than their means.
   double limit_of_means() const {
-    double margin = points_[0].measured.error.bound() / points_[0].measured.error.mean;
+    double margin = margin_of(points_[0].measured.error);
     for (const Point& p : points_)
-      if (p.was_confirmed)
-        margin = std::max(margin, p.measured.error.bound() / p.measured.error.mean);
+      if (p.was_confirmed) margin = std::max(margin, margin_of(p.measured.error));
     return limit_ / margin;
   }
 
   bool is_hopeful(const Point& p) {
     if (!fitting(p.choice)) return false;
     const MeasuredError& e = p.measured.error;
-    return p.was_confirmed ? e.bound() <= limit_ : e.mean <= limit_of_means();
+    return p.was_confirmed ? holds(e) : e.mean <= limit_of_means();
   }
 
   // --- Measuring.
@@ -490,14 +538,29 @@ class PlanSearch::Work {
     std::vector<Result> results(seeds);
     each_on_worker(request_.workers, seeds,
                    [&](size_t i) { results[i] = result_of(m.plan, study_.seeds[i]); });
-    const Means means = means_of(results, results);
+    if (standard_.size() < seeds && m.lines.empty()) standard_ = results;
+    const std::vector<Result> standard(
+        standard_.begin(),
+        standard_.begin() + static_cast<ptrdiff_t>(std::min(seeds, standard_.size())));
+    const Means means = means_of(results, standard);
     const std::string metric = request_.flip ? "flip" : "relmse";
     m.relmse = means.at("visible.relmse").mean;
     m.flip = means.at("visible.flip").mean;
     m.error.mean = request_.flip ? m.flip : m.relmse;
     m.error.seed_error = seeds > 1 ? means.at("visible." + metric).error : 0;
+    if (seeds > 1 && standard.size() == seeds) {
+      const double standard_mean = mean_of(standard, "visible", metric);
+      m.error.beyond_seed_error = means.at("visible." + metric).ratio_error * standard_mean;
+    }
     m.error.pixel_error = mean_of(results, "lot", metric);
+    m.error.halves = mean_halves(results, metric);
+    if (!m.error.halves.empty()) {
+      double sum = 0;
+      for (const double h : m.error.halves) sum += h * h;
+      m.error.pixel_error = std::sqrt(sum);
+    }
     m.error.seeds = static_cast<int>(seeds);
+    m.run_bound = m.error.bound();
     m.cost.cycles = mean_of(results, "gather", "cycles");
     m.cost.bytes = mean_of(results, "gather", "bytes");
     predict_luts(framed(m.plan), m.cost);
@@ -621,7 +684,7 @@ class PlanSearch::Work {
 
   bool may_hold(const Choice& choice) {
     for (const Point& p : points_)
-      if (p.choice == choice && p.was_confirmed && p.measured.error.bound() > limit_) return false;
+      if (p.choice == choice && p.was_confirmed && !holds(p.measured.error)) return false;
     const Candidate* c = fitting(choice);
     return c && expected(choice, *c) <= limit_of_means();
   }
@@ -733,7 +796,7 @@ class PlanSearch::Work {
         "no plan of {} is known to stay within {:g}: the best found has {:.5f} ± {:.5f}, and "
         "another "
         "run of it may have {:.5f} ({})",
-        scene_->name(), limit_, best.error.mean, best.error.error(), best.error.bound(),
+        scene_->name(), limit_, best.error.mean, best.error.error(), run_bound(best.error),
         lines_text(best.lines));
     // What more of each cause's cure would give, measured.
     const Plan& plan = best.plan;
@@ -827,16 +890,18 @@ class PlanSearch::Work {
   std::map<Choice, std::optional<Candidate>> candidates_;
   std::optional<Plan> base_;
   std::unique_ptr<PlanCosts> costs_;
-  std::vector<Point> points_;  // the default plan first
+  std::vector<Point> points_;     // the default plan first
+  std::vector<Result> standard_;  // its results
   std::unique_ptr<ErrorModel> model_;
   double limit_ = 0;
+  double factor_ = 0;  // of the default plan's error in the same run; 0: limit_ is the error itself
 };
 
 PlanSearch::PlanSearch(PlanSearchRequest request)
     : work_(std::make_unique<Work>(std::move(request))) {}
 PlanSearch::~PlanSearch() = default;
 MeasuredPlan PlanSearch::standard() { return work_->standard(); }
-PlanSearchResult PlanSearch::meet(double error) { return work_->meet(error); }
+PlanSearchResult PlanSearch::meet(const ErrorLimit& limit) { return work_->meet(limit); }
 std::vector<PlanSearch::CurvePoint> PlanSearch::curve(const std::string& line,
                                                       const LineValues& around) {
   return work_->curve(line, around);

@@ -47,16 +47,31 @@ struct MeasuredError {
   double mean = 0;
   double seed_error = 0;   // standard error of the mean, from how seeds differ
   double pixel_error = 0;  // standard error from which pixels were measured
+  // As seed_error, of the difference to the default plan's error times the ratio of both, over the
+  // same seeds; 0 for the default plan.
+  double beyond_seed_error = 0;
+  std::vector<double> halves;  // half_differences of the mean over seeds; empty: all pixels
   int seeds = 0;
   double error() const;  // of both
   // What one run of the whole frame with one more seed exceeds in one of twenty cases.
   double bound() const;
+  // The same, beside `factor` times what the default plan has in its run with that seed: below 0
+  // where it stays within. Measured on the same pixels with the same seeds, both err alike.
+  double bound_beyond(double factor, const MeasuredError& standard) const;
+};
+
+// What an error may be: at most `error`, or so many times what the default plan has in the same
+// run.
+struct ErrorLimit {
+  double error = 0;
+  bool is_factor = false;
 };
 
 struct MeasuredPlan {
   LineValues lines;  // beyond what was asked
   Plan plan;         // of the measured pixels
   MeasuredError error;
+  double run_bound = 0;         // what another run may have, to be held against the limit
   double relmse = 0, flip = 0;  // means; one of them is that of `error`
   PlanCost cost;                // measured, where a model gives the cycles from counted searches
   PlanCost predicted_cost;      // before it was rendered
@@ -66,6 +81,7 @@ struct MeasuredPlan {
 struct PlanSearchResult {
   std::optional<MeasuredPlan> best;
   MeasuredPlan standard;             // the default plan
+  double limit = 0;                  // as an error
   std::vector<MeasuredPlan> points;  // all that were measured, the cheapest first
   // Root mean squares of relative errors: of predicted errors, each plan from all others; of costs.
   double error_prediction = 0, cost_prediction = 0;
@@ -83,7 +99,7 @@ class PlanSearch {
   // The default plan, measured with all seeds.
   MeasuredPlan standard();
 
-  PlanSearchResult meet(double error);
+  PlanSearchResult meet(const ErrorLimit& limit);
 
   // The plan with `line` at each of some values, all else as `around`.
   struct CurvePoint {

@@ -64,13 +64,14 @@ std::vector<LineValues> latin_hypercube(const std::vector<LineChoice>& choices, 
   return points;
 }
 
-std::vector<Point> fixed_points(const Study& study) {
+std::vector<Point> fixed_points(const Study& study, size_t scene) {
   std::vector<Point> points{
-      {.number = 0, .scene = 0, .lines = {}, .seeds = 0, .origin = "baseline"}};
+      {.number = 0, .scene = scene, .lines = {}, .seeds = 0, .origin = "baseline"}};
   for (const PointSet& set : study.sets) {
+    if (!set.has_scene(scene)) continue;
     const auto add = [&](const std::vector<LineValues>& all, const std::string& origin) {
       for (const LineValues& lines : all)
-        points.push_back({static_cast<uint32_t>(points.size()), 0, lines, set.seeds, origin});
+        points.push_back({static_cast<uint32_t>(points.size()), scene, lines, set.seeds, origin});
     };
     if (set.strategy == Strategy::kList) add(set.list, "list");
     if (set.strategy == Strategy::kGrid) add(grid(set.choices), "grid");
@@ -86,10 +87,10 @@ std::span<const uint64_t> seeds_of(const Point& point, const std::vector<uint64_
   return std::span(seeds).first(count == 0 ? seeds.size() : std::min(count, seeds.size()));
 }
 
-uint32_t points_of_scene(const Study& study) {
-  auto n = static_cast<uint32_t>(fixed_points(study).size());
+uint32_t points_of_scene(const Study& study, size_t scene) {
+  auto n = static_cast<uint32_t>(fixed_points(study, scene).size());
   for (const PointSet& set : study.sets)
-    if (set.strategy == Strategy::kSearch)
+    if (set.strategy == Strategy::kSearch && set.has_scene(scene))
       n += static_cast<uint32_t>(set.population * set.generations);
   return n;
 }

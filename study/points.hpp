@@ -19,13 +19,13 @@ struct Point {
   std::string origin;  // "baseline", "list", "grid", "latin_hypercube seed 7", "search seed 1"
 };
 
-// The points of one scene that the file alone decides, numbered from 0: the baseline, then set by
+// The points of a scene that the file alone decides, numbered from 0: the baseline, then set by
 // set. Those of a search follow them.
-std::vector<Point> fixed_points(const Study& study);
+std::vector<Point> fixed_points(const Study& study, size_t scene);
 // The seeds that a point is measured with.
 std::span<const uint64_t> seeds_of(const Point& point, const std::vector<uint64_t>& seeds);
-// Points of one scene, those of searches included.
-uint32_t points_of_scene(const Study& study);
+// How many points a scene has, those of searches included.
+uint32_t points_of_scene(const Study& study, size_t scene);
 
 // `count` points of a Latin hypercube: each line's values, or its range in `count` equal parts,
 // come evenly often; which go together follows from the seed.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The measure `ray_means`: whether a plan's final gather rays find the light that cosine-sampled ones
-// find of the same photons and camera walks. docs/sampling.md defines the columns.
+// The measure `ray_means`: whether a plan's final gather rays find the light that cosine-sampled
+// ones find of the same photons and camera walks. docs/sampling.md defines the columns.
 #pragma once
 #include <string>
 #include <vector>

@@ -111,9 +111,9 @@ class Sweep {
       if (scenes_[s]) source.add(baseline_hash(s));
     }
     table_.source = source.hex();
-    const uint32_t each = points_of_scene(study_);
-    const std::vector<Point> fixed = fixed_points(study_);
-    plans_.resize(each * scenes_.size());
+    size_t count = 0;
+    for (size_t s = 0; s < scenes_.size(); ++s) count += points_of_scene(study_, s);
+    plans_.resize(count);
     const std::string file = request_.folder + "/points.json";
     if (std::filesystem::exists(file)) try {
         PointTable old = parse_point_table(read_file(file));
@@ -125,15 +125,17 @@ class Sweep {
       } catch (const std::exception&) {
         say(fmt::format("{}: cannot be read; points are planned again", file));
       }
-    for (size_t s = 0; s < scenes_.size(); ++s)
-      for (uint32_t i = 0; i < each; ++i) {
+    for (size_t s = 0; s < scenes_.size(); ++s) {
+      const std::vector<Point> fixed = fixed_points(study_, s);
+      for (uint32_t i = 0; i < points_of_scene(study_, s); ++i) {
         PlannedPoint p;
         if (i < fixed.size()) p.point = fixed[i];
-        p.point.number = static_cast<uint32_t>(s) * each + i;
+        p.point.number = static_cast<uint32_t>(table_.points.size());
         p.point.scene = s;
         if (i >= fixed.size()) p.point.origin = "search";
         table_.points.push_back(p);
       }
+    }
     std::vector<uint32_t> numbers;
     for (const PlannedPoint& p : table_.points)
       if (scenes_[p.point.scene] && p.point.origin != "search") numbers.push_back(p.point.number);
@@ -394,13 +396,12 @@ class Sweep {
 
   // Generation by generation: what the library proposes follows from the figures before it.
   void search() {
-    const auto fixed = static_cast<uint32_t>(fixed_points(study_).size());
-    const uint32_t each = points_of_scene(study_);
-    for (size_t s = 0; s < scenes_.size(); ++s) {
+    uint32_t of_scene = 0;  // its first point
+    for (size_t s = 0; s < scenes_.size(); of_scene += points_of_scene(study_, s), ++s) {
       if (!scenes_[s]) continue;
-      uint32_t first = static_cast<uint32_t>(s) * each + fixed;
+      uint32_t first = of_scene + static_cast<uint32_t>(fixed_points(study_, s).size());
       for (const PointSet& set : study_.sets) {
-        if (set.strategy != Strategy::kSearch) continue;
+        if (set.strategy != Strategy::kSearch || !set.has_scene(s)) continue;
         std::vector<std::vector<double>> told;
         for (int generation = 0; generation < set.generations; ++generation) {
           const std::vector<LineValues> proposed =

@@ -330,6 +330,24 @@ class Parser {
     return c;
   }
 
+  // Of the scenes that points.scenes names, by their files' names without folder and extension.
+  std::vector<size_t> scene_numbers(const toml::node& node) const {
+    std::vector<std::string> names;
+    for (const std::string& file : study_.scenes)
+      names.push_back(std::filesystem::path(file).stem().string());
+    const std::string expected = "an array of " + listed(names);
+    std::set<size_t> numbers;
+    for (const toml::node& n : array(node, "points.scenes", expected.c_str())) {
+      const auto at = std::find(names.begin(), names.end(), text(n, "points.scenes"));
+      if (at == names.end())
+        fail(n,
+             fmt::format("points.scenes has {}, expected one of {}", value_text(n), listed(names)));
+      if (!numbers.insert(static_cast<size_t>(at - names.begin())).second)
+        fail(n, fmt::format("points.scenes has {} twice", value_text(n)));
+    }
+    return {numbers.begin(), numbers.end()};
+  }
+
   PointSet point_set(const toml::table& t) const {
     PointSet set;
     set.line = static_cast<int>(t.source().begin.line);
@@ -337,8 +355,9 @@ class Parser {
         needed(t, "points", "strategy", "list, grid, latin_hypercube or search");
     const std::string name = text(strategy, "points.strategy");
     if (const toml::node* n = t.get("seeds")) set.seeds = seed_count(*n, "points.seeds");
+    if (const toml::node* n = t.get("scenes")) set.scenes = scene_numbers(*n);
     if (name == "list") {
-      expect_keys(t, "points", {"strategy", "seeds", "lines"});
+      expect_keys(t, "points", {"strategy", "seeds", "scenes", "lines"});
       const char* expected = "an array of { line = value } tables";
       for (const toml::node& n :
            array(needed(t, "points", "lines", expected), "points.lines", expected)) {
@@ -350,17 +369,17 @@ class Parser {
     }
     if (name == "grid") {
       set.strategy = Strategy::kGrid;
-      expect_keys(t, "points", {"strategy", "seeds", "lines"});
+      expect_keys(t, "points", {"strategy", "seeds", "scenes", "lines"});
     } else if (name == "latin_hypercube") {
       set.strategy = Strategy::kLatinHypercube;
-      expect_keys(t, "points", {"strategy", "seeds", "count", "seed", "lines"});
+      expect_keys(t, "points", {"strategy", "seeds", "scenes", "count", "seed", "lines"});
       set.count = static_cast<int>(
           integer(needed(t, "points", "count", "a number of points"), "points.count", 1, 1000000));
     } else if (name == "search") {
       set.strategy = Strategy::kSearch;
-      expect_keys(
-          t, "points",
-          {"strategy", "seeds", "population", "generations", "seed", "objectives", "lines"});
+      expect_keys(t, "points",
+                  {"strategy", "seeds", "scenes", "population", "generations", "seed", "objectives",
+                   "lines"});
       set.population = static_cast<int>(integer(
           needed(t, "points", "population", "points a generation"), "points.population", 2, 10000));
       set.generations =
@@ -410,9 +429,16 @@ class Parser {
 
 }  // namespace
 
+bool PointSet::has_scene(size_t scene) const {
+  return scenes.empty() || std::binary_search(scenes.begin(), scenes.end(), scene);
+}
+
 Study parse_study(const std::string& text, const std::string& file, const Measures& measures) {
   return Parser(file, measures).parse(text);
 }
+
+// Points of a study at most.
+constexpr uint32_t kMostNumbers = 1000000;
 
 std::vector<uint32_t> parse_numbers(const std::string& text, const std::string& option) {
   std::set<uint32_t> numbers;
@@ -430,9 +456,11 @@ std::vector<uint32_t> parse_numbers(const std::string& text, const std::string& 
     if (a.ptr != end) {
       if (*a.ptr != '-') bad(part);
       const auto b = std::from_chars(a.ptr + 1, end, last);
-      if (b.ec != std::errc() || b.ptr != end || last < first || last - first > 10000000) bad(part);
+      if (b.ec != std::errc() || b.ptr != end || last < first || last - first >= kMostNumbers)
+        bad(part);
     }
-    for (uint32_t i = first; i <= last; ++i) numbers.insert(i);
+    for (uint64_t i = first; i <= last; ++i) numbers.insert(static_cast<uint32_t>(i));
+    if (numbers.size() > kMostNumbers) bad(part);
   }
   return {numbers.begin(), numbers.end()};
 }

@@ -45,6 +45,9 @@ struct PointSet {
   int population = 0, generations = 0;  // of kSearch
   std::vector<std::string> objectives;  // "measure.column", all minimised
   int seeds = 0;                        // so many first ones of the study's; 0: all
+  std::vector<size_t> scenes;           // of the study's, ascending; empty: all
+
+  bool has_scene(size_t scene) const;
 };
 
 struct Study {

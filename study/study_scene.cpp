@@ -23,8 +23,9 @@ constexpr size_t kConvergedKept = 8;  // frames
 constexpr std::array<uint64_t, 2> kReferenceSeeds{1000001, 1000002};
 constexpr uint64_t kWalkSeed = 1000003;
 // Samples of the walks' mean and variance, a pixel: kWalkSamples up to kWalkPixels, then as many in
-// all as long as each pixel has kWalkSamplesLeast.
+// all as long as each pixel has kWalkSamplesLeast, and at least kWalkFramesLeast frames of them.
 constexpr int kWalkSamples = 4096, kWalkPixels = 64 * 64, kWalkSamplesLeast = 256;
+constexpr int kWalkFramesLeast = 16;
 
 std::string replaced(std::string text, const std::string& mark, const std::string& by) {
   for (size_t at; (at = text.find(mark)) != std::string::npos;) text.replace(at, mark.size(), by);
@@ -55,15 +56,16 @@ void check_reference(const Image& image, const std::string& path, const Study& s
                     path, hash == image.metadata.end() ? "missing" : hash->second, scene_hash));
 }
 
-// Channels R, G, B: mean; variance.R, .G, .B: of one sample.
-Image walk_image(const World& world, const RayCaster& caster, Progress* progress) {
+// Channels R, G, B: mean; variance.R, .G, .B: of a frame of `spp` samples a pixel.
+Image walk_image(const World& world, const RayCaster& caster, int spp, Progress* progress) {
   Image image;
   image.width = world.scene().film.width;
   image.height = world.scene().film.height;
   const int samples =
       std::clamp(static_cast<int>(int64_t{kWalkSamples} * kWalkPixels / image.width / image.height),
                  kWalkSamplesLeast, kWalkSamples);
-  image.metadata["walkSamples"] = fmt::format("{}", samples);
+  const int frames = std::max(samples / spp, kWalkFramesLeast);
+  image.metadata["frames"] = fmt::format("{}", frames);
   for (const char* name : {"R", "G", "B", "variance.R", "variance.G", "variance.B"})
     image.add(name);
   const auto width = static_cast<size_t>(image.width);
@@ -72,24 +74,44 @@ Image walk_image(const World& world, const RayCaster& caster, Progress* progress
     for (size_t x = 0; x < width; ++x) {
       // Welford's running mean and sum of squares.
       Rgb mean(0), squares(0);
-      for (int s = 0; s < samples; ++s) {
-        const CameraSample sample =
-            trace_camera(world, caster, static_cast<int>(x), static_cast<int>(y),
-                         static_cast<uint64_t>(s), kWalkSeed);
-        const Rgb value = sample.emission + sample.direct, d = value - mean;
-        mean += d / static_cast<double>(s + 1);
+      for (int f = 0; f < frames; ++f) {
+        Rgb value(0);
+        for (int s = 0; s < spp; ++s) {
+          const CameraSample sample =
+              trace_camera(world, caster, static_cast<int>(x), static_cast<int>(y),
+                           static_cast<uint64_t>(s), kWalkSeed + static_cast<uint64_t>(f));
+          value += sample.emission + sample.direct;
+        }
+        value /= static_cast<double>(spp);
+        const Rgb d = value - mean;
+        mean += d / static_cast<double>(f + 1);
         squares += d * (value - mean);
       }
       for (int c = 0; c < 3; ++c) {
         const auto i = static_cast<size_t>(c);
         image.channels[i].pixels[y * width + x] = static_cast<float>(mean[c]);
-        image.channels[3 + i].pixels[y * width + x] =
-            static_cast<float>(squares[c] / (samples - 1));
+        image.channels[3 + i].pixels[y * width + x] = static_cast<float>(squares[c] / (frames - 1));
       }
     }
     phase.advance(1);
   });
   return image;
+}
+
+// The image in `path` where it was made of this scene, else what `make` gives, which is left there.
+Image find_or_write(const std::string& path, const std::string& scene_hash,
+                    const std::string& made_of, const std::function<Image()>& make) {
+  if (std::filesystem::exists(path)) {
+    // The scene or the study may have changed since.
+    Image there = read_exr(path);
+    if (there.metadata["madeOf"] == made_of) return there;
+  }
+  Image image = make();
+  image.metadata["sceneHash"] = scene_hash;
+  image.metadata["madeOf"] = made_of;
+  std::filesystem::create_directories(std::filesystem::path(path).parent_path());
+  write_exr(image, path);
+  return read_exr(path);  // as everyone finds it
 }
 
 }  // namespace
@@ -193,51 +215,34 @@ StudyScene::Any StudyScene::shared_any(const std::string& key, const std::functi
 
 void StudyScene::load_references(const Study& study, const std::string& folder,
                                  Progress* progress) {
-  const auto reference = [&](const std::string& which, const auto& make) {
-    std::string path;
-    if (!study.reference_files.empty())
-      path = replaced(replaced(study.reference_files, "{scene}", name_), "{n}", which);
-    if (path.empty() || (study.reference_spp > 0 && !std::filesystem::exists(path))) {
-      const std::string frame = study.frame_width > 0
-                                    ? fmt::format("of{}x{}.", study.frame_width, study.frame_height)
-                                    : "";
-      path = fmt::format("{}/{}.{}x{}.{}{}.exr", folder, name_, study.width, study.height, frame,
-                         which);
-      // The scene or the study may have changed since.
-      const std::string made_of = fmt::format("{} {}", hash_text(), study.reference_spp);
-      const bool there =
-          std::filesystem::exists(path) && read_exr(path).metadata["madeOf"] == made_of;
-      if (!there) {
-        Image image = make();
-        image.metadata["sceneHash"] = hash_text();
-        image.metadata["madeOf"] = made_of;
-        std::filesystem::create_directories(folder);
-        write_exr(image, path);
-      }
-    }
-    Image image = read_exr(path);
-    check_reference(image, path, study, hash_text());
-    return std::make_pair(std::move(image), path);
-  };
+  references_folder_ = folder;
+  size_text_ = fmt::format("{}x{}", study.width, study.height);
+  if (study.frame_width > 0)
+    size_text_ += fmt::format(".of{}x{}", study.frame_width, study.frame_height);
   Planes* const planes[2] = {&references_.b1, &references_.b2};
   for (size_t n = 0; n < 2; ++n) {
-    const auto [image, path] = reference(fmt::format("{}", n + 1), [&] {
-      const std::unique_ptr<RayCaster> embree = make_embree(*world_);
-      Image traced = render_path(
-          *world_, *embree,
-          {.spp = study.reference_spp, .seed = kReferenceSeeds[n], .progress = progress});
-      std::erase_if(traced.channels, [](const Channel& c) { return c.name.size() > 1; });
-      return traced;
-    });
+    std::string path;
+    if (!study.reference_files.empty())
+      path = replaced(replaced(study.reference_files, "{scene}", name_), "{n}",
+                      fmt::format("{}", n + 1));
+    Image image;
+    if (path.empty() || (study.reference_spp > 0 && !std::filesystem::exists(path))) {
+      path = fmt::format("{}/{}.{}.{}.exr", folder, name_, size_text_, n + 1);
+      const std::string made_of = fmt::format("{} {}", hash_text(), study.reference_spp);
+      image = find_or_write(path, hash_text(), made_of, [&] {
+        const std::unique_ptr<RayCaster> embree = make_embree(*world_);
+        Image traced = render_path(
+            *world_, *embree,
+            {.spp = study.reference_spp, .seed = kReferenceSeeds[n], .progress = progress});
+        std::erase_if(traced.channels, [](const Channel& c) { return c.name.size() > 1; });
+        return traced;
+      });
+    } else {
+      image = read_exr(path);
+    }
+    check_reference(image, path, study, hash_text());
     *planes[n] = planes_of(image, "", path);
   }
-  const auto [walks, path] =
-      reference("walks", [&] { return walk_image(*world_, *caster_, progress); });
-  references_.walks = planes_of(walks, "", path);
-  references_.walk_variance = planes_of(walks, "variance", path);
-  const auto samples = walks.metadata.find("walkSamples");
-  references_.walk_samples =
-      samples == walks.metadata.end() ? kWalkSamples : std::stod(samples->second);
   const Planes &b1 = references_.b1, &b2 = references_.b2;
   references_.mean = b1;
   Sha256 sum;
@@ -247,14 +252,25 @@ void StudyScene::load_references(const Study& study, const std::string& folder,
       const double b = (b1.c[c][p] + b2.c[c][p]) / 2, d = b1.c[c][p] - b2.c[c][p];
       references_.mean.c[c][p] = b;
       own += d * d / 4 / (b * b + 0.01);
-      sum.add(fmt::format("{},{},{},{};", b1.c[c][p], b2.c[c][p], references_.walks.c[c][p],
-                          references_.walk_variance.c[c][p]));
+      sum.add(fmt::format("{},{};", b1.c[c][p], b2.c[c][p]));
     }
   references_.own_relmse = own / (3.0 * static_cast<double>(b1.c[0].size()));
   references_.signature = sum.hex().substr(0, 16);
   if (b1.c == b2.c)
     throw std::runtime_error(fmt::format(
         "{}: both references are the same image, expected two of different seeds", name_));
+}
+
+std::shared_ptr<const WalkNoise> StudyScene::walk_noise(int spp, Progress* progress) {
+  return shared<WalkNoise>(fmt::format("walks of {}", spp), [&] {
+    const std::string path =
+        fmt::format("{}/{}.{}.walks{}.exr", references_folder_, name_, size_text_, spp);
+    const Image image =
+        find_or_write(path, hash_text(), fmt::format("{} walks of {}", hash_text(), spp),
+                      [&] { return walk_image(*world_, *caster_, spp, progress); });
+    return WalkNoise{planes_of(image, "", path), planes_of(image, "variance", path),
+                     std::stod(image.metadata.at("frames"))};
+  });
 }
 
 }  // namespace photonloom

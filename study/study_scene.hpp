@@ -18,16 +18,20 @@
 
 namespace photonloom {
 
-// Two path-traced images of the scene with seeds of their own, and their mean. Beside them what
-// the camera's walks alone show: emitters seen and direct light. Their noise is the same in every
-// plan, and known from many more samples than a frame has.
+// Two path-traced images of the scene with seeds of their own, and their mean.
 struct SceneReferences {
   Planes b1, b2, mean;
-  Planes walks;             // mean
-  Planes walk_variance;     // of one sample
-  double walk_samples = 0;  // a pixel, of which the mean is
-  double own_relmse = 0;    // of the mean: mean (b1 - b2)^2 / (4 (b^2 + 0.01))
-  std::string signature;    // 16 hexadecimal digits of all pixels
+  double own_relmse = 0;  // of the mean: mean (b1 - b2)^2 / (4 (b^2 + 0.01))
+  std::string signature;  // 16 hexadecimal digits of all pixels
+};
+
+// What the camera's walks alone show: emitters seen and direct light. Their noise is the same in
+// every plan of as many samples a pixel, and known here from many frames of them. A frame's samples
+// are spread evenly in a pixel, so its variance is not that of one sample by their number.
+struct WalkNoise {
+  Planes mean;        // over all frames
+  Planes variance;    // of one frame
+  double frames = 0;  // of different seeds
 };
 
 // Two images of the same photons, camera walks and plan with so many final gather rays that they
@@ -67,6 +71,10 @@ class StudyScene {
   void load_references(const Study& study, const std::string& folder, Progress* progress);
   const SceneReferences& references() const { return references_; }
 
+  // Of frames of `spp` samples a pixel; beside the references, made when first asked for. The
+  // references must be loaded.
+  std::shared_ptr<const WalkNoise> walk_noise(int spp, Progress* progress = nullptr);
+
  private:
   using Any = std::shared_ptr<const void>;
   Any shared_any(const std::string& key, const std::function<Any()>& make);
@@ -83,6 +91,7 @@ class StudyScene {
   std::deque<std::pair<std::string, ConvergedFuture>> converged_;  // likewise
   std::map<std::string, std::shared_future<Any>> shared_;
   SceneReferences references_;
+  std::string references_folder_, size_text_;  // the latter names files: 64x64
 };
 
 }  // namespace photonloom

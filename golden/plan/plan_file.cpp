@@ -417,6 +417,11 @@ std::optional<PlanProblem> find_problem(const Plan& plan) {
                             plan.integer_bits, plan.integer_bits, plan.fraction_bits,
                             plan.pixel_sum_bits() - plan.pixel_contribution_bits(), plan.spp,
                             plan.gather_rays, plan.pixel_sum_bits()));
+  if (plan.cache_present && plan.pixel_sum_bits() > 120)
+    return fail("pixel.integer_bits",
+                fmt::format("is {}, but a pixel of {} bits and 8 bits for the throughput that a "
+                            "record's light is multiplied with exceed 128 bits",
+                            plan.integer_bits, plan.pixel_sum_bits()));
   return std::nullopt;
 }
 

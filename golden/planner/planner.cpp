@@ -198,20 +198,26 @@ void choose_pixel(Plan& plan, const World& world, const PlanRequest& request, Pl
   const double most = mean_of(max_component(world.emitted_power()));
   const int fine =
       request.format_error ? std::clamp(ceil_log2(1 / *request.format_error) + 31, 32, 48) : 40;
+  const int room = plan.cache_present ? 120 : 128;  // of a pixel; find_problem says why
   const int wanted = fine - exponent_above(mean), least = 24 - exponent_above(most);
-  plan.fraction_bits = std::clamp(std::min(wanted, 128 - sum - plan.integer_bits), -64, 96);
+  plan.fraction_bits = std::clamp(std::min(wanted, room - sum - plan.integer_bits), -64, 96);
   if (most < 0x1p-84)
     throw PlanError(fmt::format(
         "plan: pixel.fraction_bits has no value: 96 bits, the most there are, cannot hold a mean "
         "radiance of {:.3g}; expected brighter lamps",
         most));
+  if (plan.integer_bits > 96)
+    throw PlanError(fmt::format(
+        "plan: pixel.integer_bits has no value: the largest contribution takes {} bits, at most 96 "
+        "can be had, for a mean radiance of {:.3g}; expected dimmer lamps",
+        plan.integer_bits, most));
   if (plan.fraction_bits < std::min(least, 96))
     throw PlanError(fmt::format(
         "plan: pixel.fraction_bits has no value: {} integer bits for the largest contribution, {} "
         "for the number of contributions and {} down to 2^-24 of the mean radiance {:.3g} exceed "
-        "the 128 bits of a pixel; fewer position or probability bits, or a larger r2_floor, would "
+        "the {} bits of a pixel; fewer position or probability bits, or a larger r2_floor, would "
         "fit",
-        plan.integer_bits, sum, least, most));
+        plan.integer_bits, sum, least, most, room));
   why["pixel.fraction_bits"] =
       fmt::format("2^-{} of the surfaces' mean radiance, about {:.3g} W/(m^2 sr)",
                   plan.fraction_bits + exponent_above(mean), mean);

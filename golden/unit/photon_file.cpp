@@ -48,7 +48,9 @@ class Columns {
     if (v == Vec3(0))
       throw SceneError(fmt::format("{}: vertex {}: {}, {}, {} are all 0, expected a direction",
                                    path_, row, names_[0], names_[1], names_[2]));
-    return v;
+    // Sums and squares of components stay finite and normal.
+    const double largest = max_component(glm::abs(v));
+    return largest < 0x1p-300 || largest > 0x1p300 ? v / largest : v;
   }
 
  private:

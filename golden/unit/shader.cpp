@@ -19,9 +19,9 @@ UInt128 scaled(UInt128 m, int e) {
   return (m + (UInt128{1} << (-e - 1))) >> -e;
 }
 
-// floor(light * f * 2^e + 1/2), f < 2^38.
+// floor(light * f * 2^e + 1/2), f < 2^38, e < 0. A plan that passed its checks keeps it below
+// 2^128.
 UInt128 scaled_light(UInt128 light, uint64_t f, int e) {
-  if (e >= 0) return light * f << e;
   if (e < -165) return 0;
   const auto low = static_cast<uint64_t>(light);
   const UInt128 bottom = UInt128{low} * f;
@@ -95,6 +95,11 @@ Weight Shader::share(const Rgb& weight, ShaderCounts& counts) const {
     if (mantissa >> plan_.weight_bits) {  // a carry moves the exponent
       mantissa >>= 1;
       ++exponent;
+    }
+    if (exponent > kShareBits - plan_.weight_bits) {
+      mantissa = ones(plan_.weight_bits);
+      exponent = kShareBits - plan_.weight_bits;
+      ++counts.weights;
     }
     result.mantissa[c] = static_cast<uint32_t>(mantissa);
     result.exponent[c] = exponent;

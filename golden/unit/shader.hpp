@@ -21,6 +21,9 @@ struct Weight {
   bool operator==(const Weight&) const = default;
 };
 
+// A share of a record's light is at most 2^this: the largest throughput that a plan has room for.
+inline constexpr int kShareBits = 8;
+
 using PixelValue = std::array<UInt128, 3>;  // R, G, B
 
 // Values that did not fit a pixel's integer bits and were taken as the largest that does. A plan
@@ -52,7 +55,7 @@ class Shader {
   PixelValue pixel(const Rgb& radiance, ShaderCounts& counts) const;
 
   // The named conversion of what a record's light is multiplied with (throughput, rho), >= 0: as a
-  // query's weight, in pixel units a pixel unit.
+  // query's weight, in pixel units a pixel unit; at most 2^kShareBits.
   Weight share(const Rgb& weight, ShaderCounts& counts) const;
 
   // A record's part in a pixel: round half up of light * f * 2^(e - 12), f the round half up of

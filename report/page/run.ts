@@ -24,6 +24,22 @@ function shortages(run: Run): Node[] {
   h("p", { class: "quiet" }, "From summary.json: diagnosis. The layers noPhoton, fewPhotons and starvedLight show where (docs/frame.md).")];
 }
 
+/** What ended at the end of a range, and how often. */
+function saturations(run: Run): Node[] {
+  const s = run.summary, counts = s.counts;
+  if (!counts) return [];
+  const rows: [string, number | undefined, string][] = [
+    ["gathers with r² below r2_floor", counts["clamped"], "counts.clamped"],
+    ["samples that found their tile's cache full", counts["cache_full"], "counts.cache_full"],
+    ["photons whose power became 0", s.zeroed_photons, "zeroed_photons"],
+    ["photons whose power was clipped", s.saturated_photons, "saturated_photons"],
+    ["weights that did not fit the pixel", counts["saturated_weights"], "counts.saturated_weights"],
+    ["values of direct light that did not fit the pixel", counts["saturated_direct"], "counts.saturated_direct"],
+    ["values of light that were no number", counts["not_finite"], "counts.not_finite"]];
+  return [h("h4", {}, "Saturation"), table(["what", "how often", "summary.json"],
+    rows.map(([what, n, source]) => [what, figure(n ?? null), source]), "saturation")];
+}
+
 function summary(run: Run): Node {
   const s = run.summary, good = s.differences === 0 && s.images_identical;
   const gatherer = s.units["photon_gatherer"]?.counters, cards: HTMLElement[] = [];
@@ -53,6 +69,7 @@ function summary(run: Run): Node {
       : `✗ ${run.hardware} is not golden: ${figure(s.differences)} of ${figure(s.packets)} packets differ, the image's bytes are ${s.images_identical ? "equal" : "different"}.`),
     h("div", { class: "cards" }, ...cards),
     ...shortages(run),
+    ...saturations(run),
     h("h4", {}, "Units"),
     table(["unit", "backend", "packets compared", "differ", "bypassed", "cycles", "busy %"],
       Object.entries(s.units).map(([name, u]) => [name, u.backend, figure(u.packets), figure(u.differences), figure(u.bypassed),

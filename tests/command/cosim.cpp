@@ -60,7 +60,7 @@ TEST_CASE("all units as RTL give golden's packets and render's bytes") {
   CHECK(read_file(scratch / "render.exr") == read_file(scratch / "out/rtl.exr"));
 }
 
-TEST_CASE("units by different simulators") {
+TEST_CASE("units by different simulators", "[slow]") {
   const Scratch scratch;
   const Outcome o = run(cosim("--backend reorder_buffer=cxxrtl,cdf_sampler=rtl --stall bursts -o " +
                               (scratch / "out")));
@@ -119,7 +119,7 @@ TEST_CASE("a planted bug is reported with a command that shows it, and reaches t
   CHECK_FALSE(summary["command"].get<std::string>().empty());
 }
 
-TEST_CASE("a unit that sees no packet fails the run") {
+TEST_CASE("a unit that sees no packet fails the run", "[slow]") {
   const Scratch scratch;
   const Outcome o = run(fmt::format(
       "cosim {} --size 4x4 --spp 1 --gather-rays 0 --k 8 --photons 500 --work cosim --backend "

@@ -181,7 +181,7 @@ TEST_CASE("only what the plan needs") {
   CHECK_THROWS_WITH(files(), ContainsSubstring("there is no hardware to generate"));
 }
 
-TEST_CASE("packages of every way to reorder lint") {
+TEST_CASE("packages of every way to reorder lint", "[slow]") {
   Plan plan = gatherer_plan();
   plan.gather_rays = 4;
   for (const ReorderKey key : {ReorderKey::kNone, ReorderKey::kHilbert, ReorderKey::kHash})
@@ -198,7 +198,7 @@ TEST_CASE("packages of every way to reorder lint") {
     }
 }
 
-TEST_CASE("packages of many plans lint") {
+TEST_CASE("packages of many plans lint", "[slow]") {
   for (uint64_t seed = 1; seed <= 3; ++seed) {
     const Scratch scratch;
     INFO("random plan " << seed);

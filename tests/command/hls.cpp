@@ -39,7 +39,7 @@ TEST_CASE("all units as HLS kernels give golden's packets and image") {
   CHECK(read_file(scratch / "out/hls.exr") == read_file(scratch / "out/golden.exr"));
 }
 
-TEST_CASE("units as HLS kernel, RTL and golden in one frame") {
+TEST_CASE("units as HLS kernel, RTL and golden in one frame", "[slow]") {
   const Scratch scratch;
   for (const char* backends : {"photon_gatherer=hls,reorder_buffer=rtl,cdf_sampler=golden",
                                "photon_gatherer=golden,reorder_buffer=hls,cdf_sampler=rtl",

@@ -50,7 +50,7 @@ TEST_CASE("plan --error: the plan keeps the error in a run with another seed, an
   CHECK(j["runners_up"].size() == 3);
   for (const auto& m : j["runners_up"]) CHECK(!m["lost"].get<std::string>().empty());
   CHECK(j["error_prediction_rms"].get<double>() > 0);
-  CHECK(j["check"]["error"].get<double>() <= limit);
+  CHECK(j["check"]["error"].get<double>() <= j["check"]["limit"].get<double>());
   const Plan plan = read_plan(file);
   CHECK(plan.width == 16);
   CHECK(plan.spp == 4);

@@ -107,7 +107,7 @@ TEST_CASE("addresses follow the photons, not their order") {
   CHECK(addresses.substr(0, addresses.find('\n')).find(first) != std::string::npos);
 }
 
-TEST_CASE("a CXXRTL model leaves the same packets as golden") {
+TEST_CASE("a CXXRTL model leaves the same packets as golden", "[slow]") {
   Files f;
   REQUIRE(f.replay("reorder_buffer", "queries.jsonl", "--backend golden").status == 0);
   const std::string golden = read_file(f.scratch / "out.jsonl");

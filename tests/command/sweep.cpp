@@ -14,6 +14,8 @@
 #include <thread>
 #include <vector>
 
+#include <nlohmann/json.hpp>
+
 #include "golden/numeric/random.hpp"
 #include "tests/catch.hpp"
 #include "tests/command/run.hpp"
@@ -98,6 +100,31 @@ TEST_CASE("a sweep that was killed at random moments ends with an uninterrupted 
   CHECK(result_files(s / "killed").size() == result_files(s / "whole").size());
   for (const std::string& f : result_files(s / "killed"))
     CHECK(f.find(".partial-") == std::string::npos);
+}
+
+TEST_CASE("points of some scenes only") {
+  const Scratch s;
+  const std::string both =
+      cornell() + ", \"" + photonloom::test::source("scenes/cornell_glossy.xml") + "\"";
+  write_file(s / "study.toml",
+             small_study(both,
+                         "[[points]]\nstrategy = \"list\"\nscenes = [\"cornell_glossy\"]\n"
+                         "lines = [{ gather.k = 4 }]\n"
+                         "[[points]]\nstrategy = \"list\"\nlines = [{ gather.k = 8 }]\n"));
+  const auto o = run(command(s / "study.toml", s / "a"));
+  INFO(o.err);
+  REQUIRE(o.status == 0);
+  const auto summary = nlohmann::json::parse(read_file(s / "a/summary.json"));
+  std::vector<std::string> points;
+  for (const auto& p : summary["points"]) {
+    points.push_back(p["scene"].get<std::string>());
+    for (const auto& [line, value] : p["lines"].items())
+      points.back() += " " + value.get<std::string>();
+    CHECK(p["point"] == points.size() - 1);
+    CHECK(p["state"] == "done");
+  }
+  CHECK(points == std::vector<std::string>{"cornell", "cornell 8", "cornell_glossy",
+                                           "cornell_glossy 4", "cornell_glossy 8"});
 }
 
 TEST_CASE("points by hand, then the rest") {
@@ -241,6 +268,10 @@ TEST_CASE("a wrong study is refused with file, line and what was expected") {
           "18", "expected an array of values in a grid");
   refused(with("[[points]]\nstrategy = \"latin_hypercube\"\nlines = { gather.k = [2] }\n"), "16",
           "points.count is missing");
+  refused(with(list + "scenes = [\"kitchen\"]\nlines = [{ gather.k = 3 }]\n"), "18",
+          "expected one of cornell");
+  refused(with(list + "scenes = [\"cornell\", \"cornell\"]\nlines = [{ gather.k = 3 }]\n"), "18",
+          "twice");
   refused(with("[extra]\n"), "16", "expected one of study, references");
   refused("[study]\nname = 3\n", "2", "expected a text");
   std::string text = good;

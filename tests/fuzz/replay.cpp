@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Runs a fuzz target once over each file of the folders given, with any compiler.
+// Runs each fuzz target once over each file of its folder in the corpus given, with any compiler.
+// FUZZ_TARGETS lists the targets: FUZZ_TARGET(name), the function fuzz_name.
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
@@ -8,20 +9,29 @@
 #include <string>
 #include <vector>
 
-extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size);
+#define FUZZ_TARGET(name) extern "C" int fuzz_##name(const uint8_t* data, size_t size);
+#include FUZZ_TARGETS
+#undef FUZZ_TARGET
 
 int main(int argc, char** argv) {
-  int runs = 0;
-  for (int i = 1; i < argc; ++i) {
-    for (const auto& entry : std::filesystem::directory_iterator(argv[i])) {
+  if (argc != 2) return 2;
+  bool all = true;
+  const auto replay = [&](const std::string& name, int (*target)(const uint8_t*, size_t)) {
+    int runs = 0;
+    for (const auto& entry :
+         std::filesystem::directory_iterator(std::filesystem::path(argv[1]) / name)) {
       std::ifstream file(entry.path(), std::ios::binary);
       const std::vector<char> bytes{std::istreambuf_iterator<char>(file), {}};
-      std::printf("%s\n", entry.path().filename().c_str());
+      std::printf("%s/%s\n", name.c_str(), entry.path().filename().c_str());
       std::fflush(stdout);
-      LLVMFuzzerTestOneInput(reinterpret_cast<const uint8_t*>(bytes.data()), bytes.size());
+      target(reinterpret_cast<const uint8_t*>(bytes.data()), bytes.size());
       ++runs;
     }
-  }
-  std::printf("%d inputs\n", runs);
-  return runs > 0 ? 0 : 1;
+    std::printf("%s: %d inputs\n", name.c_str(), runs);
+    all = all && runs > 0;
+  };
+#define FUZZ_TARGET(name) replay(#name, fuzz_##name);
+#include FUZZ_TARGETS
+#undef FUZZ_TARGET
+  return all ? 0 : 1;
 }

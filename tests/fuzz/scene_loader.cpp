@@ -1,47 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
 // libFuzzer target: scene files and meshes of arbitrary bytes load or give one SceneError; nothing
 // else. The first byte says what the rest is: 'x' a scene, 'o' an OBJ mesh, 'p' a PLY mesh.
-#include <unistd.h>
-
 #include <cstdint>
 #include <cstdlib>
-#include <exception>
-#include <filesystem>
-#include <fstream>
 #include <string>
 
 #include "golden/scene/scene.hpp"
-
-namespace {
-
-// In memory where the system has such a folder; removed at exit.
-struct Folder {
-  std::filesystem::path path;
-  Folder() {
-    const std::filesystem::path shared = "/dev/shm";
-    path =
-        (std::filesystem::is_directory(shared) ? shared : std::filesystem::temp_directory_path()) /
-        ("photonloom_fuzz_" + std::to_string(getpid()));
-    std::filesystem::create_directories(path);
-    for (const std::string type : {"obj", "ply"})
-      write(type + ".xml", "<scene version=\"0.6.0\"><sensor type=\"perspective\"/><shape type=\"" +
-                               type + "\"><string name=\"filename\" value=\"mesh." + type +
-                               "\"/><emitter type=\"area\"/></shape></scene>");
-  }
-  ~Folder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path, ignored);
-  }
-  void write(const std::string& name, const std::string& bytes) const {
-    std::ofstream(path / name, std::ios::binary) << bytes;
-  }
-};
-
-}  // namespace
+#include "tests/fuzz/folder.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
-  static const Folder folder;
-  if (size == 0) return -1;
+  static const photonloom::fuzz::Folder folder;
+  static const bool meshes_have_scenes = [] {
+    for (const std::string type : {"obj", "ply"})
+      folder.write(type + ".xml",
+                   "<scene version=\"0.6.0\"><sensor type=\"perspective\"/><shape type=\"" + type +
+                       "\"><string name=\"filename\" value=\"mesh." + type +
+                       "\"/><emitter type=\"area\"/></shape></scene>");
+    return true;
+  }();
+  if (size == 0 || !meshes_have_scenes) return -1;
   const std::string bytes(reinterpret_cast<const char*>(data) + 1, size - 1);
   std::string scene = "scene.xml";
   if (data[0] == 'x') {

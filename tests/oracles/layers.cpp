@@ -186,7 +186,8 @@ void add_smooth_ball(Scene& s, int bsdf, const Vec3& centre, double r, uint32_t 
 
 }  // namespace
 
-TEST_CASE("layers agree: mirror and glass balls, caustic within 3 %, indirect 3 %, direct 1 %") {
+TEST_CASE("layers agree: mirror and glass balls, caustic within 3 %, indirect 3 %, direct 1 %",
+          "[slow]") {
   Scene s = room(true);
   add_sphere(s, add_mirror(s, Rgb(0.9)), Vec3(0.3, 0.2, 0.65), 0.2);
   add_sphere(s, add_glass(s, 1.5), Vec3(0.7, 0.2, 0.35), 0.2);
@@ -194,7 +195,8 @@ TEST_CASE("layers agree: mirror and glass balls, caustic within 3 %, indirect 3 
 }
 
 TEST_CASE(
-    "layers agree: glossy surfaces, seen in glass, caustic within 5 %, indirect 3 %, direct 1 %") {
+    "layers agree: glossy surfaces, seen in glass, caustic within 5 %, indirect 3 %, direct 1 %",
+    "[slow]") {
   Scene s = room(true);
   add_sphere(s, add_phong(s, Rgb(0.3), Rgb(0.5), 30), Vec3(0.3, 0.2, 0.65), 0.2);
   add_quad(s, add_phong(s, Rgb(0.1), Rgb(0.6), 300), Vec3(0.1, 0.01, 0.1), Vec3(0, 0, 0.5),
@@ -223,7 +225,8 @@ TEST_CASE(
 
 TEST_CASE(
     "layers agree: coarse balls with smooth normals, caustic within 3 %, indirect 3 %, direct 1 "
-    "%") {
+    "%",
+    "[slow]") {
   Scene s = room(true);
   add_smooth_ball(s, add_diffuse(s, Rgb(0.8)), Vec3(0.3, 0.25, 0.65), 0.2, 6);
   add_smooth_ball(s, add_glass(s, 1.5), Vec3(0.7, 0.25, 0.35), 0.2, 8);
@@ -234,7 +237,8 @@ TEST_CASE(
 
 TEST_CASE(
     "layers agree: sphere, disk, point, spot and directional light, caustic within 3 %, indirect 3 "
-    "%, direct 1 %") {
+    "%, direct 1 %",
+    "[slow]") {
   Scene s = room(false);
   add_sphere(s, add_diffuse(s, Rgb(0.5)), Vec3(0.3, 0.6, 0.5), 0.05).radiance = Rgb(10, 20, 5);
   Shape& disk = add_sphere(s, -1, Vec3(0.99, 0.5, 0.5), 0.1);

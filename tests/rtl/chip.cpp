@@ -183,7 +183,7 @@ TEST_CASE("the chip gives what its units give one after the other") {
   check_chip(chip_plan(), "bernoulli:0.5");
 }
 
-TEST_CASE("the smallest chip has no deadlock") {
+TEST_CASE("the smallest chip has no deadlock", "[slow]") {
   Plan plan = chip_plan();
   plan.contexts = plan.lanes = plan.cache_misses = plan.cache_ways = 1;
   plan.cache_bytes = plan.line_bytes();
@@ -191,7 +191,7 @@ TEST_CASE("the smallest chip has no deadlock") {
   check_chip(plan, "adversary");
 }
 
-TEST_CASE("a chip without reordering") {
+TEST_CASE("a chip without reordering", "[slow]") {
   Plan plan = chip_plan();
   plan.reorder_key = ReorderKey::kNone;
   check_chip(plan, "bursts");

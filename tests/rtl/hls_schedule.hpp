@@ -6,6 +6,19 @@
 
 namespace photonloom::test {
 
+inline Plan base_plan() {
+  Plan plan;
+  plan.global.present = true;
+  plan.global.photons = 2000;
+  plan.global.r2_max = uint64_t{1} << 24;
+  plan.gather_rays = 4;
+  plan.k = 16;
+  plan.cell_bits = 3;
+  plan.reorder_packets = 100;
+  plan.reorder_bins = 64;
+  return plan;
+}
+
 inline RunOptions kernel_options() {
   RunOptions o;
   o.kind = ModelKind::kHls;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Means, standard errors and ratios over seeds; points of a hypercube; results as text.
+// Means, standard errors and ratios over seeds; the noise of camera walks in visible error; points
+// of a hypercube; results as text.
 #include <algorithm>
 #include <cmath>
 #include <set>
@@ -7,9 +8,12 @@
 #include "golden/numeric/random.hpp"
 #include "study/collector.hpp"
 #include "study/error_model.hpp"
+#include "study/measures.hpp"
 #include "study/plan_search.hpp"
+#include "study/point_plan.hpp"
 #include "study/points.hpp"
 #include "tests/catch.hpp"
+#include "tests/command/run.hpp"
 
 using namespace photonloom;
 
@@ -182,4 +186,56 @@ TEST_CASE("the bound of a run is above what nineteen of twenty runs have") {
   }
   CHECK(above > 0.03 * trials);
   CHECK(above < 0.07 * trials);
+}
+
+TEST_CASE("halves of a film by lot tell the variance of its mean") {
+  // A smooth picture, and noise of which the variance is known; odd sizes too.
+  for (const auto& [width, height] : {std::pair(64, 64), std::pair(37, 50)}) {
+    const auto pixels = static_cast<size_t>(width * height);
+    double told = 0;
+    for (uint64_t trial = 0; trial < 40; ++trial) {
+      std::vector<double> values(pixels);
+      for (size_t p = 0; p < pixels; ++p)
+        values[p] = 2 + std::sin(0.05 * static_cast<double>(p % static_cast<size_t>(width))) +
+                    0.5 * noise(trial, p, 3);
+      for (const double d : half_differences(values, width, height)) told += d * d / 40;
+    }
+    INFO(width << "x" << height);
+    CHECK(told == Approx(0.25 / static_cast<double>(pixels)).epsilon(0.1));
+  }
+}
+
+TEST_CASE("visible error is in the mean over seeds that of the frames as they are") {
+  Study study;
+  study.scenes = {test::source("scenes/cornell.xml")};
+  study.width = study.height = 16;
+  study.seeds = {1};
+  study.reference_spp = 128;
+  study.base = {
+      {"photons", "2000"}, {"gather.k", "8"}, {"frame.spp", "16"}, {"frame.gather_rays", "2"}};
+  const test::Scratch scratch;
+  StudyScene scene(study.scenes[0], study);
+  scene.load_references(study, scratch / "references", nullptr);
+  const Plan plan = plan_of_point(scene, study, {}).plan;
+  const SceneReferences& r = scene.references();
+  constexpr uint64_t kSeeds = 32;
+  double visible = 0, sum = 0, squares = 0;
+  for (uint64_t seed = 1; seed <= kSeeds; ++seed) {
+    PointRun run(scene, study, plan, seed, scratch / "work");
+    const Planes& a = run.golden();
+    double plain = 0;
+    for (size_t c = 0; c < 3; ++c)
+      for (size_t p = 0; p < a.c[c].size(); ++p) {
+        const double v = a.c[c][p], b = r.mean.c[c][p];
+        plain += (v - r.b1.c[c][p]) * (v - r.b2.c[c][p]) / (b * b + 0.01);
+      }
+    plain /= 3.0 * static_cast<double>(a.c[0].size());
+    const double relmse = measure("visible").run(run).values[0], d = relmse - plain;
+    visible += relmse / kSeeds, sum += d, squares += d * d;
+  }
+  const double mean = sum / kSeeds;
+  const double error = std::sqrt((squares / kSeeds - mean * mean) / (kSeeds - 1));
+  INFO("visible " << visible << ", more than the frames' own by " << mean << " +- " << error);
+  CHECK(std::fabs(mean) <= 3.5 * error);
+  CHECK(error < 0.25 * visible);
 }

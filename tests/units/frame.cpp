@@ -197,7 +197,8 @@ Means indirect_over_ray_seeds(const PreparedFrame& frame, uint64_t first, uint64
 
 }  // namespace
 
-TEST_CASE("every table and both passes are unbiased: 64 ray seeds against 64 times the rays") {
+TEST_CASE("every table and both passes are unbiased: 64 ray seeds against 64 times the rays",
+          "[slow]") {
   FrameRequest request = small_request();
   request.spp = 1;
   request.set = {"sampler.combine=cosine", "frame.gather_rays=16"};

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <cmath>
 
 #include "golden/numeric/elementary.hpp"
@@ -9,6 +10,11 @@
 #include "golden/numeric/sha256.hpp"
 #include "golden/numeric/shared_exponent.hpp"
 #include "golden/packet/packet.hpp"
+#include "golden/plan/quantiser.hpp"
+#include "golden/unit/cdf_sampler.hpp"
+#include "golden/unit/irradiance_cache.hpp"
+#include "golden/unit/photon_gatherer.hpp"
+#include "golden/unit/shader.hpp"
 #include "tests/catch.hpp"
 
 using namespace photonloom;
@@ -85,6 +91,89 @@ TEST_CASE("shared exponent: the largest channel keeps its top bit, the error is 
     for (int c = 0; c < 3; ++c)
       REQUIRE(std::fabs(static_cast<double>(power_value(p, c)) - v[c]) <=
               std::ldexp(0.5, static_cast<int>(p.exponent)));
+  }
+}
+
+TEST_CASE("quantisation is monotone: a larger number never has a smaller code") {
+  for (const int bits : {4, 16, 24}) {
+    Plan plan;
+    plan.position_bits = bits;
+    plan.weight_bits = bits < 8 ? 8 : bits;
+    plan.cache_accuracy = 1;
+    plan.cache_radius_max = 10;
+    const Shader shader(plan);
+    ShaderCounts counts;
+    std::vector<double> values;
+    for (uint64_t i = 0; i < 4000; ++i)
+      values.push_back(Random(9, Phase::kPath, i).unit(0, 0) *
+                       std::exp2(-static_cast<int>(i % 30)));
+    std::sort(values.begin(), values.end());
+    const auto weight = [&](double v) {
+      const Weight w = shader.weight(Rgb(v * 1e-12), false, counts);
+      return std::ldexp(static_cast<double>(w.mantissa[0]), w.exponent[0]);
+    };
+    const auto power = [&](double v) {
+      bool saturated = false;
+      return power_value(encode_power({v * 0x1p30, 0, 0}, 3, bits < 16 ? bits : 16, 5, &saturated),
+                         0);
+    };
+    const auto reach = [&](double v) {  // the larger, the smaller its reciprocal
+      const Reciprocal r = cache_falloff(plan, v * 5);
+      return std::ldexp(-static_cast<double>(r.mantissa), -static_cast<int>(r.exponent));
+    };
+    for (size_t i = 1; i < values.size(); ++i) {
+      const double a = values[i - 1], b = values[i];
+      CAPTURE(bits, a, b);
+      REQUIRE(quantise_position(plan, Vec3(a))[0] <= quantise_position(plan, Vec3(b))[0]);
+      REQUIRE(quantise_normal(plan, Vec3(2 * a - 1))[1] <=
+              quantise_normal(plan, Vec3(2 * b - 1))[1]);
+      if (a > 0) REQUIRE(radius_to_r2_max(plan, a) <= radius_to_r2_max(plan, b));
+      REQUIRE(power(a) <= power(b));
+      REQUIRE(weight(a) <= weight(b));
+      REQUIRE(shader.pixel(Rgb(a), counts)[2] <= shader.pixel(Rgb(b), counts)[2]);
+      REQUIRE(reach(a) <= reach(b));
+      REQUIRE(oct_encode(Vec3(a, 0, 1), 12).u <= oct_encode(Vec3(b, 0, 1), 12).u);
+    }
+  }
+}
+
+TEST_CASE("sums do not depend on the order of what is added") {
+  Plan plan;
+  plan.k = 64;
+  plan.global.r2_max = plan.r2_limit();
+  std::vector<PackedPhoton> photons(64);
+  std::vector<SamplerPhoton> table;
+  for (uint64_t i = 0; i < photons.size(); ++i) {
+    const Random r(5, Phase::kPath, i);
+    for (size_t c = 0; c < 3; ++c)
+      photons[i].position[c] = static_cast<uint32_t>(r.bits(0, c) >> 48);
+    photons[i].power = {{static_cast<uint32_t>(256 + r.bits(1, 0) % 256),
+                         static_cast<uint32_t>(r.bits(1, 1) % 512), 511},
+                        static_cast<uint32_t>(r.bits(1, 2) % 32)};
+    photons[i].direction = oct_encode(Vec3(r.unit(2, 0) - 0.5, r.unit(2, 1) - 0.5, 0.5), 8);
+    table.push_back({photons[i].power, photons[i].direction});
+  }
+  GatherQuery query{};
+  const OctCode up = oct_encode(Vec3(0, 0, 1), 8);
+  query.normal = {up.u, up.v};
+  const CellGeometry geometry(plan.cell_bits);
+  std::vector<Channels64> sums;
+  std::vector<std::vector<uint64_t>> prefixes;
+  for (uint64_t order = 0; order < 20; ++order) {
+    const PhotonMap map = build_photon_map(photons, plan);
+    std::vector<Neighbour> found;
+    const SearchCounts counts = search_gather(plan, map, query, found);
+    sums.push_back(make_gather_result(plan, map, query, found, counts).flux);
+    prefixes.push_back(build_sample_table(plan, geometry, up, table).prefix);
+    for (size_t i = photons.size(); i-- > 1;) {
+      const size_t j = Random(6, Phase::kPath, order).bits(i, 0) % (i + 1);
+      std::swap(photons[i], photons[j]);
+      std::swap(table[i], table[j]);
+    }
+  }
+  for (size_t i = 1; i < sums.size(); ++i) {
+    REQUIRE(sums[i] == sums[0]);
+    REQUIRE(prefixes[i] == prefixes[0]);
   }
 }
 

@@ -56,10 +56,31 @@ TEST_CASE("packing and traces give back what went in, for every packet and many 
   std::mt19937_64 random(seed);
   for (int round = 0; round < 200; ++round) {
     Plan plan = small_plan();
-    plan.position_bits = 4 + static_cast<int>(random() % 21);
-    plan.channels = 1 + static_cast<int>(random() % 3);
-    plan.reciprocal_bits = random() % 2 ? 18 : 0;
-    plan.k = 1 + static_cast<int>(random() % 200);
+    // Every line that a packet's widths follow from, over its whole range.
+    const auto between = [&](int least, int greatest) {
+      return least + static_cast<int>(random() % static_cast<uint64_t>(greatest - least + 1));
+    };
+    plan.position_bits = between(4, 24);
+    plan.direction_bits = between(2, 14);
+    plan.normal_bits = between(2, 14);
+    plan.mantissa_bits = between(2, 16);
+    plan.exponent_bits = between(1, 5);
+    plan.channels = between(1, 3);
+    plan.bucket = 1 << between(1, 4);
+    plan.global.photons = random() % (1u << between(1, 30));
+    plan.reciprocal_bits = random() % 2 ? between(8, 24) : 0;
+    plan.k = between(1, 256);
+    plan.cell_bits = between(1, 6);
+    plan.probability_bits = between(4, 24);
+    plan.u_bits = between(16, 48);
+    plan.v_bits = between(1, 12);
+    plan.cache_records = between(1, 4096);
+    plan.cache_hits = between(1, 8);
+    plan.cache_weight_bits = between(4, 12);
+    plan.width = between(1, 16384);
+    plan.height = between(1, 16384);
+    plan.spp = between(1, 1 << 20);
+    plan.gather_rays = between(0, 65535);
     for_each_packet([&](auto tag) {
       using P = typename decltype(tag)::type;
       const PacketLayout layout = PacketLayout::of<P>(plan);

@@ -2,11 +2,13 @@
 #include "verilator_tb/bench/bench.hpp"
 
 #include <fmt/core.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
 #include <exception>
+#include <fstream>
 
 #include "verilator_tb/rig/rig_options.hpp"
 
@@ -34,7 +36,7 @@ struct BenchCommand {
   std::vector<std::string> only_cases;
   uint64_t seed = 1, packets = 1;
   int policy = -1;
-  bool list = false;
+  bool list = false, soak = false;
   RigFlags rig;
   bool own_policy = false;
 };
@@ -100,16 +102,48 @@ void run_cases(const std::string& program, const Bench& bench, const BenchPlan& 
   }
 }
 
+// Of this process, from the kernel.
+uint64_t resident_kib() {
+  std::ifstream status("/proc/self/statm");
+  uint64_t size = 0, pages = 0;
+  status >> size >> pages;
+  return pages * static_cast<uint64_t>(sysconf(_SC_PAGESIZE)) / 1024;
+}
+
+// Says how a long run goes on, each tenth of it, and that its memory stays: after the first tenth
+// it may grow by an eighth and 16 MiB.
+class Soak {
+ public:
+  explicit Soak(uint64_t packets) : tenth_(std::max<uint64_t>(1, packets / 10)) {}
+  void after(const BenchTotals& totals) {
+    if (totals.compared < next_ * tenth_) return;
+    next_ = totals.compared / tenth_ + 1;
+    const uint64_t kib = resident_kib();
+    if (first_ == 0) first_ = kib;
+    fmt::print("  {} packets, {} cycles, 0 differences, {} MiB resident\n", totals.compared,
+               totals.cycles, kib / 1024);
+    std::fflush(stdout);
+    if (kib > first_ + first_ / 8 + 16 * 1024)
+      throw std::runtime_error(fmt::format(
+          "{} KiB resident, expected about the {} KiB of the first tenth", kib, first_));
+  }
+
+ private:
+  uint64_t tenth_, next_ = 1, first_ = 0;
+};
+
 void run_plan(const std::string& program, const Bench& bench, const BenchPlan& plan,
               const BenchCommand& command) {
   const std::string& unit = bench.module;
   const auto started = std::chrono::steady_clock::now();
   BenchTotals totals;
   BenchCommand round = command;
+  Soak soak(command.packets);
   do {
     const uint64_t before = totals.compared;
     run_cases(program, bench, plan, round, totals);
     ++round.seed;
+    if (command.soak) soak.after(totals);
     if (totals.compared == before) break;
   } while (totals.compared < command.packets);
   if (totals.compared == 0)
@@ -141,6 +175,8 @@ int bench_main(int argc, char** argv, const Bench& bench) {
       ->check(CLI::Range(0, static_cast<int>(std::size(kPolicies)) - 1));
   app.add_option("--packets", command.packets,
                  "Check at least so many packets per plan: repeats everything with the next seed.");
+  app.add_flag("--soak", command.soak,
+               "Tell of each tenth of --packets; memory that grows after the first is an error.");
   app.add_flag("--list", command.list, "List plans, cases and policies.");
   command.rig.add_to(app, "--seed");
   try {

@@ -1,0 +1,90 @@
+# SPDX-License-Identifier: Apache-2.0
+"""formal [NAME...]: proves the properties of tests/formal/properties.toml, all or those named, and refutes each one's planted
+bug. Status 0 only where every property holds and every bug is refuted; one that is undecided at its limit passes not."""
+import argparse
+import sys
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+from flow.shell import ROOT, Failure, say
+
+from . import engines, properties, report, sources, tools
+from .engines import Outcome
+from .properties import Property
+from .report import Result
+
+TABLE = Path("tests/formal/properties.toml")
+PAGE = Path("docs/formal.md")
+
+
+def check(found: tools.Tools, proved: Property, work: Path, limit: float) -> Result:
+    """A result in any case: a tool that refuses is one property's failure, not the others' end."""
+    try:
+        return _check(found, proved, work, limit)
+    except Failure as failure:
+        return Result(proved, Outcome("error", 0, 0.0, str(failure)), None)
+
+
+def _check(found: tools.Tools, proved: Property, work: Path, limit: float) -> Result:
+    files = sources.of(ROOT, proved)
+    sound_work = work / proved.name
+    planted_work = work / proved.name / "planted"
+    planted_work.mkdir(parents=True, exist_ok=True)
+    for folder in (sound_work, planted_work):
+        (folder / "log").unlink(missing_ok=True)
+    sound = engines.prove(found, ROOT, proved, files, sound_work, limit)
+    if sound.verdict != "holds":
+        return Result(proved, sound, None)
+    copies = planted_work / "sources"
+    sources.plant(ROOT, proved, files, copies)
+    return Result(proved, sound, engines.refute(found, copies, proved, files, planted_work, limit))
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(prog="formal", description=__doc__)
+    parser.add_argument("names", nargs="*", metavar="NAME", help="properties by name, all without one")
+    parser.add_argument("-j", "--jobs", type=int, default=2, help="proofs at a time (default 2)")
+    parser.add_argument("--limit", type=float, default=600.0, help="seconds of the processor until a property counts as undecided (default 600)")
+    parser.add_argument("--quick", action="store_true", help="only the properties marked quick, in a few seconds")
+    parser.add_argument("--page", action="store_true", help=f"write the table into {PAGE} as well")
+    parser.add_argument("--check", action="store_true", help="prove nothing: tell whether sources are there and planted bugs apply")
+    parser.add_argument("--list", action="store_true", help="print the table's names and what they say")
+    parser.add_argument("--work", type=Path, default=ROOT / "build" / "formal", help="where models and logs go (default build/formal)")
+    arguments = parser.parse_args()
+
+    chosen = properties.load(ROOT / TABLE)
+    unknown = sorted(set(arguments.names) - {proved.name for proved in chosen})
+    if unknown:
+        raise Failure(f"{unknown[0]}: no such property in {TABLE}")
+    if arguments.page and (arguments.names or arguments.quick):
+        raise Failure("--page: wants the whole table, not some properties")
+    if arguments.names:
+        chosen = [proved for proved in chosen if proved.name in arguments.names]
+    if arguments.quick:
+        chosen = [proved for proved in chosen if proved.quick]
+    if arguments.list:
+        for proved in chosen:
+            print(f"{proved.name:<32} {proved.says}")
+        return 0
+
+    if arguments.check:
+        for proved in chosen:
+            sources.plant(ROOT, proved, sources.of(ROOT, proved), arguments.work / "sources")
+        say(f"{len(chosen)} properties, each with its sources and a bug that applies")
+        return 0
+
+    found = tools.find(ROOT)
+    print(report.heading(), flush=True)
+    results = []
+    with ThreadPoolExecutor(max_workers=max(1, arguments.jobs)) as pool:
+        for result in pool.map(lambda proved: check(found, proved, arguments.work, arguments.limit), chosen):
+            print(report.line(result), flush=True)
+            results.append(result)
+    failed = [result for result in results if not result.passed]
+    unbounded = sum(result.proved.unbounded for result in results if result.passed)
+    say(f"{len(results) - len(failed)} of {len(results)} properties hold, {unbounded} without a bound, each with its planted bug refuted")
+    if arguments.page:
+        report.write_page(ROOT / PAGE, results)
+    if failed:
+        print(f"formal: {', '.join(result.proved.name for result in failed)}: logs in {arguments.work}/NAME", file=sys.stderr)
+    return 1 if failed else 0

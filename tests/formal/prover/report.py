@@ -1,0 +1,68 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The table of results, for a terminal and for docs/formal.md."""
+from dataclasses import dataclass
+from pathlib import Path
+
+from flow.shell import Failure
+
+from .engines import Outcome
+from .properties import Property
+
+BEGIN = "<!-- table: written by `make formal FORMAL_FLAGS=--page` -->"
+END = "<!-- end of the table -->"
+
+
+@dataclass(frozen=True)
+class Result:
+    proved: Property
+    sound: Outcome  # of the sources as they are
+    planted: Outcome | None  # of those with the bug; None where the first did not hold
+
+    @property
+    def passed(self) -> bool:
+        return self.sound.verdict == "holds" and self.planted is not None and self.planted.verdict == "fails"
+
+    @property
+    def seconds(self) -> float:
+        return self.sound.seconds + (self.planted.seconds if self.planted else 0.0)
+
+    @property
+    def depth(self) -> str:
+        return "unbounded" if self.sound.depth is None and self.sound.verdict == "holds" else f"{self.sound.depth} cycles"
+
+    @property
+    def verdict(self) -> str:
+        if self.sound.verdict == "fails":
+            return f"FAILS in cycle {self.sound.depth}{': ' + self.sound.note if self.sound.note else ''}"
+        if self.sound.verdict == "error":
+            return f"NOT RUN: {self.sound.note}"
+        if self.sound.verdict == "undecided":
+            return "UNDECIDED (bounded only)"
+        word = "proved" if self.proved.unbounded else "holds"
+        if self.planted is None or self.planted.verdict != "fails":
+            return f"{word}, but its planted bug is NOT REFUTED"
+        return f"{word}; bug refuted"
+
+
+def line(result: Result) -> str:
+    return (f"{result.proved.name:<32} {result.proved.module:<24} {result.proved.method:<10} {result.depth:<10} "
+            f"{result.seconds:7.1f} s  {result.verdict}")
+
+
+def heading() -> str:
+    return f"{'property':<32} {'module':<24} {'method':<10} {'depth':<10} {'':>4}time    verdict"
+
+
+def write_page(page: Path, results: list[Result]) -> None:
+    """Puts the table between its marks in the page."""
+    try:
+        before, rest = page.read_text().split(BEGIN)
+        _, after = rest.split(END)
+    except (OSError, ValueError) as error:
+        raise Failure(f"{page}: expected the lines {BEGIN} and {END}, once each") from error
+    rows = ["| module | property | at | method | depth | time | planted bug | verdict |", "|---|---|---|---|---|---|---|---|"]
+    for result in sorted(results, key=lambda result: (result.proved.module, result.proved.name)):
+        at = ", ".join(f"{name} {value}" for name, value in result.proved.parameters.items())
+        rows.append(f"| `{result.proved.module}` | {result.proved.says} | {at} | {result.proved.method} | {result.depth} | "
+                    f"{max(1, round(result.seconds))} s | `{result.proved.bug}` | {result.verdict} |")
+    page.write_text(before + BEGIN + "\n" + "\n".join(rows) + "\n" + END + after)
