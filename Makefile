@@ -138,7 +138,7 @@ plan-promise: build ## whether plans for a visible error keep it on whole frames
 	@scripts/setup plan-promise
 	@scripts/plan-promise
 
-studies: build ## shipped studies with tables, plots and goals: docs/studies.md (10 minutes)
+studies: build ## shipped studies with tables, plots and goals: docs/studies.md (an hour)
 	@scripts/setup studies
 	@scripts/studies
 

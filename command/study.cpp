@@ -4,6 +4,7 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
@@ -21,20 +22,37 @@ namespace photonloom {
 namespace {
 
 struct ShippedStudy {
-  const char* name;  // of studies/NAME.toml too
+  const char* name;
   const char* summary;
+  std::vector<std::string> files;  // studies/FILE.toml
   Conclusion (*conclude)(const StudyOutcome&);
 };
-constexpr ShippedStudy kStudies[] = {
-    {"reordering", "Bytes from the photon map in every order of the final gathers",
+const ShippedStudy kStudies[] = {
+    {"reordering",
+     "Bytes from the photon map in every order of the final gathers",
+     {"reordering"},
      conclude_reordering},
-    {"layouts", "Bytes from the photon map in other layouts, compressed lines among them",
+    {"layouts",
+     "Bytes from the photon map in other layouts, compressed lines among them",
+     {"layouts"},
      conclude_layouts},
+    {"caching",
+     "Final gathers that an irradiance cache avoids, and the error it adds",
+     {"caching", "caching_converged"},
+     conclude_caching},
+    {"sampling",
+     "Final gather rays that the sampler's tables save, and whether their light is the same",
+     {"sampling", "sampling_means"},
+     conclude_sampling},
+    {"adaptive",
+     "Final gather rays that two passes save",
+     {"adaptive", "adaptive_means"},
+     conclude_adaptive},
 };
 
 struct StudyOptions {
-  std::vector<std::string> scenes;
-  std::string output, file, work = "build/cosim";
+  std::vector<std::string> scenes, files;
+  std::string output, work = "build/cosim";
   bool wait = false;
   ThreadsOption threads;
 };
@@ -48,12 +66,14 @@ std::string scene_file(const std::string& name) {
                                data_dir()));
 }
 
+// Every file's folder is DIR, or where a study has several DIR/FILE.
 void run_study(const ShippedStudy& study, const StudyOptions& o) {
   const std::unique_ptr<Progress> progress = make_progress_or_log();
+  std::vector<std::string> files = o.files;
+  if (files.empty())
+    for (const std::string& file : study.files)
+      files.push_back(fmt::format("{}/studies/{}.toml", data_dir(), file));
   SweepRequest request;
-  request.study_file =
-      o.file.empty() ? fmt::format("{}/studies/{}.toml", data_dir(), study.name) : o.file;
-  request.folder = o.output;
   for (const std::string& scene : o.scenes) request.scenes.push_back(scene_file(scene));
   request.wait = o.wait;
   request.workers = o.threads.threads();
@@ -62,9 +82,20 @@ void run_study(const ShippedStudy& study, const StudyOptions& o) {
   request.say = [](const std::string& sentence) {
     fmt::print(stderr, "photonloom: {}\n", sentence);
   };
-  const SweepReport r = run_sweep(request);
-  fmt::print("{} results computed, {} there before\n", r.computed, r.kept);
-  Conclusion conclusion = study.conclude(read_outcome(o.output));
+  StudyOutcome outcome;
+  outcome.folder = o.output;
+  size_t failures = 0;
+  for (const std::string& file : files) {
+    request.study_file = file;
+    request.folder = o.output;
+    if (files.size() > 1) request.folder += "/" + std::filesystem::path(file).stem().string();
+    std::filesystem::create_directories(request.folder);
+    const SweepReport r = run_sweep(request);
+    fmt::print("{}: {} results computed, {} there before\n", request.folder, r.computed, r.kept);
+    failures += r.failures.size();
+    read_outcome(request.folder, outcome);
+  }
+  Conclusion conclusion = study.conclude(outcome);
   for (const Goal& goal : conclusion.goals) {
     const std::string line = fmt::format("{}: {:.4g}, goal {} {:.4g}{}", goal.text, goal.reached,
                                          goal.at_least ? "at least" : "at most", goal.wanted,
@@ -73,19 +104,18 @@ void run_study(const ShippedStudy& study, const StudyOptions& o) {
     conclusion.page += "- " + line + "\n";
   }
   write_file(fmt::format("{}/{}.md", o.output, study.name), conclusion.page);
-  fmt::print("wrote {0}/results.csv, {0}/summary.json, {0}/{1}.md and plots\n", o.output,
-             study.name);
-  if (!r.failures.empty())
-    throw CheckFailed(fmt::format("{} of scenes and points failed; what they said stands above",
-                                  r.failures.size()));
+  fmt::print("wrote {0}/{1}.md, plots, and {2}/results.csv and summary.json\n", o.output,
+             study.name, files.size() > 1 ? o.output + "/*" : o.output);
+  if (failures > 0)
+    throw CheckFailed(
+        fmt::format("{} of scenes and points failed; what they said stands above", failures));
 }
 
 void add_study(CLI::App& app) {
   CLI::App* all = app.add_subcommand("study", "Shipped studies, measured and concluded");
   all->require_subcommand(1);
   all->footer(
-      "A study (docs/studies.md) is a sweep of a shipped study file, with tables, plots and "
-      "goals.\n"
+      "A study (docs/studies.md) is a sweep of shipped study files, with tables, plots and goals.\n"
       "Stopped at any moment it goes on with the same command.\n\n"
       "Examples:\n"
       "  photonloom study reordering atrium cornell_balls -o build/studies/reordering");
@@ -97,8 +127,10 @@ void add_study(CLI::App& app) {
     c->add_option("-o,--output", o->output, "The study's folder, new or to go on with")
         ->required()
         ->type_name("DIR");
-    c->add_option("--study", o->file, "A study file instead of the shipped one")
-        ->type_name("STUDY.toml");
+    c->add_option("--study", o->files, "Study files instead of the shipped ones, each by its name")
+        ->type_name("STUDY.toml")
+        ->expected(1)
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
     c->add_flag("--wait", o->wait, "Wait for another study on the folder instead of refusing");
     c->add_option("--work", o->work, "Folder of Verilated models (default build/cosim)")
         ->type_name("DIR");
@@ -121,24 +153,43 @@ double StudyRow::value(const std::string& name) const {
   return found == values.end() ? std::numeric_limits<double>::quiet_NaN() : found->second;
 }
 
-StudyOutcome read_outcome(const std::string& folder) {
+double StudyRow::error(const std::string& name) const {
+  const auto found = errors.find(name);
+  return found == errors.end() ? std::numeric_limits<double>::quiet_NaN() : found->second;
+}
+
+std::vector<const StudyRow*> StudyOutcome::rows_of(const std::string& study,
+                                                   const std::string& scene) const {
+  std::vector<const StudyRow*> found;
+  for (const StudyRow& row : rows)
+    if (row.study == study && row.scene == scene) found.push_back(&row);
+  return found;
+}
+
+void read_outcome(const std::string& folder, StudyOutcome& outcome) {
   const nlohmann::json summary = nlohmann::json::parse(read_file(folder + "/summary.json"));
-  StudyOutcome outcome;
-  outcome.folder = folder;
-  for (const auto& scene : summary.at("scenes"))
-    outcome.scenes.push_back(scene.at("scene").get<std::string>());
+  if (outcome.seeds.empty()) outcome.seeds = summary.at("seeds").get<std::vector<uint64_t>>();
+  for (const auto& scene : summary.at("scenes")) {
+    const auto name = scene.at("scene").get<std::string>();
+    if (std::find(outcome.scenes.begin(), outcome.scenes.end(), name) == outcome.scenes.end())
+      outcome.scenes.push_back(name);
+  }
+  const auto number = [](const nlohmann::json& value) {
+    return value.is_null() ? std::numeric_limits<double>::quiet_NaN() : value.get<double>();
+  };
   for (const auto& point : summary.at("points")) {
     if (point.at("state") != "done") continue;
     StudyRow row;
+    row.study = summary.at("study").get<std::string>();
     row.scene = point.at("scene").get<std::string>();
     for (const auto& [line, value] : point.at("lines").items())
       row.lines[line] = value.get<std::string>();
-    for (const auto& [name, value] : point.at("values").items())
-      row.values[name] = value.at("mean").is_null() ? std::numeric_limits<double>::quiet_NaN()
-                                                    : value.at("mean").get<double>();
+    for (const auto& [name, value] : point.at("values").items()) {
+      row.values[name] = number(value.at("mean"));
+      row.errors[name] = number(value.at("error"));
+    }
     outcome.rows.push_back(std::move(row));
   }
-  return outcome;
 }
 
 void write_plot(const std::string& folder, const std::string& name, const std::string& commands,

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Shipped studies: photonloom study NAME runs studies/NAME.toml and says what its figures mean. A
-// further study is a file there, a conclusion here, and a row of the list in study.cpp.
+// Shipped studies: photonloom study NAME runs the files of studies/ that belong to it and says what
+// their figures mean. A further study is a file there, a conclusion here, and a row of the list in
+// study.cpp.
 #pragma once
 #include <cstdint>
 #include <map>
@@ -11,21 +12,28 @@ namespace photonloom {
 
 // A point with figures, as summary.json has it.
 struct StudyRow {
+  std::string study;  // the name that its file has
   std::string scene;
   std::map<std::string, std::string> lines;  // set in this point, beyond the study's base
   std::map<std::string, double> values;      // "measure.column": the mean; NaN where there is none
+  std::map<std::string, double> errors;      // their standard errors
 
   // The line's value, or what it is without.
   std::string line(const std::string& name, const std::string& otherwise = "") const;
   double value(const std::string& name) const;
+  double error(const std::string& name) const;
 };
 
 struct StudyOutcome {
   std::string folder;
   std::vector<std::string> scenes;
-  std::vector<StudyRow> rows;
+  std::vector<uint64_t> seeds;  // of the first file
+  std::vector<StudyRow> rows;   // of all files
+
+  std::vector<const StudyRow*> rows_of(const std::string& study, const std::string& scene) const;
 };
-StudyOutcome read_outcome(const std::string& folder);
+// Adds what a finished file's folder holds.
+void read_outcome(const std::string& folder, StudyOutcome& outcome);
 
 // What a study set out to reach; printed with what was reached, and MISSED where it was not.
 struct Goal {
@@ -43,6 +51,9 @@ struct Conclusion {
 // Writes plots into the folder.
 Conclusion conclude_reordering(const StudyOutcome& outcome);
 Conclusion conclude_layouts(const StudyOutcome& outcome);
+Conclusion conclude_caching(const StudyOutcome& outcome);
+Conclusion conclude_sampling(const StudyOutcome& outcome);
+Conclusion conclude_adaptive(const StudyOutcome& outcome);
 
 // FOLDER/NAME.svg and FOLDER/NAME.png from gnuplot commands, which stay beside them as NAME.gp.
 // Says so where gnuplot is missing, and leaves the commands.

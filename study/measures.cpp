@@ -14,6 +14,7 @@
 #include "rtl/generate/hardware.hpp"
 #include "study/bounded_search.hpp"
 #include "study/layout_traffic.hpp"
+#include "study/ray_means.hpp"
 #include "study/routed.hpp"
 #include "study/traffic.hpp"
 
@@ -21,10 +22,44 @@ namespace photonloom {
 namespace {
 
 // Of the image that noise is measured against, twice; their seeds are far from those of frames.
-constexpr int kConvergedRays = 1024;
+constexpr int kConvergedRays = 256;
 constexpr uint64_t kConvergedSeed = uint64_t{1} << 32;
 
+// The cache's other lines as a plan has them that says nothing of it.
+Plan without_cache(Plan plan) {
+  const Plan usual;
+  plan.cache_present = false;
+  plan.cache_records = usual.cache_records;
+  plan.cache_hits = usual.cache_hits;
+  plan.cache_passes = usual.cache_passes;
+  plan.cache_accuracy = usual.cache_accuracy;
+  plan.cache_radius = usual.cache_radius;
+  plan.cache_probe_rays = usual.cache_probe_rays;
+  plan.cache_radius_min = usual.cache_radius_min;
+  plan.cache_radius_max = usual.cache_radius_max;
+  plan.cache_angle_bits = usual.cache_angle_bits;
+  plan.cache_weight_bits = usual.cache_weight_bits;
+  plan.cache_glossy = usual.cache_glossy;
+  return plan;
+}
+
 }  // namespace
+
+Plan cosine_plan(const Plan& of) {
+  const Plan usual;
+  Plan plan = without_cache(of);
+  plan.cell_bits = usual.cell_bits;
+  plan.probability_bits = usual.probability_bits;
+  plan.u_bits = usual.u_bits;
+  plan.v_bits = usual.v_bits;
+  plan.combine = TableCombine::kCosine;
+  plan.levels = usual.levels;
+  plan.cosine_samples = usual.cosine_samples;
+  plan.first_rays = 0;
+  plan.mean_rays = usual.mean_rays;
+  plan.table_photons = TablePhotons::kAll;
+  return plan;
+}
 
 PointRun::PointRun(StudyScene& scene, const Study& study, const Plan& plan, uint64_t seed,
                    std::string work_dir)
@@ -99,21 +134,8 @@ const Planes& PointRun::walks() { return golden(), *walks_; }
 
 const ConvergedFrames& PointRun::converged() {
   if (converged_) return *converged_;
-  // The same for all points that differ in how rays are chosen.
-  const Plan usual;
-  Plan plan = plan_;
-  plan.cell_bits = usual.cell_bits;
-  plan.probability_bits = usual.probability_bits;
-  plan.u_bits = usual.u_bits;
-  plan.v_bits = usual.v_bits;
-  plan.combine = TableCombine::kCosine;
-  plan.levels = usual.levels;
-  plan.cosine_samples = usual.cosine_samples;
+  Plan plan = cosine_plan(plan_);
   plan.gather_rays = kConvergedRays;
-  plan.first_rays = 0;
-  plan.mean_rays = usual.mean_rays;
-  plan.table_photons = TablePhotons::kAll;
-  plan.cache_present = false;
   check_plan(plan);
   converged_ = scene_.converged(fmt::format("{} {}", plan_hash_text(plan), seed_), [&] {
     ConvergedFrames frames;
@@ -150,6 +172,11 @@ const std::vector<GatherQuery>& PointRun::watched_queries() { return golden(), w
 const PhotonMap& PointRun::map(bool is_caustic) { return prepare(), maps_[is_caustic]; }
 const PackCounts& PointRun::packed() { return prepare(), packed_; }
 
+size_t block_of(const Planes& image, size_t pixel) {
+  const auto width = static_cast<size_t>(image.width), height = static_cast<size_t>(image.height);
+  return pixel / width * kBlockEdge / height * kBlockEdge + pixel % width * kBlockEdge / width;
+}
+
 Blocks half_differences(const std::vector<double>& values, int width, int height) {
   constexpr size_t kEdge = 8;
   const auto w = static_cast<size_t>(width), h = static_cast<size_t>(height);
@@ -170,11 +197,6 @@ namespace {
 // The unit whose resources stand apart.
 constexpr const char* kGatherer = unit_name<PhotonGatherer>;
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-
-size_t block_of(const Planes& image, size_t pixel) {
-  const auto width = static_cast<size_t>(image.width), height = static_cast<size_t>(image.height);
-  return pixel / width * kBlockEdge / height * kBlockEdge + pixel % width * kBlockEdge / width;
-}
 
 double total(const Blocks& blocks) {
   double sum = 0;
@@ -285,18 +307,31 @@ Measurement measure_formats(PointRun& run) {
   return m;
 }
 
+// What points with other caches share: the frame without one.
+struct Uncached {
+  Planes image;
+  double gathers = 0;  // samples with final gather rays
+};
+
+std::shared_ptr<const Uncached> uncached(PointRun& run) {
+  const Plan plan = without_cache(run.plan());
+  return run.scene().shared<Uncached>(
+      fmt::format("frame without a cache {} {}", plan_hash_text(plan), run.seed()), [&] {
+        PointRun without(run.scene(), run.study(), plan, run.seed(), run.work_dir());
+        return Uncached{without.golden(), static_cast<double>(without.counts().table_gathers)};
+      });
+}
+
 // The plan's irradiance cache beside the same frame without one.
 Measurement measure_caching(PointRun& run) {
-  Plan plan = run.plan();
-  plan.cache_present = false;
-  PointRun without(run.scene(), run.study(), plan, run.seed(), run.work_dir());
-  const Planes& c = without.golden();
+  const std::shared_ptr<const Uncached> without = uncached(run);
+  const Planes& c = without->image;
   Measurement m = image_errors(run.golden(), c, c, c);
   const FrameCounts& counts = run.counts();
   const auto part = [](double a, double b) { return b > 0 ? a / b : kNone; };
-  const auto all = static_cast<double>(without.counts().table_gathers);
-  const double rays = all * plan.gather_rays;
-  const double cast = (all - static_cast<double>(counts.cache_hits)) * plan.gather_rays +
+  const double all = without->gathers;
+  const double rays = all * run.plan().gather_rays;
+  const double cast = (all - static_cast<double>(counts.cache_hits)) * run.plan().gather_rays +
                       static_cast<double>(counts.probe_rays);
   m.values.insert(m.values.end(), {part(static_cast<double>(counts.cache_hits), all),
                                    1 - part(cast, rays), static_cast<double>(counts.cache_records),
@@ -451,6 +486,10 @@ const std::vector<Measure>& measures() {
        [](const Study&, const StudyScene&) {
          return fmt::format("{} rays, twice", kConvergedRays);
        }},
+      {"ray_means",
+       "whether final gather rays find the light that cosine-sampled ones find: 64 seeds of rays "
+       "beside 64 times the rays",
+       ray_means_columns(), measure_ray_means, ray_means_settings},
       {"gather",
        "cycles and bytes",
        {{"cycles", "cycles", "a final gather"},

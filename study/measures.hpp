@@ -29,6 +29,9 @@ using Blocks = std::vector<double>;
 inline constexpr int kBlockEdge = 4;  // blocks across and down
 inline constexpr int kBlocks = kBlockEdge * kBlockEdge;
 
+// The block that a pixel is in.
+size_t block_of(const Planes& image, size_t pixel);
+
 struct Measurement {
   std::vector<double> values;            // a column each; NaN where there is none
   std::map<std::string, Blocks> blocks;  // by column, of those that are sums over the image
@@ -85,6 +88,10 @@ class PointRun {
   Counters gather_counters_;
   std::vector<GatherQuery> watched_;
 };
+
+// The same plan with one pass of cosine-sampled rays and without an irradiance cache: the same for
+// all plans that differ in how rays are chosen.
+Plan cosine_plan(const Plan& plan);
 
 struct Measure {
   const char* name;

@@ -367,3 +367,36 @@ TEST_CASE("a shipped study's conclusion: tables from the stored results, goals, 
   CHECK(run("study reordering no_such_scene -o '" + s / "other" + "'").status == 2);
   CHECK(run("study no_such_study -o '" + s / "other" + "'").status == 2);
 }
+
+TEST_CASE("a study of several files: a folder each, one page") {
+  const Scratch s;
+  const std::string head = "\nscenes = [" + cornell() + "]\nseeds = [1]\n",
+                    base =
+                        "[base]\nphotons = 2000\ncaustic_photons = 100\nframe.spp = 1\n"
+                        "gather.k = 8\nsampler.combine = \"cosine\"\n[[points]]\n"
+                        "strategy = \"grid\"\n";
+  write_file(s / "sampling.toml", "[study]\nname = \"sampling\"" + head +
+                                      "size = \"8x8\"\nmeasure = [\"noise\"]\n" + base +
+                                      "lines = { frame.gather_rays = [4, 16], sampler.combine = "
+                                      "[\"cosine\", \"sum\"] }\n");
+  write_file(s / "means.toml", "[study]\nname = \"sampling_means\"" + head +
+                                   "size = \"4x4\"\nmeasure = [\"ray_means\"]\n" + base +
+                                   "lines = { frame.gather_rays = [4], sampler.combine = "
+                                   "[\"cosine\", \"sum\"] }\n");
+  const std::string command = "study sampling --study '" + s / "sampling.toml" + "' --study '" +
+                              s / "means.toml" + "' -o '" + s / "out" + "'";
+  const auto first = run(command);
+  INFO(first.err);
+  REQUIRE(first.status == 0);
+  const std::string page = read_file(s / "out/sampling.md");
+  CHECK(page.find("| cosine | – | – | 1 |") != std::string::npos);
+  CHECK(page.find("| sum | 1 | all |") != std::string::npos);
+  CHECK(page.find("farthest mean over 64 ray seeds, of 2 settings") != std::string::npos);
+  for (const char* file :
+       {"out/sampling_cornell.gp", "out/sampling/results.csv", "out/means/results.csv"})
+    CHECK(std::filesystem::exists(s / file));
+  const auto again = run(command);
+  REQUIRE(again.status == 0);
+  CHECK(again.out.find("0 results computed") != std::string::npos);
+  CHECK(read_file(s / "out/sampling.md") == page);
+}

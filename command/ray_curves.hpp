@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+// Noise against final gather rays, and what curves of it say beside each other: the measure `noise`
+// of points that differ in their number of rays.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "command/study.hpp"
+
+namespace photonloom {
+
+// A part of a baseline's rays with its standard error.
+struct RayPart {
+  double value = 0, error = 0;
+  int beyond = 0;  // 1: more than the value, the most rays that were measured; -1: less, the fewest
+};
+// "0.48 ± 0.03", "> 4.0".
+std::string text_of(const RayPart& part);
+
+class RayCurve {
+ public:
+  RayCurve(std::string name, const std::vector<const StudyRow*>& rows);
+
+  const std::string& name() const { return name_; }
+  bool empty() const { return points_.empty(); }
+
+  // Rays that this takes to the noise that `base` has with `rays` rays asked for, as a part of the
+  // rays that `base` then casts. Between its points noise is taken as a power of the rays. Where
+  // the noise is beyond its ends, so is the part. The standard error is that of both curves' noise,
+  // taken as independent; camera walks are common, so it is rather smaller.
+  RayPart part_of(const RayCurve& base, double rays) const;
+
+  // Lines "rays noise error" for gnuplot.
+  std::string data() const;
+
+ private:
+  struct Point {
+    double asked = 0, rays = 0, noise = 0, error = 0;  // rays a camera sample
+  };
+  std::string name_;
+  std::vector<Point> points_;  // by rays
+};
+
+// A plot of noise against rays, FOLDER/NAME.svg and .png.
+void plot_curves(const std::string& folder, const std::string& name, const std::string& title,
+                 const std::vector<RayCurve>& curves);
+
+}  // namespace photonloom

@@ -1,0 +1,218 @@
+// SPDX-License-Identifier: Apache-2.0
+// What `photonloom study sampling` and `photonloom study adaptive` say: final gather rays for equal
+// noise, and whether the light is the same. docs/sampling.md defines it, docs/studies.md has the
+// figures.
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "command/ray_curves.hpp"
+#include "command/study.hpp"
+
+namespace photonloom {
+namespace {
+
+constexpr double kRays = 16;  // of the baseline that others are compared with
+// Scenes whose indirect light is concentrated: through a doorway, and from a pool's caustics.
+const std::vector<std::string> kConcentrated = {"doorway", "water_pool"};
+
+// Columns of the tables.
+std::string combination(const StudyRow& row) {
+  const std::string combine = row.line("sampler.combine", "cosine");
+  if (combine == "cosine") return "cosine | – | –";
+  return fmt::format("{} | {} | {}", combine, row.line("sampler.levels", "1"),
+                     row.line("frame.table_photons", "all"));
+}
+std::string passes(const StudyRow& row) {
+  const std::string first = row.line("frame.first_rays");
+  return first.empty() ? "one pass" : fmt::format("two passes, the first of {}", first);
+}
+
+// Names of rows in the order in which they come.
+template <class Name>
+std::vector<std::string> names_of(const StudyOutcome& outcome, const std::string& study,
+                                  const Name& name) {
+  std::vector<std::string> names;
+  for (const StudyRow& row : outcome.rows)
+    if (row.study == study && !row.lines.empty() &&
+        std::find(names.begin(), names.end(), name(row)) == names.end())
+      names.push_back(name(row));
+  return names;
+}
+
+struct RowCurves {
+  std::string name;                // of a row
+  std::vector<RayCurve> by_scene;  // of those with curves
+  std::vector<RayPart> parts;
+};
+
+// Rays for equal noise, a row a name and a column a scene; the first name is the baseline.
+template <class Name>
+std::vector<RowCurves> part_table(const StudyOutcome& outcome, const std::string& study,
+                                  const Name& name, const std::string& heads, std::string& page,
+                                  std::vector<std::string>& scenes) {
+  std::vector<RowCurves> rows;
+  for (const std::string& scene : outcome.scenes)
+    if (!outcome.rows_of(study, scene).empty()) scenes.push_back(scene);
+  for (const std::string& row : names_of(outcome, study, name)) {
+    rows.push_back({row, {}, {}});
+    for (const std::string& scene : scenes) {
+      std::vector<const StudyRow*> points;
+      for (const StudyRow* r : outcome.rows_of(study, scene))
+        if (!r->lines.empty() && name(*r) == row) points.push_back(r);
+      rows.back().by_scene.emplace_back(row, points);
+    }
+  }
+  if (rows.empty()) return rows;
+  page += "| " + heads + " |";
+  for (const std::string& scene : scenes) page += " " + scene + " |";
+  page += "\n|---";
+  for (size_t i = 0;
+       i < scenes.size() + static_cast<size_t>(std::count(heads.begin(), heads.end(), '|')); ++i)
+    page += "|---";
+  page += "|\n";
+  for (RowCurves& row : rows) {
+    page += "| " + row.name + " |";
+    for (size_t s = 0; s < scenes.size(); ++s) {
+      row.parts.push_back(row.by_scene[s].part_of(rows.front().by_scene[s], kRays));
+      page += &row == &rows.front() ? " 1 |" : " " + text_of(row.parts.back()) + " |";
+    }
+    page += "\n";
+  }
+  page += "\n";
+  for (size_t s = 0; s < scenes.size(); ++s) {
+    std::vector<RayCurve> curves;
+    for (const RowCurves& row : rows) curves.push_back(row.by_scene[s]);
+    plot_curves(outcome.folder, study + "_" + scenes[s], scenes[s] + ": noise of final gather rays",
+                curves);
+  }
+  return rows;
+}
+
+// The measure `ray_means`; adds the goals that |z| of an image stays below 3.
+template <class Name>
+void means_table(const StudyOutcome& outcome, const std::string& study, const Name& name,
+                 const std::string& heads, Conclusion& conclusion) {
+  std::string table;
+  for (const std::string& scene : outcome.scenes) {
+    double farthest = 0, saturated = 0;
+    size_t rows = 0;
+    for (const StudyRow* row : outcome.rows_of(study, scene)) {
+      if (row->lines.empty()) continue;
+      const auto value = [&](const char* column) {
+        return row->value(std::string("ray_means.") + column);
+      };
+      table += fmt::format(
+          "| {} | {} | {} | {:+.2f} ± {:.2f} % | {:+.2f} | {:+.2f} | {:.1f} |\n", scene, name(*row),
+          row->line("frame.mean_rays", row->line("frame.gather_rays")), 100 * value("bias"),
+          100 * value("bias_error"), value("z"), value("worst_z"), value("chi2"));
+      if (std::fabs(value("z")) > std::fabs(farthest)) farthest = value("z");
+      saturated += value("saturated");
+      ++rows;
+    }
+    if (rows == 0) continue;
+    conclusion.goals.push_back(
+        {fmt::format("{}: farthest mean over 64 ray seeds, of {} settings, in standard errors",
+                     scene, rows),
+         3, std::fabs(farthest), false});
+    conclusion.goals.push_back({scene + ": values that did not fit a pixel", 0, saturated, false});
+  }
+  if (table.empty()) return;
+  std::string rule = "|---";
+  for (size_t i = 0; i < static_cast<size_t>(std::count(heads.begin(), heads.end(), '|')) + 6; ++i)
+    rule += "|---";
+  conclusion.page += fmt::format(
+      "| scene | {} | rays | light over the cosine's, minus 1 | z | farthest z of 16 blocks "
+      "| Σ z² of 16 blocks |\n{}|\n{}\n",
+      heads, rule, table);
+}
+
+std::string seeds_text(const StudyOutcome& outcome) {
+  std::string text;
+  for (const uint64_t seed : outcome.seeds)
+    text += fmt::format("{}{}", text.empty() ? "" : ", ", seed);
+  return text;
+}
+
+}  // namespace
+
+Conclusion conclude_sampling(const StudyOutcome& outcome) {
+  Conclusion conclusion;
+  conclusion.page = fmt::format(
+      "Rays for the noise that {:g} cosine-sampled rays leave, as a part of those {:g}; seeds "
+      "{}:\n\n",
+      kRays, kRays, seeds_text(outcome));
+  std::vector<std::string> scenes;
+  const std::vector<RowCurves> rows = part_table(
+      outcome, "sampling", combination, "combine | levels | photons", conclusion.page, scenes);
+  // One setting for all scenes: the least product of parts.
+  const RowCurves* best = nullptr;
+  double least = 0;
+  for (size_t r = 1; r < rows.size(); ++r) {
+    double sum = 0;
+    for (const RayPart& part : rows[r].parts) sum += std::log(part.value);
+    if (std::isfinite(sum) && (!best || sum < least)) {
+      best = &rows[r];
+      least = sum;
+    }
+  }
+  for (size_t s = 0; s < scenes.size(); ++s) {
+    const bool concentrated =
+        std::find(kConcentrated.begin(), kConcentrated.end(), scenes[s]) != kConcentrated.end();
+    if (best)
+      conclusion.goals.push_back({fmt::format("{}, {}: part of the cosine's rays, ± {:.2g}",
+                                              scenes[s], best->name, best->parts[s].error),
+                                  concentrated ? 0.5 : 1.05, best->parts[s].value, false});
+  }
+  for (size_t s = 0; s < scenes.size(); ++s) {
+    const auto least_of =
+        std::min_element(rows.begin(), rows.end(), [&](const RowCurves& a, const RowCurves& b) {
+          return a.parts[s].value < b.parts[s].value;
+        });
+    if (least_of != rows.end() &&
+        std::find(kConcentrated.begin(), kConcentrated.end(), scenes[s]) != kConcentrated.end())
+      conclusion.goals.push_back(
+          {fmt::format("{}, its own best, {}: part of the cosine's rays, ± {:.2g}", scenes[s],
+                       least_of->name, least_of->parts[s].error),
+           0.5, least_of->parts[s].value, false});
+  }
+  means_table(outcome, "sampling_means", combination, "combine | levels | photons", conclusion);
+  return conclusion;
+}
+
+Conclusion conclude_adaptive(const StudyOutcome& outcome) {
+  Conclusion conclusion;
+  conclusion.page = fmt::format(
+      "Rays for the noise that one pass of {:g} rays leaves, as a part of those {:g}; seeds "
+      "{}:\n\n",
+      kRays, kRays, seeds_text(outcome));
+  std::vector<std::string> scenes;
+  const std::vector<RowCurves> rows =
+      part_table(outcome, "adaptive", passes, "frame", conclusion.page, scenes);
+  // The one setting whose second best scene is best.
+  const RowCurves* best = nullptr;
+  std::vector<size_t> order;
+  for (size_t r = 1; r < rows.size(); ++r) {
+    std::vector<size_t> by_part;
+    for (size_t s = 0; s < scenes.size(); ++s)
+      if (std::isfinite(rows[r].parts[s].value)) by_part.push_back(s);
+    std::sort(by_part.begin(), by_part.end(),
+              [&](size_t a, size_t b) { return rows[r].parts[a].value < rows[r].parts[b].value; });
+    if (by_part.size() < 2) continue;
+    if (!best || rows[r].parts[by_part[1]].value < best->parts[order[1]].value) {
+      best = &rows[r];
+      order = by_part;
+    }
+  }
+  if (best)
+    for (const size_t i : {0, 1})
+      conclusion.goals.push_back(
+          {fmt::format("{}, {}: part of the rays of one pass, ± {:.2g}", scenes[order[i]],
+                       best->name, best->parts[order[i]].error),
+           0.7, best->parts[order[i]].value, false});
+  means_table(outcome, "adaptive_means", passes, "frame", conclusion);
+  return conclusion;
+}
+
+}  // namespace photonloom
