@@ -73,7 +73,7 @@ void add_average(CLI::App& app) {
   c->callback([o] { average(*o); });
 }
 
-const Command registered(56, add_average);
+const Command average_command(56, add_average);
 
 }  // namespace
 }  // namespace photonloom

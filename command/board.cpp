@@ -106,7 +106,7 @@ class Keeping final : public ReorderBuffer {
   std::vector<GatherQuery>& kept_;
 };
 
-struct ReplayOptions {
+struct BoardReplayOptions {
   DeviceOptions device;
   FrameOptions frame;
   ThreadsOption threads;
@@ -115,7 +115,7 @@ struct ReplayOptions {
   bool reorder = false, cold = false;
 };
 
-void replay(const ReplayOptions& o) {
+void replay_on_board(const BoardReplayOptions& o) {
   const FrameRequest request = o.frame.request();
   o.threads.apply();
   ConsoleProgress progress;
@@ -223,7 +223,7 @@ void add_board(CLI::App& app) {
   i->add_to(*c);
   c->callback([i] { info(*i); });
 
-  auto o = std::make_shared<ReplayOptions>();
+  auto o = std::make_shared<BoardReplayOptions>();
   c = board->add_subcommand("replay", "The board's own rate, without its link");
   c->footer(
       "Puts final gather queries of the frame into the board's replayer, which plays them into "
@@ -246,10 +246,10 @@ void add_board(CLI::App& app) {
   c->add_flag("--reorder", o->reorder, "Through the board's reorder buffer");
   c->add_flag("--cold", o->cold, "With caches that have forgotten everything");
   o->threads.add_to(*c);
-  c->callback([o] { replay(*o); });
+  c->callback([o] { replay_on_board(*o); });
 }
 
-const Command registered(52, add_board);
+const Command board_command(52, add_board);
 
 }  // namespace
 }  // namespace photonloom

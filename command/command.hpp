@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Each subcommand is one file of this folder: a function that adds it to the command line, and one
 // line that registers it:
-//   static const Command registered(20, add_render);
+//   static const Command render_command(20, add_render);
 // The callback throws std::runtime_error for what the user can mend (printed as one line, exit
 // status 1), UsageError for a wrong command line (exit status 2).
 #pragma once
@@ -24,7 +24,7 @@ struct CheckFailed : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-// Commands are listed in --help in ascending `place`.
+// Commands are listed in --help in ascending `place`, which no two share.
 struct Command {
   using Add = void (*)(CLI::App& app);
   Command(int place, Add add);

@@ -13,7 +13,7 @@
 namespace photonloom {
 namespace {
 
-struct Limit {
+struct MetricLimit {
   const char* option;
   const char* what;
   double (*value)(const Metrics&);
@@ -31,7 +31,7 @@ double mean_ratio_rgb_deviation(const Metrics& m) {
 struct CompareOptions {
   std::string a, b, layer, error_map;
   bool json = false, identical = false;
-  std::vector<Limit> limits = {
+  std::vector<MetricLimit> limits = {
       {"--max-rmse", "rmse", [](const Metrics& m) { return m.rmse; }, false, {}},
       {"--max-relmse", "relmse", [](const Metrics& m) { return m.relmse; }, false, {}},
       {"--max-mape", "mape", [](const Metrics& m) { return m.mape; }, false, {}},
@@ -88,7 +88,7 @@ void write_heat(const std::vector<double>& values, int width, int height, const 
 
 void compare(const CompareOptions& o) {
   if (!o.error_map.empty()) require_suffix("--error-map", o.error_map, ".png");
-  for (const Limit& limit : o.limits)
+  for (const MetricLimit& limit : o.limits)
     if (limit.given && std::isnan(*limit.given))
       throw UsageError(fmt::format("{}: nan, expected a number", limit.option));
   const Image a = read_exr(o.a), b = read_exr(o.b);
@@ -101,7 +101,7 @@ void compare(const CompareOptions& o) {
   if (!o.error_map.empty()) write_heat(flip, a.width, a.height, o.error_map);
   print(o, m);
   std::string exceeded;
-  for (const Limit& limit : o.limits) {
+  for (const MetricLimit& limit : o.limits) {
     if (!limit.given) continue;
     const double value = limit.value(m);
     if (limit.at_least ? !(value >= *limit.given) : !(value <= *limit.given))
@@ -137,7 +137,7 @@ void add_compare(CLI::App& app) {
       ->type_name("FILE.png");
   c->add_flag("--json", o->json, "Print one JSON object");
   c->add_flag("--identical", o->identical, "Fail unless every value is the same");
-  for (Limit& limit : o->limits)
+  for (MetricLimit& limit : o->limits)
     c->add_option(limit.option, limit.given,
                   fmt::format("Fail unless {} is {} this", limit.what,
                               limit.at_least ? "at least" : "at most"))
@@ -145,7 +145,7 @@ void add_compare(CLI::App& app) {
   c->callback([o] { compare(*o); });
 }
 
-const Command registered(50, add_compare);
+const Command compare_command(50, add_compare);
 
 }  // namespace
 }  // namespace photonloom

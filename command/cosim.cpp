@@ -422,7 +422,7 @@ void add_cosim(CLI::App& app) {
   c->callback([o] { cosim(*o); });
 }
 
-const Command registered(50, add_cosim);
+const Command cosim_command(51, add_cosim);
 
 }  // namespace
 }  // namespace photonloom

@@ -291,7 +291,7 @@ void add_gather(CLI::App& app) {
   c->callback([o] { gather(*o); });
 }
 
-const Command registered(45, add_gather);
+const Command gather_command(45, add_gather);
 
 }  // namespace
 }  // namespace photonloom

@@ -179,7 +179,7 @@ void add_generate(CLI::App& app) {
   c->callback([o] { generate(*o); });
 }
 
-const Command registered(40, add_generate);
+const Command generate_command(40, add_generate);
 
 }  // namespace
 }  // namespace photonloom

@@ -190,7 +190,7 @@ void add_info(CLI::App& app) {
   });
 }
 
-const Command registered(10, add_info);
+const Command info_command(10, add_info);
 
 }  // namespace
 }  // namespace photonloom

@@ -80,7 +80,7 @@ void add_kernels(CLI::App& app) {
   c->callback([o] { kernels(*o); });
 }
 
-const Command registered(63, add_kernels);
+const Command kernels_command(63, add_kernels);
 
 }  // namespace
 }  // namespace photonloom

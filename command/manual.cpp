@@ -44,7 +44,7 @@ void add_manual(CLI::App& app) {
   c->callback([o, &app] { manual(*o, app); });
 }
 
-const Command registered(100, add_manual);
+const Command manual_command(100, add_manual);
 
 }  // namespace
 }  // namespace photonloom

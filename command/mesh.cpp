@@ -45,7 +45,7 @@ void add_mesh(CLI::App& app) {
   });
 }
 
-const Command registered(90, add_mesh);
+const Command mesh_command(90, add_mesh);
 
 }  // namespace
 }  // namespace photonloom

@@ -99,7 +99,7 @@ void add_photons(CLI::App& app) {
   c->callback([o] { photons(*o); });
 }
 
-const Command registered(40, add_photons);
+const Command photons_command(41, add_photons);
 
 }  // namespace
 }  // namespace photonloom

@@ -173,7 +173,7 @@ void add_plan(CLI::App& app) {
   c->callback([o] { plan(*o); });
 }
 
-const Command registered(20, add_plan);
+const Command plan_command(20, add_plan);
 
 }  // namespace
 }  // namespace photonloom

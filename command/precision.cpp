@@ -142,7 +142,7 @@ void add_precision(CLI::App& app) {
   c->callback([o] { precision(*o); });
 }
 
-const Command registered(60, add_precision);
+const Command precision_command(60, add_precision);
 
 }  // namespace
 }  // namespace photonloom

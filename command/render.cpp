@@ -197,7 +197,7 @@ void add_render(CLI::App& app) {
   c->callback([o] { render(*o); });
 }
 
-const Command registered(10, add_render);
+const Command render_command(11, add_render);
 
 }  // namespace
 }  // namespace photonloom

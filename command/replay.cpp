@@ -222,7 +222,7 @@ void add_replay(CLI::App& app) {
   c->callback([o] { replay(*o); });
 }
 
-const Command registered(60, add_replay);
+const Command replay_command(61, add_replay);
 
 }  // namespace
 }  // namespace photonloom

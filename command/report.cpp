@@ -67,7 +67,7 @@ void add_report(CLI::App& app) {
   c->callback([o] { report(*o); });
 }
 
-const Command registered(47, add_report);
+const Command report_command(48, add_report);
 
 }  // namespace
 }  // namespace photonloom

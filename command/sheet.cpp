@@ -70,7 +70,7 @@ void add_sheet(CLI::App& app) {
   c->callback([o] { sheet(*o); });
 }
 
-const Command registered(55, add_sheet);
+const Command sheet_command(55, add_sheet);
 
 }  // namespace
 }  // namespace photonloom

@@ -139,7 +139,7 @@ void add_study(CLI::App& app) {
   }
 }
 
-const Command registered(46, add_study);
+const Command study_command(47, add_study);
 
 }  // namespace
 

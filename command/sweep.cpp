@@ -76,7 +76,7 @@ void add_sweep(CLI::App& app) {
   c->callback([o] { sweep(*o); });
 }
 
-const Command registered(45, add_sweep);
+const Command sweep_command(46, add_sweep);
 
 }  // namespace
 }  // namespace photonloom

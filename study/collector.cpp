@@ -20,8 +20,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-
 // What fronts trade for error.
 struct Front {
   const char *name, *cost;
@@ -46,7 +44,7 @@ double mean(const std::vector<double>& v) {
 
 // Variance of the mean of independent numbers.
 double variance_of_mean(const std::vector<double>& v) {
-  if (v.size() < 2) return kNone;
+  if (v.size() < 2) return kNoValue;
   const double m = mean(v), n = static_cast<double>(v.size());
   double sum = 0;
   for (const double x : v) sum += (x - m) * (x - m);
@@ -206,7 +204,7 @@ void write_database(const PointTable& table, const std::vector<Collected>& point
            {"scene TEXT", "hash TEXT", "file TEXT", "failure TEXT", "reference_relmse REAL"});
   for (const SceneEntry& s : table.scenes) {
     for (const std::string& t : {s.name, s.hash, s.file, s.failure}) db.text(t);
-    db.real(s.references.empty() ? kNone : s.references_relmse);
+    db.real(s.references.empty() ? kNoValue : s.references_relmse);
     db.end_row();
   }
   db.table("points", {"point INTEGER PRIMARY KEY", "scene TEXT", "plan TEXT", "origin TEXT",
@@ -392,7 +390,7 @@ Means means_of(const std::vector<Result>& results, const std::vector<Result>& ba
                                        [&](const Result& x) { return x.key.seed == r.key.seed; });
         if (same != baseline.end() && add(b, *same)) add(a, r);
       }
-      Mean m{mean(all.value), blockwise_error(all, nullptr, 0), kNone, kNone};
+      Mean m{mean(all.value), blockwise_error(all, nullptr, 0), kNoValue, kNoValue};
       if (!b.value.empty() && mean(b.value) != 0) {
         m.ratio = mean(a.value) / mean(b.value);
         m.ratio_error = blockwise_error(a, &b, m.ratio) / std::fabs(mean(b.value));

@@ -4,7 +4,6 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <limits>
 #include <numeric>
 
 #include "study/frame_gathers.hpp"
@@ -13,7 +12,6 @@
 namespace photonloom {
 namespace {
 
-constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 constexpr int kCompressedLine = 80;  // bytes, of 8 photons
 constexpr size_t kCompared = 64;     // every so many-th query's photons are compared
 
@@ -65,7 +63,7 @@ Measurement measure_layouts(PointRun& run) {
   Measurement m;
   const Plan& plan = run.plan();
   if (!plan.global.present || plan.gather_rays == 0 || plan.first_rays > 0 || plan.bucket != 8) {
-    m.values.assign(layout_columns().size(), kNone);
+    m.values.assign(layout_columns().size(), kNoValue);
     return m;
   }
   const PhotonMap& map = run.map(false);
@@ -90,7 +88,7 @@ Measurement measure_layouts(PointRun& run) {
   const double plain = bytes_of(*make_plain_lines(plan, map, bytes), true);
   const double plain16 = bytes_of(*make_plain_lines(wide, wide_map, bytes), false);
   const double textbook = bytes_of(*make_textbook_tree(plan, map), true);
-  const double grid = has_radius ? bytes_of(*make_hash_grid(plan, map), true) : kNone;
+  const double grid = has_radius ? bytes_of(*make_hash_grid(plan, map), true) : kNoValue;
   const double small = bytes_of(*compressed, true);
   const double lines = static_cast<double>(map.lines);
   m.values = {padded,

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <stdexcept>
 
 #include "golden/plan/plan_file.hpp"
@@ -196,7 +195,6 @@ namespace {
 
 // The unit whose resources stand apart.
 constexpr const char* kGatherer = unit_name<PhotonGatherer>;
-constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
 double total(const Blocks& blocks) {
   double sum = 0;
@@ -328,7 +326,7 @@ Measurement measure_caching(PointRun& run) {
   const Planes& c = without->image;
   Measurement m = image_errors(run.golden(), c, c, c);
   const FrameCounts& counts = run.counts();
-  const auto part = [](double a, double b) { return b > 0 ? a / b : kNone; };
+  const auto part = [](double a, double b) { return b > 0 ? a / b : kNoValue; };
   const double all = without->gathers;
   const double rays = all * run.plan().gather_rays;
   const double cast = (all - static_cast<double>(counts.cache_hits)) * run.plan().gather_rays +
@@ -358,7 +356,7 @@ Measurement measure_gather(PointRun& run) {
   const auto queries = static_cast<double>(counted.at("queries"));
   Measurement m;
   if (queries == 0 || run.watched_queries().empty()) {
-    m.values.assign(measure("gather").columns.size(), kNone);
+    m.values.assign(measure("gather").columns.size(), kNoValue);
     return m;
   }
   const Plan& plan = run.plan();

@@ -2,6 +2,7 @@
 // What can be measured of a plan in a scene with a seed, by name. A further study adds a function
 // and a line to the list in measures.cpp; store, tables and files follow.
 #pragma once
+#include <limits>
 #include <map>
 #include <memory>
 #include <string>
@@ -20,6 +21,9 @@ struct Column {
   const char* unit;  // "" for a number
   const char* meaning;
 };
+
+// A figure that a point has none of.
+inline constexpr double kNoValue = std::numeric_limits<double>::quiet_NaN();
 
 // The measure that seeds do not change, and that takes minutes.
 inline constexpr const char* kRouted = "routed";

@@ -4,14 +4,11 @@
 #include <fmt/core.h>
 
 #include <functional>
-#include <limits>
 
 #include "study/frame_gathers.hpp"
 
 namespace photonloom {
 namespace {
-
-constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
 // Lines that an order fetches are asked for by many points.
 uint64_t shared_lines(PointRun& run, const std::string& name, const Plan& order_plan,
@@ -49,7 +46,7 @@ Measurement measure_traffic(PointRun& run) {
   Measurement m;
   const Plan& plan = run.plan();
   if (!plan.global.present || plan.gather_rays == 0 || plan.first_rays > 0) {
-    m.values.assign(traffic_columns().size(), kNone);
+    m.values.assign(traffic_columns().size(), kNoValue);
     return m;
   }
   const std::shared_ptr<const FrameGathers> gathers = frame_gathers(run);
@@ -76,7 +73,7 @@ Measurement measure_traffic(PointRun& run) {
   const double hilbert = bytes(shared_lines(run, "Hilbert", tile, [&](const FrameGathers& g) {
     return sorted_windows(plan, g, *made_as(tile), own->size());
   }));
-  double window = kNone, unlimited = kNone;
+  double window = kNoValue, unlimited = kNoValue;
   if (is_buffered) {
     window = bytes(shared_lines(
         run, fmt::format("window {}", plan.reorder_packets), tile, [&](const FrameGathers& g) {

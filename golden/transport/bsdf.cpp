@@ -8,8 +8,6 @@
 namespace photonloom {
 namespace {
 
-double mean(const Rgb& c) { return (c.x + c.y + c.z) / 3; }
-
 Vec3 reflect(const Vec3& in, const Vec3& normal) {
   return normal * (2 * glm::dot(in, normal)) - in;
 }

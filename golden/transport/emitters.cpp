@@ -9,8 +9,6 @@
 namespace photonloom {
 namespace {
 
-double mean(const Rgb& c) { return (c.x + c.y + c.z) / 3; }
-
 // Up to here every emitter is looked at from every point; beyond, emitters are chosen by power.
 constexpr size_t kFewEmitters = 64;
 

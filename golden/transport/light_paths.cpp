@@ -10,8 +10,8 @@
 namespace photonloom {
 namespace {
 
-enum Dimension : uint64_t { kLobe, kRoulette, kDirectionU, kDirectionV };
-constexpr uint64_t kChoice = 1 << 20;  // a dimension of bounce 0 that emission does not use
+enum LightDimension : uint64_t { kLightLobe, kLightRoulette, kLightDirectionU, kLightDirectionV };
+constexpr uint64_t kLightChoice = 1 << 20;  // a dimension of bounce 0 that emission does not use
 
 // Power per solid angle that the vertex sends into a direction, over its power; by lobe.
 Rgb sent(const Rgb& bsdf_times_cosine, const Surface& s, const Vec3& out) {
@@ -33,7 +33,7 @@ LightPaths::LightPaths(const World& world) : world_(world), boxes_(world) {
 void LightPaths::trace(const RayCaster& caster, const Random& random,
                        std::vector<LightVertex>& out) const {
   out.clear();
-  const double u = random.unit(0, kChoice) * cdf_.back();
+  const double u = random.unit(0, kLightChoice) * cdf_.back();
   const size_t chosen = std::min<size_t>(
       static_cast<size_t>(std::upper_bound(cdf_.begin(), cdf_.end(), u) - cdf_.begin()),
       cdf_.size() - 1);
@@ -48,7 +48,7 @@ void LightPaths::trace(const RayCaster& caster, const Random& random,
     if (s.is_delta()) {
       Rgb weight;
       double ior2;
-      if (!sample_delta(s, random.unit(segment, kLobe), Carried::kPower, ray.direction, weight,
+      if (!sample_delta(s, random.unit(segment, kLightLobe), Carried::kPower, ray.direction, weight,
                         ior2))
         return;
       throughput *= weight;
@@ -57,11 +57,13 @@ void LightPaths::trace(const RayCaster& caster, const Random& random,
       if (s.black() || !through_delta) return;
       out.push_back({hit, s, e.power * throughput * s.shading_ratio(s.in), segment, out.empty()});
       through_delta = false;
-      const Vec2 u(random.unit(segment, kDirectionU), random.unit(segment, kDirectionV));
-      if (!leave_with_power(s, random.unit(segment, kLobe), u, ray.direction, throughput)) return;
+      const Vec2 u(random.unit(segment, kLightDirectionU), random.unit(segment, kLightDirectionV));
+      if (!leave_with_power(s, random.unit(segment, kLightLobe), u, ray.direction, throughput))
+        return;
       if (!boxes_.met_by(Ray{hit.position, ray.direction})) return;
     }
-    if (!survives(throughput, segment, world_.scene().rr_depth, random.unit(segment, kRoulette)))
+    if (!survives(throughput, segment, world_.scene().rr_depth,
+                  random.unit(segment, kLightRoulette)))
       return;
     ray.origin = hit.position;
     hit = caster.closest(ray, &hit);

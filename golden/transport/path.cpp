@@ -20,7 +20,7 @@ namespace {
 constexpr int kTile = 8;  // edge in pixels
 
 // Dimensions of one bounce.
-enum Dimension : uint64_t { kLobe, kDirection, kChoice, kPoint, kRoulette };
+enum PathDimension : uint64_t { kPathLobe, kPathDirection, kPathChoice, kPathPoint, kPathRoulette };
 
 // One path's light, by layer.
 struct PathSample {
@@ -100,27 +100,28 @@ PathSample trace_sample(const World& world, const RayCaster& caster, const Lens&
     if (s.is_delta()) {
       Rgb weight;
       double factor;
-      if (!sample_delta(s, numbers.unit(segment, kLobe), Carried::kRadiance, ray.direction, weight,
-                        factor))
+      if (!sample_delta(s, numbers.unit(segment, kPathLobe), Carried::kRadiance, ray.direction,
+                        weight, factor))
         break;
       throughput *= weight;
       ior2 *= factor;
       lobe.through_delta = true;
     } else {
       const double p = s.diffuse_probability();
-      const DirectLight light = direct_light(world, caster, hit, s, numbers.unit(segment, kChoice),
-                                             numbers.pair(segment, kPoint), {p, 1 - p});
+      const DirectLight light =
+          direct_light(world, caster, hit, s, numbers.unit(segment, kPathChoice),
+                       numbers.pair(segment, kPathPoint), {p, 1 - p});
       (lobe.exists ? out.indirect : out.direct) += throughput * (light.diffuse + light.glossy);
       for (const LightVertex& v : light_vertices)
         if (has_depth(scene, segment + v.segments))
           out.indirect += throughput * light_paths.connect(caster, v, hit, s);
       const bool first = !lobe.exists;
-      if (!leave_by_lobe(hit, s, numbers.unit(segment, kLobe), numbers.pair(segment, kDirection),
-                         ray.direction, throughput, lobe))
+      if (!leave_by_lobe(hit, s, numbers.unit(segment, kPathLobe),
+                         numbers.pair(segment, kPathDirection), ray.direction, throughput, lobe))
         break;
       lobe.from_first = first;
     }
-    if (!survives(throughput, segment, scene.rr_depth, numbers.unit(segment, kRoulette), ior2))
+    if (!survives(throughput, segment, scene.rr_depth, numbers.unit(segment, kPathRoulette), ior2))
       break;
     ray.origin = hit.position;
     hit = caster.closest(ray, &hit);

@@ -14,7 +14,12 @@ namespace photonloom {
 namespace {
 
 // Numbers of one photon's bounce n >= 1: dimension by purpose.
-enum Dimension : uint64_t { kLobe, kDirectionU, kDirectionV, kRoulette };
+enum PhotonDimension : uint64_t {
+  kPhotonLobe,
+  kPhotonDirectionU,
+  kPhotonDirectionV,
+  kPhotonRoulette
+};
 
 struct Walk {
   const World& world;
@@ -30,13 +35,14 @@ bool scatter(const Walk& walk, const Surface& s, uint64_t bounce, Vec3& out, Rgb
   if (s.is_delta()) {
     Rgb weight;
     double ior2;
-    if (!sample_delta(s, r.unit(bounce, kLobe), Carried::kPower, out, weight, ior2)) return false;
+    if (!sample_delta(s, r.unit(bounce, kPhotonLobe), Carried::kPower, out, weight, ior2))
+      return false;
     power *= weight;
     return true;
   }
-  return leave_with_power(s, r.unit(bounce, kLobe),
-                          Vec2(r.unit(bounce, kDirectionU), r.unit(bounce, kDirectionV)), out,
-                          power);
+  return leave_with_power(
+      s, r.unit(bounce, kPhotonLobe),
+      Vec2(r.unit(bounce, kPhotonDirectionU), r.unit(bounce, kPhotonDirectionV)), out, power);
 }
 
 void trace_path(const Walk& walk, uint64_t path, int rr_depth, const DeltaBoxes* boxes,
@@ -58,7 +64,8 @@ void trace_path(const Walk& walk, uint64_t path, int rr_depth, const DeltaBoxes*
     if (walk.caustic && !s.is_delta()) return;
     if (walk.max_segments >= 0 && segment >= static_cast<uint64_t>(walk.max_segments)) return;
     if (!scatter(walk, s, segment, ray.direction, throughput)) return;
-    if (!survives(throughput, segment, rr_depth, walk.random.unit(segment, kRoulette))) return;
+    if (!survives(throughput, segment, rr_depth, walk.random.unit(segment, kPhotonRoulette)))
+      return;
     if (!s.is_delta()) {
       scattered = true;
       flight = 0;

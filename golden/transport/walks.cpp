@@ -9,7 +9,14 @@ namespace photonloom {
 namespace {
 
 // Dimensions of one bounce.
-enum Dimension : uint64_t { kLobe, kDirection, kChoice, kPoint, kPartner, kRoulette };
+enum WalkDimension : uint64_t {
+  kWalkLobe,
+  kWalkDirection,
+  kWalkChoice,
+  kWalkPoint,
+  kWalkPartner,
+  kWalkRoulette
+};
 
 // Numbers of one gather ray.
 class RayNumbers {
@@ -101,10 +108,11 @@ bool depth_left(const World& world, uint64_t segments) {
 Rgb camera_direct(const World& world, const RayCaster& caster, const Hit& hit, const Surface& s,
                   const PixelNumbers& numbers, uint64_t segment) {
   const double p = s.diffuse_probability();
-  const DirectLight light = direct_light(world, caster, hit, s, numbers.unit(segment, kChoice),
-                                         numbers.pair(segment, kPoint), {p > 0 ? 1.0 : 0.0, 1 - p});
+  const DirectLight light =
+      direct_light(world, caster, hit, s, numbers.unit(segment, kWalkChoice),
+                   numbers.pair(segment, kWalkPoint), {p > 0 ? 1.0 : 0.0, 1 - p});
   Rgb sum = light.diffuse + light.glossy;
-  if (p > 0) sum += diffuse_partner(world, caster, hit, s, numbers.pair(segment, kPartner));
+  if (p > 0) sum += diffuse_partner(world, caster, hit, s, numbers.pair(segment, kWalkPartner));
   return sum;
 }
 
@@ -138,12 +146,12 @@ CameraSample trace_camera(const World& world, const RayCaster& caster, int px, i
     const Surface s = make_surface(world, hit, path.ray.direction);
     if (s.black()) break;
     if (s.is_delta()) {
-      if (!pass_delta(s, numbers.unit(segment, kLobe), path)) break;
+      if (!pass_delta(s, numbers.unit(segment, kWalkLobe), path)) break;
     } else {
       const Rgb direct = camera_direct(world, caster, hit, s, numbers, segment);
       (at_first ? out.direct : out.indirect) += path.throughput * direct;
       const double p = s.diffuse_probability();
-      if (numbers.unit(segment, kLobe) < p) {
+      if (numbers.unit(segment, kWalkLobe) < p) {
         // Photons take one segment more at least.
         if (depth_left(world, segment + 1)) {
           out.diffuse = true;
@@ -153,11 +161,11 @@ CameraSample trace_camera(const World& world, const RayCaster& caster, int px, i
         }
         break;
       }
-      if (!leave_glossy(hit, s, numbers.pair(segment, kDirection), 1 - p, path)) break;
+      if (!leave_glossy(hit, s, numbers.pair(segment, kWalkDirection), 1 - p, path)) break;
       path.glossy.from_first = at_first;
       at_first = false;
     }
-    if (!survives(path.throughput, segment, scene.rr_depth, numbers.unit(segment, kRoulette),
+    if (!survives(path.throughput, segment, scene.rr_depth, numbers.unit(segment, kWalkRoulette),
                   path.ior2))
       break;
     path.ray.origin = hit.position;
@@ -180,25 +188,25 @@ GatherSample trace_gather(const World& world, const RayCaster& caster, const Dif
     const Surface s = make_surface(world, hit, path.ray.direction);
     if (s.black()) break;
     if (s.is_delta()) {
-      if (!pass_delta(s, numbers.unit(segment, kLobe), path)) break;
+      if (!pass_delta(s, numbers.unit(segment, kWalkLobe), path)) break;
     } else {
       const double p = s.diffuse_probability();
       if (p < 1) {
         const DirectLight light =
-            direct_light(world, caster, hit, s, numbers.unit(segment, kChoice),
-                         numbers.pair(segment, kPoint), {0, 1 - p});
+            direct_light(world, caster, hit, s, numbers.unit(segment, kWalkChoice),
+                         numbers.pair(segment, kWalkPoint), {0, 1 - p});
         out.radiance += path.throughput * light.glossy;
       }
-      if (numbers.unit(segment, kLobe) < p) {
+      if (numbers.unit(segment, kWalkLobe) < p) {
         out.diffuse = true;
         out.y = diffuse_hit(hit, s, segment);
         out.weight = path.throughput * s.diffuse() * (1 / (kPi * p));
         break;
       }
-      if (!leave_glossy(hit, s, numbers.pair(segment, kDirection), 1 - p, path)) break;
+      if (!leave_glossy(hit, s, numbers.pair(segment, kWalkDirection), 1 - p, path)) break;
     }
     if (!survives(path.throughput, segment, world.scene().rr_depth,
-                  numbers.unit(segment, kRoulette), path.ior2))
+                  numbers.unit(segment, kWalkRoulette), path.ior2))
       break;
     path.ray.origin = hit.position;
     hit = caster.closest(path.ray, &hit);

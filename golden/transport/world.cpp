@@ -12,8 +12,6 @@
 namespace photonloom {
 namespace {
 
-double mean(const Rgb& c) { return (c.x + c.y + c.z) / 3; }
-
 Vec3 column(const Mat4& m, int i) { return Vec3(m[i]); }
 
 bool has_diffuse(const Bsdf* b) { return b && !is_black(b->diffuse) && !b->is_delta(); }

@@ -13,6 +13,9 @@
 
 namespace photonloom {
 
+// Of the channels.
+inline double mean(const Rgb& c) { return (c.x + c.y + c.z) / 3; }
+
 struct Ray {
   Vec3 origin, direction;  // direction is a unit vector
 };

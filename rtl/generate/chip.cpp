@@ -13,14 +13,15 @@
 #include "rtl/generate/sources.hpp"
 
 namespace photonloom {
+
+bool has_unit(const std::vector<std::string>& units, const std::string& unit) {
+  return std::find(units.begin(), units.end(), unit) != units.end();
+}
+
 namespace {
 
 // The chip wires the one before the other.
 const std::string kReorder = unit_name<ReorderBuffer>, kGatherer = unit_name<PhotonGatherer>;
-
-bool has(const std::vector<std::string>& list, const std::string& name) {
-  return std::find(list.begin(), list.end(), name) != list.end();
-}
 
 bool of_stream(const std::string& port, const std::string& stream, bool unit_gives) {
   const char* forward = unit_gives ? "_o" : "_i";
@@ -68,7 +69,7 @@ std::vector<DescribedPort> described_ports(const std::string& rtl_dir, const std
 
 std::vector<DescribedPort> chip_ports(const Plan& plan, const std::string& rtl_dir) {
   const std::vector<std::string> units = units_present(plan);
-  const bool reordered = has(units, kReorder);
+  const bool reordered = has_unit(units, kReorder);
   std::vector<DescribedPort> ports;
   const auto add = [&](const std::string& unit, DescribedPort p) {
     p.name = chip_port(unit, p.name);
@@ -90,7 +91,7 @@ std::vector<DescribedPort> chip_ports(const Plan& plan, const std::string& rtl_d
 
 std::string write_chip(const Plan& plan, const std::string& rtl_dir) {
   const std::vector<std::string> units = units_present(plan);
-  const bool reordered = has(units, kReorder);
+  const bool reordered = has_unit(units, kReorder);
   std::string port_list, instances;
   const std::vector<DescribedPort> ports = chip_ports(plan, rtl_dir);
   for (size_t i = 0; i < ports.size(); ++i)

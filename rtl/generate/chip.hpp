@@ -23,6 +23,9 @@ std::vector<DescribedPort> chip_ports(const Plan& plan, const std::string& rtl_d
 // port where the RTL does not say what a port means.
 std::vector<DescribedPort> described_ports(const std::string& rtl_dir, const std::string& module);
 
+// Whether `unit` is among the names of a chip's units.
+bool has_unit(const std::vector<std::string>& units, const std::string& unit);
+
 // The generated top: query -> reorder_buffer -> photon_gatherer -> result and photon, and the
 // other units with their own streams, as far as they are present. Its ports are the units' own.
 std::string write_chip(const Plan& plan, const std::string& rtl_dir);

@@ -10,16 +10,13 @@
 #include "golden/plan/plan_file.hpp"
 #include "golden/plan/units.hpp"
 #include "golden/planner/resources.hpp"
+#include "rtl/generate/chip.hpp"
 #include "rtl/generate/fill.hpp"
 #include "rtl/generate/package.hpp"
 #include "rtl/generate/tables.hpp"
 
 namespace photonloom {
 namespace {
-
-bool has(const std::vector<std::string>& list, const std::string& name) {
-  return std::find(list.begin(), list.end(), name) != list.end();
-}
 
 std::string port_table(const std::vector<DescribedPort>& ports) {
   std::string text = "| port | direction | type | meaning |\n|---|---|---|---|\n";
@@ -35,7 +32,7 @@ std::string budget_table(const Plan& plan, const std::vector<std::string>& units
   const auto row = [&](const std::string& what, const std::string& size) {
     text += fmt::format("| {} | {} |\n", what, size);
   };
-  if (has(units, unit_name<PhotonGatherer>)) {
+  if (has_unit(units, unit_name<PhotonGatherer>)) {
     const uint64_t nodes = plan.lines(plan.global) + plan.lines(plan.caustic);
     const int line = plan.bucket * plan.photon_bytes;
     row("external line memory", fmt::format("{} lines of {} bytes = {} bytes", nodes, line,
@@ -48,7 +45,7 @@ std::string budget_table(const Plan& plan, const std::vector<std::string>& units
         fmt::format("{} x 3 squares of {} bits", plan.lanes, plan.position_bits + 1));
     row("flux accumulators", fmt::format("{} channels x {} bits", plan.channels, plan.flux_bits()));
   }
-  if (has(units, unit_name<ReorderBuffer>)) {
+  if (has_unit(units, unit_name<ReorderBuffer>)) {
     row("reorder pool", fmt::format("{} packets x {} bits", plan.reorder_packets,
                                     PacketLayout::of<GatherQuery>(plan).bits()));
     row("reorder links and bins",
@@ -56,7 +53,7 @@ std::string budget_table(const Plan& plan, const std::vector<std::string>& units
                     plan.reorder_bins,
                     std::max(1, clog2(static_cast<uint64_t>(plan.reorder_packets)))));
   }
-  if (has(units, unit_name<CdfSampler>))
+  if (has_unit(units, unit_name<CdfSampler>))
     row("sampler tables",
         fmt::format("2 x {} cells x {} bits", 1 << plan.cell_index_bits(), plan.total_bits()));
   return text;

@@ -67,7 +67,7 @@ class SimulatedBoard {
   pid_t pid_ = -1;
 };
 
-std::string cosim(const Scratch& scratch, const std::string& more) {
+std::string board_cosim(const Scratch& scratch, const std::string& more) {
   return fmt::format("cosim {} --plan {} --backend photon_gatherer=board:{} --work {} -o {} {}",
                      scene(), scratch / "plan.toml", scratch / "tty", scratch / "work",
                      scratch / "out", more);
@@ -89,7 +89,7 @@ TEST_CASE("a frame through the board has golden's packets and bytes") {
   REQUIRE(render.status == 0);
   {
     const SimulatedBoard board(scratch);
-    const Outcome o = run(cosim(scratch, ""));
+    const Outcome o = run(board_cosim(scratch, ""));
     INFO(o.out << o.err);
     REQUIRE(o.status == 0);
     CHECK_THAT(o.out, ContainsSubstring("golden == board: ") &&
@@ -125,7 +125,7 @@ TEST_CASE("a frame through the board has golden's packets and bytes") {
   {
     const SimulatedBoard board(scratch, {"--corrupt", "1/2000", "--drop", "1/2000", "--duplicate",
                                          "1/2000", "--seed", "7"});
-    const Outcome o = run(cosim(scratch, ""));
+    const Outcome o = run(board_cosim(scratch, ""));
     INFO(o.out << o.err);
     REQUIRE(o.status == 0);
     CHECK_THAT(o.out, !ContainsSubstring(" 0 frames sent again"));
@@ -157,7 +157,7 @@ TEST_CASE("another plan's bitstream, and a board that goes away") {
     }
     board.end(SIGKILL);
   });
-  const Outcome cut = run(cosim(scratch, "--board-wait 0.5"));
+  const Outcome cut = run(board_cosim(scratch, "--board-wait 0.5"));
   unplug.join();
   INFO(cut.err);
   CHECK(cut.status == 1);
@@ -166,7 +166,7 @@ TEST_CASE("another plan's bitstream, and a board that goes away") {
                           ContainsSubstring(", the same command goes on after them\n"));
 
   const SimulatedBoard again(scratch);
-  const Outcome rest = run(cosim(scratch, "--json"));
+  const Outcome rest = run(board_cosim(scratch, "--json"));
   INFO(rest.err);
   CHECK(rest.status == 0);
   CHECK_THAT(rest.err, ContainsSubstring(" answers are there already, going on after them\n"));

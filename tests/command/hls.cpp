@@ -12,7 +12,7 @@ using namespace photonloom::test;
 
 namespace {
 
-std::string cosim(const Scratch& scratch, const std::string& backends) {
+std::string hls_cosim(const Scratch& scratch, const std::string& backends) {
   return fmt::format(
       "cosim {} --size 8x8 --spp 1 --gather-rays 6 --k 8 --photons 2000 --caustic-photons 800 "
       "--set gatherer.cache_bytes=2048 --work cosim -o {} --backend {}",
@@ -23,8 +23,8 @@ std::string cosim(const Scratch& scratch, const std::string& backends) {
 
 TEST_CASE("all units as HLS kernels give golden's packets and image") {
   const Scratch scratch;
-  const Outcome o =
-      run(cosim(scratch, "photon_gatherer=hls,reorder_buffer=hls,cdf_sampler=hls --stall bursts"));
+  const Outcome o = run(
+      hls_cosim(scratch, "photon_gatherer=hls,reorder_buffer=hls,cdf_sampler=hls --stall bursts"));
   INFO(o.out << o.err);
   REQUIRE(o.status == 0);
   CHECK_THAT(o.out, ContainsSubstring("golden == hls: ") &&
@@ -44,7 +44,7 @@ TEST_CASE("units as HLS kernel, RTL and golden in one frame", "[slow]") {
   for (const char* backends : {"photon_gatherer=hls,reorder_buffer=rtl,cdf_sampler=golden",
                                "photon_gatherer=golden,reorder_buffer=hls,cdf_sampler=rtl",
                                "photon_gatherer=rtl,reorder_buffer=golden,cdf_sampler=hls"}) {
-    const Outcome o = run(cosim(scratch, backends));
+    const Outcome o = run(hls_cosim(scratch, backends));
     INFO(backends << o.out << o.err);
     REQUIRE(o.status == 0);
     CHECK_THAT(o.out, ContainsSubstring("image bytes of golden and hardware are identical"));
@@ -53,7 +53,7 @@ TEST_CASE("units as HLS kernel, RTL and golden in one frame", "[slow]") {
 
 TEST_CASE("an HLS kernel writes no waveform") {
   const Scratch scratch;
-  const Outcome o = run(cosim(scratch, "reorder_buffer=hls --wave " + (scratch / "wave.fst")));
+  const Outcome o = run(hls_cosim(scratch, "reorder_buffer=hls --wave " + (scratch / "wave.fst")));
   INFO(o.out << o.err);
   CHECK(o.status != 0);
   CHECK(o.one_error_line());

@@ -15,7 +15,7 @@ using photonloom::test::Scratch;
 
 namespace {
 
-std::string box() { return " '" + photonloom::test::source("scenes/cornell.xml") + "' "; }
+std::string cornell_box() { return " '" + photonloom::test::source("scenes/cornell.xml") + "' "; }
 
 // A frame whose every pixel is measured, and few plans.
 std::string small(const Scratch& s) {
@@ -37,7 +37,7 @@ TEST_CASE("plan --error: the plan keeps the error in a run with another seed, an
   const Scratch s;
   const std::string file = s / "plan.toml";
   const auto o =
-      run("plan" + box() + small(s) + "--error 1.6x --check 77 --json -o '" + file + "'");
+      run("plan" + cornell_box() + small(s) + "--error 1.6x --check 77 --json -o '" + file + "'");
   INFO(o.out << o.err);
   REQUIRE(o.status == 0);
   const auto j = nlohmann::json::parse(o.out);
@@ -58,14 +58,16 @@ TEST_CASE("plan --error: the plan keeps the error in a run with another seed, an
   // The run as a user makes it. Its error has the noise of the camera's walks, which the check has
   // in the mean.
   const std::string frame = s / "frame.exr", truth = s / "truth.exr";
-  REQUIRE(run("render" + box() + "--plan '" + file + "' --seed 77 -o '" + frame + "'").status == 0);
-  REQUIRE(run("render" + box() + "--integrator path --size 16x16 --spp 1024 --seed 5 -o '" + truth +
-              "'")
+  REQUIRE(
+      run("render" + cornell_box() + "--plan '" + file + "' --seed 77 -o '" + frame + "'").status ==
+      0);
+  REQUIRE(run("render" + cornell_box() + "--integrator path --size 16x16 --spp 1024 --seed 5 -o '" +
+              truth + "'")
               .status == 0);
   CHECK(relmse(frame, truth) <= limit);
 
   // What was measured is there: the same answer without rendering a frame again.
-  const auto again = run("plan" + box() + small(s) + "--error 1.6x -o -");
+  const auto again = run("plan" + cornell_box() + small(s) + "--error 1.6x -o -");
   INFO(again.err);
   REQUIRE(again.status == 0);
   CHECK(again.out == read_file(file));
@@ -81,7 +83,8 @@ TEST_CASE("plan --error: the plan keeps the error in a run with another seed, an
 
 TEST_CASE("plan --error: what cannot be met is said, with the best found and what binds") {
   const Scratch s;
-  const auto o = run("plan" + box() + small(s) + "--error 1e-5 -o '" + s / "plan.toml" + "'");
+  const auto o =
+      run("plan" + cornell_box() + small(s) + "--error 1e-5 -o '" + s / "plan.toml" + "'");
   INFO(o.err);
   CHECK(o.status == 1);
   for (const char* part : {"no plan of cornell", "1e-05", "the best found has 0.", " ± ",
@@ -93,7 +96,7 @@ TEST_CASE("plan --error: what cannot be met is said, with the best found and wha
 TEST_CASE(
     "plan --explain: error and cost of a line over its values; --board keeps the plan small") {
   const Scratch s;
-  const auto o = run("plan" + box() + small(s) + "--explain gatherer.lanes --json");
+  const auto o = run("plan" + cornell_box() + small(s) + "--explain gatherer.lanes --json");
   INFO(o.err);
   REQUIRE(o.status == 0);
   const auto points = nlohmann::json::parse(o.out)["curves"]["gatherer.lanes"];
@@ -137,7 +140,7 @@ TEST_CASE("plan --error: wrong command lines name the option and what was expect
       {"--error 0.1 --set gather.no_line=0" + end, "gather.no_line", 1},
   };
   for (const auto& w : wrong) {
-    const auto o = run("plan" + box() + small(s) + w.arguments);
+    const auto o = run("plan" + cornell_box() + small(s) + w.arguments);
     INFO(w.arguments << "\n" << o.err);
     CHECK(o.status == w.status);
     CHECK(o.err.find(w.said) != std::string::npos);

@@ -43,7 +43,7 @@ void fails(const std::string& arguments, int status, const std::vector<std::stri
   }
 }
 
-size_t lines_of(const std::string& path) {
+size_t line_count(const std::string& path) {
   const std::string text = read_file(path);
   return static_cast<size_t>(std::count(text.begin(), text.end(), '\n'));
 }
@@ -215,13 +215,13 @@ TEST_CASE("every packet can be recorded") {
   const std::string folder = scratch / "packets/";
   const size_t finals = counts["final_gathers"], tables = counts["table_gathers"],
                caustics = counts["caustic_queries"], directions = counts["directions"];
-  CHECK(lines_of(folder + "reorder_in.jsonl") == finals + 1);  // and the flush
-  CHECK(lines_of(folder + "reorder_out.jsonl") == finals + 1);
-  CHECK(lines_of(folder + "gather_query.jsonl") == finals + tables + caustics + 1);
-  CHECK(lines_of(folder + "gather_result.jsonl") == finals + tables + caustics + 1);
-  CHECK(lines_of(folder + "sample.jsonl") == directions);
-  CHECK(lines_of(folder + "sampler_input.jsonl") ==
-        tables + directions + lines_of(folder + "gather_photon.jsonl"));
+  CHECK(line_count(folder + "reorder_in.jsonl") == finals + 1);  // and the flush
+  CHECK(line_count(folder + "reorder_out.jsonl") == finals + 1);
+  CHECK(line_count(folder + "gather_query.jsonl") == finals + tables + caustics + 1);
+  CHECK(line_count(folder + "gather_result.jsonl") == finals + tables + caustics + 1);
+  CHECK(line_count(folder + "sample.jsonl") == directions);
+  CHECK(line_count(folder + "sampler_input.jsonl") ==
+        tables + directions + line_count(folder + "gather_photon.jsonl"));
   const Plan plan = read_plan(folder + "plan.toml");
   CHECK(plan.k == 10);
 }

@@ -27,8 +27,8 @@ cd "$scratch/elsewhere"
 unset PHOTONLOOM_RTL
 export HOME=$scratch/home XDG_CACHE_HOME=$scratch/cache
 # The models that command.cosim built of the same RTL; their key holds no path.
-mkdir -p "$build/tests/cosim"
-ln -s "$build/tests/cosim" "$scratch/cache/photonloom"
+mkdir -p "$build/cosim"
+ln -s "$build/cosim" "$scratch/cache/photonloom"
 share=$("$program" --data-dir)
 [ "$share" = "$prefix/share/photonloom" ] || fail "data files are taken from $share"
 # Not without its data: this program has no other place to look.

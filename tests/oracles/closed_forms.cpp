@@ -15,15 +15,6 @@ using namespace photonloom::oracle;
 
 namespace {
 
-Image path_image(const Scene& scene, int spp, uint64_t seed) {
-  const World world(scene);
-  const auto caster = make_embree(world);
-  PathOptions options;
-  options.spp = spp;
-  options.seed = seed;
-  return render_path(world, *caster, options);
-}
-
 double power_sum(const PhotonPass& pass) {
   double sum = 0;
   for (const Photon& p : pass.photons) sum += p.power.y;

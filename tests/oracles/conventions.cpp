@@ -17,14 +17,6 @@ using namespace photonloom::oracle;
 
 namespace {
 
-Image path_image(const Scene& scene, int spp, uint64_t seed) {
-  const World world(scene);
-  PathOptions options;
-  options.spp = spp;
-  options.seed = seed;
-  return render_path(world, *make_embree(world), options);
-}
-
 Light sun_straight_down(double irradiance) {
   Light sun;
   sun.kind = LightKind::kDirectional;

@@ -127,7 +127,7 @@ TEST_CASE("clipping planes cut where they are given, along the viewing direction
   CHECK(seen("<float name=\"farClip\" value=\"1.99\"/>") == 0);
 }
 
-TEST_CASE("area emitters radiate from the normal side only") {
+TEST_CASE("a file's area emitters radiate from the normal side only") {
   const std::string far = "<emitter type=\"point\"/>";  // so that there is light in any case
   for (const char* type : {"rectangle", "disk"}) {
     INFO(type);

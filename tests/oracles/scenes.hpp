@@ -105,4 +105,14 @@ inline double channel_mean(const Image& image, const std::string& name) {
   return sum / static_cast<double>(image.find(name)->pixels.size());
 }
 
+// By path tracing.
+inline Image path_image(const Scene& scene, int spp, uint64_t seed) {
+  const World world(scene);
+  const auto caster = make_embree(world);
+  PathOptions options;
+  options.spp = spp;
+  options.seed = seed;
+  return render_path(world, *caster, options);
+}
+
 }  // namespace photonloom::oracle

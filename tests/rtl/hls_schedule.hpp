@@ -22,7 +22,7 @@ inline Plan base_plan() {
 inline RunOptions kernel_options() {
   RunOptions o;
   o.kind = ModelKind::kHls;
-  o.work_dir = "../cosim";  // benches compile the kernels of the same plans
+  o.work_dir = "cosim";  // benches compile the kernels of the same plans
   return o;
 }
 

@@ -18,7 +18,7 @@ using namespace photonloom;
 
 namespace {
 
-Plan plan() {
+Plan pass_through_plan() {
   Plan p;
   p.global = {.present = true, .photons = 1000, .r2_max = 100};
   p.reorder_key = ReorderKey::kNone;
@@ -35,7 +35,7 @@ RunOptions options(ModelKind kind) {
 
 // What the comparison says of 500 packets, and how many were equal.
 std::string verdict(const RunOptions& o, uint64_t& compared) {
-  const auto golden = make_golden_reorder_buffer(plan());
+  const auto golden = make_golden_reorder_buffer(pass_through_plan());
   CompareContext context;
   context.unit = "reorder_buffer";
   context.backend = model_kind_name(o.kind);
@@ -44,13 +44,13 @@ std::string verdict(const RunOptions& o, uint64_t& compared) {
   std::vector<GatherQuery> in(500);
   RoleRandom random(1, "netlist test");
   for (GatherQuery& q : in) {
-    q.pixel = static_cast<uint32_t>(random.below(1u << plan().pixel_bits()));
+    q.pixel = static_cast<uint32_t>(random.below(1u << pass_through_plan().pixel_bits()));
     for (uint32_t& x : q.position) x = static_cast<uint32_t>(random.below(1u << 16));
   }
   compared = 0;
   try {
-    const auto unit = make_rtl_reorder_buffer(plan(), o);
-    const auto both = compare_units(plan(), context, *golden, *unit);
+    const auto unit = make_rtl_reorder_buffer(pass_through_plan(), o);
+    const auto both = compare_units(pass_through_plan(), context, *golden, *unit);
     std::vector<GatherQuery> out;
     both->process(in, out);
     unit->finish();
@@ -66,7 +66,7 @@ std::string library(ModelKind kind) {
   source.unit = "reorder_buffer";
   source.work_dir = "cosim";
   source.kind = kind;
-  return build_model(plan(), source);
+  return build_model(pass_through_plan(), source);
 }
 
 }  // namespace

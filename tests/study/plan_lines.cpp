@@ -256,7 +256,7 @@ TEST_CASE("every line of the plan does what its entry says") {
     if (!e.needs_rtl()) check_entry(e, scenes);
 }
 
-TEST_CASE("lines that only the RTL's cycles show", "[.rtl]") {
+TEST_CASE("lines that only the RTL's cycles show", "[slow]") {
   Scenes scenes;
   int checked = 0;
   for (const Entry& e : entries())

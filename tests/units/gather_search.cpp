@@ -14,14 +14,14 @@ using namespace photonloom::test;
 
 namespace {
 
-struct Case {
+struct SearchCase {
   PointSet set;
   size_t photons;
   uint64_t seed;
   size_t queries;
 };
 
-void check_levels(const Plan& plan, const Case& what) {
+void check_levels(const Plan& plan, const SearchCase& what) {
   const PhotonMap map =
       build_photon_map(make_photons(plan, what.set, what.photons, what.seed), plan);
   std::vector<GatherQuery> in;
@@ -54,7 +54,7 @@ void check_levels(const Plan& plan, const Case& what) {
   }
 }
 
-Plan make_plan(int position_bits, int k) {
+Plan search_plan(int position_bits, int k) {
   Plan plan;
   plan.position_bits = position_bits;
   plan.k = k;
@@ -71,14 +71,14 @@ uint64_t draw(uint64_t seed, uint64_t dimension, uint64_t below) {
 
 TEST_CASE("every level gives the packets of the search step by step, for every k") {
   for (int k = 1; k <= 256; ++k)
-    check_levels(make_plan(16, k), {kPointSets[static_cast<size_t>(k) % std::size(kPointSets)], 900,
-                                    static_cast<uint64_t>(k), 12});
+    check_levels(search_plan(16, k), {kPointSets[static_cast<size_t>(k) % std::size(kPointSets)],
+                                      900, static_cast<uint64_t>(k), 12});
 }
 
 TEST_CASE("every level gives the packets of the search step by step, on random plans") {
   for (uint64_t seed = 1; seed <= 400; ++seed) {
-    Plan plan =
-        make_plan(4 + static_cast<int>(draw(seed, 0, 21)), 1 + static_cast<int>(draw(seed, 1, 80)));
+    Plan plan = search_plan(4 + static_cast<int>(draw(seed, 0, 21)),
+                            1 + static_cast<int>(draw(seed, 1, 80)));
     plan.bucket = 2 << draw(seed, 2, 4);
     plan.direction_bits = 2 + static_cast<int>(draw(seed, 3, 13));
     plan.normal_bits = 2 + static_cast<int>(draw(seed, 4, 13));
@@ -97,7 +97,7 @@ TEST_CASE("every level gives the packets of the search step by step, on random p
 }
 
 TEST_CASE("a map whose keys are too wide is searched step by step") {
-  Plan plan = make_plan(24, 5);
+  Plan plan = search_plan(24, 5);
   const PhotonMap map = build_photon_map(make_photons(plan, PointSet::kRandom, 40000, 1), plan);
   REQUIRE_FALSE(search::Map::fits(map, plan.global));
   plan.global.r2_max = ones(46);

@@ -23,14 +23,14 @@ using namespace photonloom::test;
 namespace {
 
 // A small plan with both maps, their photons, queries of every kind and golden's answers.
-struct Case {
+struct LinkCase {
   Plan plan;
   PhotonMap global, caustic;
   std::vector<GatherQuery> queries;
   std::vector<GatherResult> results;
   std::vector<GatherPhoton> photons;
 
-  explicit Case(size_t n = 300) {
+  explicit LinkCase(size_t n = 300) {
     plan.k = 6;
     plan.global = {.present = true, .photons = 203, .r2_max = plan.r2_limit()};
     plan.caustic = {.present = true, .photons = 90, .r2_max = plan.r2_limit() / 64};
@@ -62,7 +62,7 @@ struct Run {
 };
 
 // All queries, in three calls.
-Run run_on(const Case& c, BoardOptions options) {
+Run run_on(const LinkCase& c, BoardOptions options) {
   BoardPhotonGatherer unit(c.plan, std::move(options));
   unit.load(c.global, c.caustic);
   Run run;
@@ -74,7 +74,7 @@ Run run_on(const Case& c, BoardOptions options) {
   return run;
 }
 
-void check_equal(const Case& c, const Run& run) {
+void check_equal(const LinkCase& c, const Run& run) {
   CHECK((run.results == c.results));  // in brackets: a list of packets tells nothing
   CHECK((run.photons == c.photons));
 }
@@ -165,7 +165,7 @@ TEST_CASE("registers are those of docs/host-link.md") {
 }
 
 TEST_CASE("a board answers as golden does") {
-  const Case c;
+  const LinkCase c;
   const Scratch scratch;
   const auto board = c.board();
   const Run run =
@@ -182,7 +182,7 @@ TEST_CASE("a board answers as golden does") {
 }
 
 TEST_CASE("harmed bytes cost time and no packet") {
-  const Case c;
+  const LinkCase c;
   const Faults kinds[] = {{300, 0, 0}, {0, 300, 0}, {0, 0, 300}, {900, 900, 900}, {400, 400, 400}};
   uint64_t again = 0;
   for (const Faults& faults : kinds)
@@ -206,7 +206,7 @@ TEST_CASE("harmed bytes cost time and no packet") {
 }
 
 TEST_CASE("a board that comes back goes on, with or without its memory") {
-  const Case c;
+  const LinkCase c;
   for (const bool reset : {false, true}) {
     const Scratch scratch;
     const auto board = c.board();
@@ -235,7 +235,7 @@ TEST_CASE("a board that comes back goes on, with or without its memory") {
 }
 
 TEST_CASE("a board that is reset while its link stays") {
-  const Case c;
+  const LinkCase c;
   for (uint64_t at = 5600; at < 9000; at += 97) {
     INFO("after " << at << " bytes");
     const Scratch scratch;
@@ -255,7 +255,7 @@ TEST_CASE("a board that is reset while its link stays") {
 }
 
 TEST_CASE("a board that stays away is given up, and the next run goes on") {
-  const Case c;
+  const LinkCase c;
   const Scratch scratch;
   const auto board = c.board();
   bool plugged = true;
@@ -320,7 +320,7 @@ TEST_CASE("a board that stays away is given up, and the next run goes on") {
     }
   }
   SECTION("a run that asks something else takes only what it asks for") {
-    Case other;
+    LinkCase other;
     std::swap(other.queries[20], other.queries[21]);
     other.results.clear();
     other.photons.clear();
@@ -339,7 +339,7 @@ TEST_CASE("a board that stays away is given up, and the next run goes on") {
 }
 
 TEST_CASE("what answers must be this plan's bitstream") {
-  const Case c(10);
+  const LinkCase c(10);
   const auto board = c.board();
   const auto message = [&] {
     try {
@@ -370,7 +370,7 @@ TEST_CASE("what answers must be this plan's bitstream") {
 }
 
 TEST_CASE("a board that hangs or says too much") {
-  const Case c(40);
+  const LinkCase c(40);
   const Scratch scratch;
   const auto board = c.board();
   const auto run = [&] {
@@ -391,7 +391,7 @@ TEST_CASE("a board that hangs or says too much") {
 }
 
 TEST_CASE("a replay through the link") {
-  const Case c(200);
+  const LinkCase c(200);
   const auto double_ = c.board();
   Board board(std::make_unique<FaultyLink>(*double_, Faults{500, 500, 500}, 3), 1000);
   board.start_session(77);

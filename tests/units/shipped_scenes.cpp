@@ -26,7 +26,7 @@ const Shape& find(const Scene& scene, const std::string& id) {
 }
 
 // Six times the signed volume under the triangles.
-double volume(const Mesh& mesh) {
+double volume_under(const Mesh& mesh) {
   double sum = 0;
   for (const auto& t : mesh.triangles)
     sum += glm::dot(mesh.positions[t[0]], glm::cross(mesh.positions[t[1]], mesh.positions[t[2]]));
@@ -86,7 +86,7 @@ TEST_CASE("cornell: walls face the room, blocks face out, the lamp fills the cei
     Mesh mesh = find(s, id).mesh;
     for (Vec3& p : mesh.positions) p -= Vec3(185, 0, 170);
     // A square of 165 up to the measurement's accuracy.
-    CHECK(volume(mesh) / 6 == Approx(165 * 165 * height).epsilon(0.03));
+    CHECK(volume_under(mesh) / 6 == Approx(165 * 165 * height).epsilon(0.03));
   }
 }
 
@@ -110,7 +110,7 @@ TEST_CASE("the ring is closed and its normals are those of cylinders") {
   // Area between the two regular polygons, times the height.
   const double angle = 2 * 3.14159265358979323846 / segments;
   const double area = segments * std::sin(angle) / 2 * (1.06 * 1.06 - 1);
-  CHECK(volume(mesh) / 6 == Approx(area * 0.5).epsilon(1e-12));
+  CHECK(volume_under(mesh) / 6 == Approx(area * 0.5).epsilon(1e-12));
 }
 
 TEST_CASE("water: normals are the gradient's, upwards") {

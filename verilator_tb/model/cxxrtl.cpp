@@ -18,7 +18,7 @@ namespace {
 // are copies in the storage of ModelPort, carried over before and after the design settles. Its
 // interface differs between versions where `debug` and the includes take turns. @INPUTS@, @OUTPUTS@
 // and @PORTS@ are a line a port.
-constexpr const char* kShim = R"shim(// Generated.
+constexpr const char* kCxxrtlShim = R"shim(// Generated.
 #include "design.cpp"
 #include <cstdio>
 #include <cstring>
@@ -146,7 +146,8 @@ EXPORT void model_trace_close(void* p) {
 
 // Its own assertions would end the program where a memory is read beyond its end, which hardware
 // may do where nobody looks at what comes; without them such a read gives 0.
-constexpr const char* kCompile = "-DNDEBUG -std=gnu++17 -w -O2 -fPIC -fvisibility=hidden -shared";
+constexpr const char* kCxxrtlCompile =
+    "-DNDEBUG -std=gnu++17 -w -O2 -fPIC -fvisibility=hidden -shared";
 
 // The C++ name of a Verilog name.
 std::string mangled(const std::string& name) { return "p_" + replace_all(name, "_", "__"); }
@@ -154,7 +155,7 @@ std::string mangled(const std::string& name) { return "p_" + replace_all(name, "
 }  // namespace
 
 std::string cxxrtl_key(const ModelInput& in) {
-  return yosys(in.yosys).version + compiler().version + kCompile + kShim;
+  return yosys(in.yosys).version + compiler().version + kCxxrtlCompile + kCxxrtlShim;
 }
 
 void build_cxxrtl(const ModelInput& in) {
@@ -180,14 +181,14 @@ void build_cxxrtl(const ModelInput& in) {
     (p.output ? outputs : inputs) +=
         fmt::format("  {0}(i->design.{1}, i->{1});\n", p.output ? "get" : "put", name);
   }
-  std::string shim = replace_all(kShim, "@STORAGE@\n", storage);
+  std::string shim = replace_all(kCxxrtlShim, "@STORAGE@\n", storage);
   shim = replace_all(shim, "@PORTS@\n", ports);
   shim = replace_all(shim, "@INPUTS@\n", inputs);
   shim = replace_all(shim, "@OUTPUTS@\n", outputs);
   shim = replace_all(shim, "@COUNT@", fmt::format("{}", in.ports.size()));
   write_file(in.dir + "/shim.cpp", replace_all(shim, "@DESIGN@", mangled(in.unit)));
   run_tool(fmt::format("cd {} && {} {} -DMODEL_WAVEFORM={} -I. -I{} -I{} shim.cpp -o model.so",
-                       quoted(in.dir), compiler().command, kCompile, in.waveform ? 1 : 0,
+                       quoted(in.dir), compiler().command, kCxxrtlCompile, in.waveform ? 1 : 0,
                        quoted(include), quoted(include + "/backends/cxxrtl/runtime")),
            in.dir + "/compile.log", fmt::format("compiling the CXXRTL model of {}", in.unit));
 }

@@ -17,7 +17,7 @@ namespace {
 
 // The C++ side of a library. Port storage is handed out as addresses, so nothing here depends on a
 // width. @PORTS@ is a line a port.
-constexpr const char* kShim = R"shim(// Generated.
+constexpr const char* kVerilatorShim = R"shim(// Generated.
 #include "Vmodel.h"
 #include "verilated.h"
 #if VM_TRACE
@@ -95,7 +95,7 @@ EXPORT void model_trace_close(void* p) {
 )shim";
 
 // The compiler's warnings are about generated code: all off.
-constexpr const char* kCompile =
+constexpr const char* kVerilatorCompile =
     "-std=gnu++17 -w -fPIC -fvisibility=hidden -faligned-new -DVERILATOR=1 -DVM_COVERAGE=0 "
     "-DVM_SC=0 -DVM_TRACE_VCD=0 -DVM_TIMING=0";
 
@@ -131,7 +131,7 @@ std::string build_runtime(const std::string& work, const std::vector<std::string
                           bool waveform) {
   const Compiler& c = compiler();
   const std::string include = verilator().root + "/include";
-  std::string all = verilator().version + c.command + c.version + kCompile;
+  std::string all = verilator().version + c.command + c.version + kVerilatorCompile;
   for (const std::string& name : classes) all += ' ' + name;
   const std::string base =
       fmt::format("{}/runtime-{:016x}", work, text_hash(all, waveform ? 3 : 2));
@@ -144,8 +144,8 @@ std::string build_runtime(const std::string& work, const std::vector<std::string
     commands += fmt::format(
         "{0} {1} -O2 -DVM_TRACE={2} -DVM_TRACE_FST={2} -I{3} -I{4} -c {5} "
         "-o {6}.o && ",
-        c.command, kCompile, waveform ? 1 : 0, quoted(include), quoted(include + "/vltstd"),
-        quoted(include + "/" + name + ".cpp"), name);
+        c.command, kVerilatorCompile, waveform ? 1 : 0, quoted(include),
+        quoted(include + "/vltstd"), quoted(include + "/" + name + ".cpp"), name);
     objects += " " + name + ".o";
   }
   run_tool(
@@ -159,7 +159,9 @@ std::string build_runtime(const std::string& work, const std::vector<std::string
 
 std::string verilator_version() { return verilator().version; }
 
-std::string verilator_key() { return verilator().version + compiler().version + kCompile + kShim; }
+std::string verilator_key() {
+  return verilator().version + compiler().version + kVerilatorCompile + kVerilatorShim;
+}
 
 void verilate(const ModelInput& in, const std::vector<std::string>& files, const std::string& flags,
               int optimise) {
@@ -175,7 +177,7 @@ void verilate(const ModelInput& in, const std::vector<std::string>& files, const
   for (const ModulePort& p : in.ports)
     ports += fmt::format("  i->ports[n++] = Port{{\"{0}\", {1}, &m->{0}, sizeof(m->{0})}};\n",
                          p.name, p.output ? 1 : 0);
-  std::string shim = replace_all(kShim, "@PORTS@\n", ports);
+  std::string shim = replace_all(kVerilatorShim, "@PORTS@\n", ports);
   shim = replace_all(shim, "@COUNT@", fmt::format("{}", in.ports.size()));
   write_file(in.dir + "/obj/shim.cpp", replace_all(shim, "@UNIT@", in.unit));
 
@@ -193,7 +195,7 @@ void verilate(const ModelInput& in, const std::vector<std::string>& files, const
       build_runtime(in.work, make_list(classes, "VM_GLOBAL_FAST"), in.waveform);
   const std::string compile =
       fmt::format("{0} {1} -DVM_TRACE={2} -DVM_TRACE_FST={2} -I. -I{3} -I{4}", compiler().command,
-                  kCompile, in.waveform ? 1 : 0, quoted(verilator().root + "/include"),
+                  kVerilatorCompile, in.waveform ? 1 : 0, quoted(verilator().root + "/include"),
                   quoted(verilator().root + "/include/vltstd"));
   run_tool(
       fmt::format("cd {0}/obj && ( {1} -O0 -c slow.cpp -o slow.o & s=$!; {1} -O{4} -c fast.cpp "
