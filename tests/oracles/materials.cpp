@@ -7,10 +7,12 @@
 #include "golden/image/image.hpp"
 #include "golden/numeric/elementary.hpp"
 #include "golden/transport/bsdf.hpp"
+#include "golden/transport/direct.hpp"
 #include "golden/transport/emitters.hpp"
 #include "golden/transport/microfacet.hpp"
 #include "golden/transport/path.hpp"
 #include "golden/transport/sampling.hpp"
+#include "golden/transport/visibility.hpp"
 #include "tests/catch.hpp"
 #include "tests/oracles/scenes.hpp"
 #include "tests/oracles/statistics.hpp"
@@ -374,11 +376,17 @@ TEST_CASE("an open surface weakens shadow rays, is passed at random, and keeps p
   // Direct light on the floor.
   const Vec3 down(0, 0, -1);
   const Hit hit = caster->closest(Ray{Vec3(0.1, 0.1, 0.5), down}, nullptr);
-  s.film = {1, 1};
-  LightSample sample;
   const Surface surface = make_surface(world, hit, down);
-  REQUIRE(sample_light(world, {hit.position, surface.normal}, 0.5, Vec2(0.5), sample));
-  CHECK(sample.radiance.y == Approx(2));
+  const DirectLight direct =
+      direct_light(world, *caster, hit, surface, 0.5, Vec2(0.5), LobeShare{1, 0});
+  CHECK(direct.diffuse.y == Approx(2 * 0.75 * 0.8 / kPi));
+  // A camera ray is stopped by the sheet with its opacity.
+  int stopped = 0;
+  const Ray ray{Vec3(0.1, 0.1, 2), down};
+  for (int i = 0; i < 4000; ++i)
+    stopped += pass_openings(world, *caster, ray, caster->closest(ray, nullptr), (i + 0.5) / 4000)
+                   .position.z > 0.5;
+  CHECK(stopped == Approx(1000).margin(4 * std::sqrt(4000 * 0.25 * 0.75)));
 }
 
 TEST_CASE("environment map: orientation, density, and light on a plane") {

