@@ -2,6 +2,7 @@
 // photonloom info SCENE: what is in a scene, and what hardware it would need.
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "command/command.hpp"
@@ -23,8 +24,20 @@ const char* name(BsdfKind kind) {
       return "phong";
     case BsdfKind::kConductor:
       return "conductor";
-    default:
+    case BsdfKind::kDielectric:
       return "dielectric";
+    case BsdfKind::kThinDielectric:
+      return "thindielectric";
+    case BsdfKind::kRoughConductor:
+      return "roughconductor";
+    case BsdfKind::kRoughDielectric:
+      return "roughdielectric";
+    case BsdfKind::kPlastic:
+      return "plastic";
+    case BsdfKind::kRoughPlastic:
+      return "roughplastic";
+    default:
+      return "mixture";
   }
 }
 
@@ -34,13 +47,15 @@ const char* name(LightKind kind) {
       return "point";
     case LightKind::kSpot:
       return "spot";
-    default:
+    case LightKind::kDirectional:
       return "directional";
+    default:
+      return "environment";
   }
 }
 
 const char* name(ShapeKind kind) {
-  constexpr const char* kNames[] = {"mesh", "sphere", "disk", "rectangle", "cube"};
+  constexpr const char* kNames[] = {"mesh", "sphere", "disk", "rectangle", "cube", "cylinder"};
   return kNames[static_cast<size_t>(kind)];
 }
 
@@ -52,16 +67,40 @@ Json triple(const Vec3& v) { return {v.x, v.y, v.z}; }
 bool one_color(const World& world) {
   const auto parallel = [](const Rgb& a, const Rgb& b) { return glm::cross(a, b) == Rgb(0); };
   const Scene& s = world.scene();
+  const auto colored = [&](int texture) {
+    if (texture < 0) return false;
+    const Texture& t = s.textures[static_cast<size_t>(texture)];
+    if (t.kind == TextureKind::kCheckerboard)
+      return !parallel(t.color[0] * t.scale, Rgb(1)) || !parallel(t.color[1] * t.scale, Rgb(1));
+    return t.kind == TextureKind::kVertexColor || t.bitmap->channels > 1 ||
+           !parallel(t.scale, Rgb(1));
+  };
+  const auto grey = [&](const auto& again, int index) -> bool {
+    if (index < 0) return true;
+    const Bsdf& b = s.bsdfs[static_cast<size_t>(index)];
+    for (const Rgb& c : {b.diffuse, b.specular, b.transmission, b.eta, b.k})
+      if (!parallel(c, Rgb(1))) return false;
+    return std::none_of(b.texture.begin(), b.texture.end(), colored) &&
+           std::all_of(b.parts.begin(), b.parts.end(),
+                       [&](int part) { return again(again, part); });
+  };
   for (const Emitter& e : world.emitters())
-    if (!parallel(e.power, world.emitters()[0].power)) return false;
+    if (!parallel(e.power, world.emitters()[0].power) || colored(e.texture)) return false;
+  for (const Light& l : s.lights)
+    if (l.map && l.map->channels > 1) return false;
   for (const Shape& shape : s.shapes)
-    for (const int side : {shape.bsdf, shape.back_bsdf}) {
-      if (side < 0) continue;
-      const Bsdf& b = s.bsdfs[static_cast<size_t>(side)];
-      for (const Rgb& c : {b.diffuse, b.specular, b.transmission, b.eta, b.k})
-        if (!parallel(c, Rgb(1))) return false;
-    }
+    for (const int side : {shape.bsdf, shape.back_bsdf})
+      if (!grey(grey, side)) return false;
   return true;
+}
+
+// What of a BSDF the hardware sees.
+Json reaches(const Scene& scene, const Bsdf& b) {
+  Json out = Json::array();
+  if (has_diffuse_part(scene, &b)) out.push_back("queries and photons of its diffuse lobe");
+  if (has_delta_part(scene, &b)) out.push_back("caustic photons that it throws");
+  if (out.empty()) out.push_back("nothing: the host follows its light");
+  return out;
 }
 
 Json describe(const World& world) {
@@ -90,7 +129,8 @@ Json describe(const World& world) {
   j["primitives"] = world.primitives().size();
   j["shapes"] = shapes;
   Json bsdfs = Json::array();
-  for (const Bsdf& b : s.bsdfs) bsdfs.push_back({{"id", b.id}, {"type", name(b.kind)}});
+  for (const Bsdf& b : s.bsdfs)
+    bsdfs.push_back({{"id", b.id}, {"type", name(b.kind)}, {"hardware", reaches(s, b)}});
   j["bsdfs"] = bsdfs;
   // Area emitters by shape: a mesh is many emitting primitives.
   Json emitters = Json::array();
@@ -161,6 +201,15 @@ void print(const Json& j) {
   fmt::print("needs      global map {}, caustic map {}, glossy lobes {}, {} of power\n",
              yes(needs["global_map"]), yes(needs["caustic_map"]), yes(needs["glossy_lobes"]),
              needs["channels_at_most"].get<int>() == 1 ? "1 channel" : "at most 3 channels");
+  for (const Json& b : j["bsdfs"]) {
+    if (b["type"] == "diffuse") continue;  // all of it
+    std::string parts;
+    for (const Json& part : b["hardware"])
+      parts += (parts.empty() ? "" : ", ") + part.get<std::string>();
+    const std::string id = b["id"].get<std::string>();
+    fmt::print("hardware   {}{}: {}\n", b["type"].get<std::string>(), id.empty() ? "" : " " + id,
+               parts);
+  }
   for (const Json& w : j["warnings"]) fmt::print("warning    {}\n", w.get<std::string>());
 }
 

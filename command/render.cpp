@@ -22,13 +22,23 @@ struct RenderOptions {
   FrameOptions frame;
   ThreadsOption threads;
   std::string output, integrator = "photonmap", arithmetic = "golden", record;
-  bool json = false;
+  bool json = false, substitute = false;
 };
 
 using Json = nlohmann::ordered_json;
 
 std::string png_beside(const std::string& exr) {
   return std::filesystem::path(exr).replace_extension(".png").string();
+}
+
+// On screen and in the image: what stands for elements that are not supported.
+void record_substitutions(const Scene& scene, Image& image, Json& summary) {
+  size_t number = 0;
+  for (const std::string& s : scene.substitutions)
+    image.metadata[fmt::format("substitution.{}", ++number)] = s;
+  if (number == 0) return;
+  print_warnings(scene.substitutions);
+  summary["substitutions"] = scene.substitutions;
 }
 
 // Renders by photon mapping; fills metadata and summary.
@@ -61,6 +71,7 @@ Image photon_map(const RenderOptions& o, const FrameRequest& request, ConsolePro
                                          counts.unmatched, counts.unanswered));
   const Plan& plan = frame.plan;
   describe_frame(image, frame, request, o.arithmetic);
+  record_substitutions(frame.world->scene(), image, summary);
   summary["pixels_sha256"] = pixel_sha256(image);  // of what the plan decides
   if (arithmetic == Arithmetic::kGolden) {
     const GatherDiagnosis diagnosis = diagnose_into(image, watch, frame, request);
@@ -103,13 +114,15 @@ Image path_trace(const FrameRequest& request, ConsoleProgress& progress, Json& s
   options.progress = &progress;
   Image image = render_path(*world, *caster, options);
   image.metadata["spp"] = fmt::format("{}", options.spp);
+  record_substitutions(world->scene(), image, summary);
   summary["spp"] = options.spp;
   summary["scene_hash"] = fmt::format("{:016x}", world->scene().hash);
   return image;
 }
 
 void render(const RenderOptions& o) {
-  const FrameRequest request = o.frame.request();
+  FrameRequest request = o.frame.request();
+  if (o.substitute) request.unsupported = Unsupported::kSubstitute;
   const bool path = o.integrator == "path";
   if (path && (!request.plan_file.empty() || !o.record.empty()))
     throw UsageError(fmt::format("{}: has no meaning with --integrator path",
@@ -192,6 +205,9 @@ void add_render(CLI::App& app) {
   c->add_option("--record", o->record,
                 "Write every packet of the frame to this folder, as JSON lines")
       ->type_name("DIR");
+  c->add_flag("--substitute", o->substitute,
+              "Render scenes with elements that are not supported, with the nearest that is "
+              "(docs/materials.md); each is named on screen and in the EXR");
   c->add_flag("--json", o->json, "Print one JSON object: what was rendered, counts, phase times");
   o->threads.add_to(*c);
   c->callback([o] { render(*o); });

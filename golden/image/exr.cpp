@@ -10,6 +10,7 @@
 #include <ImfVersion.h>
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <cstring>
 #include <stdexcept>
 
@@ -71,6 +72,62 @@ std::string described(const std::string& bytes) {
   return "begins otherwise";
 }
 
+uint32_t little_endian(const std::string& bytes, size_t at) {
+  uint32_t value = 0;
+  for (size_t i = 0; i < 4; ++i) value |= uint32_t{static_cast<uint8_t>(bytes[at + i])} << (8 * i);
+  return value;
+}
+
+// The library makes room for what a header claims before it reads it, so what goes beyond the file
+// is refused first. A file of several parts has a header each. A header that is cut short is left
+// to the library.
+void check_headers(const std::string& bytes, const std::string& path) {
+  const bool parts = bytes.size() > 5 && (bytes[5] & 0x10);
+  const auto behind_text = [&](size_t at) {
+    const size_t end = bytes.find('\0', at);
+    return end == std::string::npos ? bytes.size() : end + 1;
+  };
+  int64_t width = 0, height = 0, channels = 1;
+  for (size_t at = 8; at < bytes.size();) {
+    if (bytes[at] == '\0') {  // the end of a header
+      if (width > 0 && height > 0) {
+        if (width > kMaxPixels / height)
+          fail(path, fmt::format("has {} x {} pixels, expected at most 2^28", width, height));
+        // No compression makes so much of so little.
+        if (width * height > (int64_t{1} << 14) * static_cast<int64_t>(bytes.size()) / channels)
+          fail(path,
+               fmt::format("has {} x {} pixels in {} channels, more than its {} bytes can hold",
+                           width, height, channels, bytes.size()));
+      }
+      ++at;
+      if (!parts || at >= bytes.size() || bytes[at] == '\0') return;
+      continue;
+    }
+    const size_t type = behind_text(at), size_at = behind_text(type), data = size_at + 4;
+    if (bytes.size() < data) return;
+    const std::string name = bytes.substr(at, type - at - 1);
+    const uint32_t size = little_endian(bytes, size_at);
+    if (size > bytes.size() - data)
+      fail(path,
+           fmt::format("attribute {} of a header claims {} bytes, expected at most the {} that "
+                       "follow",
+                       name, size, bytes.size() - data));
+    if (name == "dataWindow" && size == 16) {
+      const auto corner = [&](size_t i) {
+        return static_cast<int64_t>(static_cast<int32_t>(little_endian(bytes, data + 4 * i)));
+      };
+      width = corner(2) - corner(0) + 1;
+      height = corner(3) - corner(1) + 1;
+    } else if (name == "channels") {  // a name and 16 bytes each
+      channels = 0;
+      for (size_t c = data; c < data + size && bytes[c] != '\0'; c = behind_text(c) + 16)
+        ++channels;
+      channels = std::max<int64_t>(channels, 1);
+    }
+    at = data + size;
+  }
+}
+
 // The library addresses pixel (x, y) of the data window as base + 4 x + stride y.
 char* base_of(std::vector<float>& pixels, int64_t min_x, int64_t min_y, int64_t stride) {
   return reinterpret_cast<char*>(pixels.data()) - min_x * static_cast<int64_t>(sizeof(float)) -
@@ -112,6 +169,7 @@ Image read_exr(const std::string& path) {
   const std::string bytes = read_file(path);
   if (bytes.size() < 4 || !Imf::isImfMagic(bytes.data()))
     fail(path, fmt::format("is not an OpenEXR file: it {}", described(bytes)));
+  check_headers(bytes, path);
   Image image;
   try {
     MemoryInput input(bytes);

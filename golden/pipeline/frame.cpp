@@ -273,14 +273,12 @@ class Renderer {
   }
 
   // Rays of the second pass, by sample. The pixels of a tile are two halves, as a chessboard; what
-  // one half gets is decided by its camera walks and by the noise that the other half showed in the
-  // first pass, so that a sample's rays and their number are independent (docs/sampling.md). A
-  // fixed order of sums makes it the same everywhere.
+  // one half gets is decided by the noise that the other showed in the first pass, so that a
+  // sample's rays and their number are independent (docs/sampling.md). A fixed order of sums makes
+  // it the same everywhere.
   std::vector<uint32_t> second_rays() const {
-    // Light and noise that a half's first pass showed, for each unit of what samples are weighted
-    // with.
     struct Half {
-      Rgb light{0}, noise{0};
+      double noise = 0;  // of a ray, relative to the half's mean
       double samples = 0;
     };
     const size_t tiles = tile_begins_.size();
@@ -293,96 +291,71 @@ class Renderer {
     };
     std::vector<std::array<Half, 2>> halves(tiles);
     parallel(tiles, [&](size_t tile) {
-      std::array<Rgb, 2> light{Rgb(0), Rgb(0)}, noise = light, weight = light, square = light;
+      std::array<Rgb, 2> mean{Rgb(0), Rgb(0)}, noise{Rgb(0), Rgb(0)};
+      std::array<double, 2> pixels{};
       for (size_t pixel = tile_begins_[tile]; pixel < end_of(tile); ++pixel) {
         const size_t h = half_of(pixel);
+        ++pixels[h];
         for (size_t entry = pixel * spp_; entry < (pixel + 1) * spp_; ++entry) {
-          if (!entries_[entry].diffuse) continue;
-          ++halves[tile][h].samples;
-          const Rgb& w = entries_[entry].weight;
-          weight[h] += w;
-          square[h] += w * w;
+          halves[tile][h].samples += entries_[entry].diffuse;
           for (int c = 0; c < 3; ++c) {
             const double even = radiance(halves_[2 * entry], c);
             const double odd = radiance(halves_[2 * entry + 1], c);
-            light[h][c] += even + odd;
+            mean[h][c] += radiance(totals_[entry], c) + even + odd;
             noise[h][c] += (even - odd) * (even - odd);
           }
         }
       }
-      for (size_t h = 0; h < 2; ++h)
+      for (size_t h = 0; h < 2; ++h) {
+        if (!(halves[tile][h].samples > 0)) continue;
+        double sum = 0;
         for (int c = 0; c < 3; ++c) {
-          if (weight[h][c] > 0) halves[tile][h].light[c] = light[h][c] / weight[h][c];
-          if (square[h][c] > 0) halves[tile][h].noise[c] = noise[h][c] / square[h][c];
+          const double b = mean[h][c] / (pixels[h] * static_cast<double>(spp_));
+          sum += noise[h][c] / (b * b + kDarkest);
         }
+        halves[tile][h].noise = std::sqrt(sum / halves[tile][h].samples);
+      }
     });
     std::vector<uint32_t> counts(entries_.size(), 0);
     for (size_t h = 0; h < 2; ++h) {
       const size_t other = 1 - h;
-      Rgb noise(0);
-      double known = 0;
+      double noise = 0, known = 0, samples = 0;
       for (const auto& tile : halves) {
         noise += tile[other].noise * tile[other].samples;
         known += tile[other].samples;
+        samples += tile[h].samples;
       }
-      if (known > 0) noise /= known;
-      // What samples want: the root of the variance that a ray of theirs adds to relMSE. Their
-      // tile's noise is taken as a 64th of the mean at least, for noise that a few samples did not
-      // show.
-      std::vector<double> wish(entries_.size(), 0.0);
-      parallel(tiles, [&](size_t tile) {
-        const Half& seen = halves[tile][other];
-        const Rgb of_tile = seen.samples > 0 ? glm::max(seen.noise, noise / 64.0) : noise;
-        for (size_t pixel = tile_begins_[tile]; pixel < end_of(tile); ++pixel) {
-          if (half_of(pixel) != h) continue;
-          Rgb shown(0);
-          for (size_t entry = pixel * spp_; entry < (pixel + 1) * spp_; ++entry) {
-            for (int c = 0; c < 3; ++c) shown[c] += radiance(totals_[entry], c);
-            if (entries_[entry].diffuse) shown += seen.light * entries_[entry].weight;
-          }
-          shown /= static_cast<double>(spp_);
-          for (size_t entry = pixel * spp_; entry < (pixel + 1) * spp_; ++entry) {
-            if (!entries_[entry].diffuse) continue;
-            double sum = 0;
-            for (int c = 0; c < 3; ++c) {
-              const double w = entries_[entry].weight[c];
-              sum += of_tile[c] * w * w / (shown[c] * shown[c] + kDarkest);
-            }
-            wish[entry] = std::sqrt(sum);
-          }
+      const double mean_noise = known > 0 ? noise / known : 0;
+      // What a tile's samples want; none less than an eighth of the mean, for noise that a few
+      // samples did not show.
+      std::vector<double> wish(tiles, 1.0);
+      if (mean_noise > 0)
+        for (size_t tile = 0; tile < tiles; ++tile) {
+          const Half& seen = halves[tile][other];
+          wish[tile] = std::max(seen.samples > 0 ? seen.noise / mean_noise : 1.0, 0.125);
         }
-      });
-      // Rays in all in proportion to the wish, those of the first pass being cast already: the
-      // factor with which the second pass has its mean.
-      const auto first = static_cast<double>(first_rays_);
-      const auto most = static_cast<double>(rays_ - first_rays_);
-      const auto rays_at = [&](size_t entry, double factor) {
-        return std::clamp(factor * wish[entry] - first, 0.0, most);
-      };
-      double samples = 0, largest = 0;
-      for (const auto& tile : halves) samples += tile[h].samples;
-      for (const double w : wish) largest = std::max(largest, w);
-      const double budget = samples * (plan_.mean_rays - plan_.first_rays);
-      const bool all_equal = !(largest > 0);
-      double low = 0, high = 1;
-      const auto total_at = [&](double factor) {
-        double total = 0;
-        for (size_t entry = 0; entry < entries_.size(); ++entry) total += rays_at(entry, factor);
-        return total;
-      };
-      // Samples without a wish never have rays, so the total may stay below the budget.
-      for (int i = 0; i < 64 && !all_equal && total_at(high) < budget; ++i) high *= 2;
-      for (int i = 0; i < 48 && !all_equal; ++i) {
-        const double middle = (low + high) / 2;
-        (total_at(middle) < budget ? low : high) = middle;
+      // What the most rays cut off goes to the others.
+      const double most = static_cast<double>(rays_ - first_rays_);
+      double factor = 0;
+      for (int round = 0; round < 8; ++round) {
+        double left = samples * (plan_.mean_rays - plan_.first_rays), open = 0;
+        for (size_t tile = 0; tile < tiles; ++tile) {
+          if (factor * wish[tile] >= most && round > 0)
+            left -= most * halves[tile][h].samples;
+          else
+            open += wish[tile] * halves[tile][h].samples;
+        }
+        if (!(open > 0)) break;
+        factor = std::max(factor, left / open);
       }
       for (size_t tile = 0; tile < tiles; ++tile) {
+        const double rays = std::min(factor * wish[tile], most);
         double given = 0, wanted = 0;
         for (size_t pixel = tile_begins_[tile]; pixel < end_of(tile); ++pixel) {
           if (half_of(pixel) != h) continue;
           for (size_t entry = pixel * spp_; entry < (pixel + 1) * spp_; ++entry) {
             if (!entries_[entry].diffuse) continue;
-            wanted += all_equal ? plan_.mean_rays - plan_.first_rays : rays_at(entry, high);
+            wanted += rays;
             const double n = std::min(std::floor(wanted - given), most);
             given += n;
             counts[entry] = static_cast<uint32_t>(n);

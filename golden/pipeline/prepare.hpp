@@ -21,7 +21,8 @@ namespace photonloom {
 struct FrameRequest {
   std::string scene_file;
   Parameters parameters;
-  std::optional<std::pair<int, int>> size;  // of the film
+  Unsupported unsupported = Unsupported::kRefuse;  // what happens to elements that are
+  std::optional<std::pair<int, int>> size;         // of the film
   std::optional<int> spp, gather_rays, k;
   std::optional<uint64_t> photons, caustic_photons;
   std::optional<double> radius, format_error;

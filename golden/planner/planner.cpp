@@ -148,8 +148,8 @@ double power_at_surfaces(const World& world) {
       const double r2 = world.radius() * world.radius();
       const Vec3 d = l.position - world.centre();
       const double beyond2 = glm::dot(d, d) - r2;
-      if (l.kind != LightKind::kDirectional && beyond2 > 0)
-        power = glm::min(power, l.intensity * (kPi * r2 / beyond2));
+      const bool has_place = l.kind == LightKind::kPoint || l.kind == LightKind::kSpot;
+      if (has_place && beyond2 > 0) power = glm::min(power, l.intensity * (kPi * r2 / beyond2));
     }
     sum += power;
   }
@@ -181,8 +181,16 @@ void choose_pixel(Plan& plan, const World& world, const PlanRequest& request, Pl
   }
   double brightest = 0;
   for (const Shape& s : world.scene().shapes)
-    if (s.radiance) brightest = std::max(brightest, max_component(*s.radiance));
+    if (s.radiance) {
+      const double texture =
+          s.radiance_texture < 0
+              ? 1
+              : texture_max(world.scene().textures[static_cast<size_t>(s.radiance_texture)]);
+      brightest = std::max(brightest, max_component(*s.radiance) * texture);
+    }
+  if (world.environment()) brightest = std::max(brightest, world.environment()->brightest());
   for (const Light& l : world.scene().lights) {
+    if (l.kind == LightKind::kEnvironment) continue;
     const Vec3 outside =
         glm::max(glm::max(world.lower() - l.position, l.position - world.upper()), Vec3(0));
     const double nearest = l.kind == LightKind::kDirectional

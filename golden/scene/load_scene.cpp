@@ -8,9 +8,10 @@
 #include <map>
 
 #include "golden/numeric/elementary.hpp"
-#include "golden/scene/materials.hpp"
+#include "golden/scene/findings.hpp"
 #include "golden/scene/mesh.hpp"
 #include "golden/scene/properties.hpp"
+#include "golden/scene/read_bsdf.hpp"
 #include "golden/scene/scene.hpp"
 #include "golden/scene/text.hpp"
 #include "golden/scene/xml.hpp"
@@ -21,17 +22,32 @@ namespace {
 constexpr int64_t kMaxFilm = 16384;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-// What the two sides of a surface see; indices into Scene::bsdfs.
-struct Sides {
-  int front = -1, back = -1;
-};
-
 class Loader {
  public:
-  Loader(const std::string& path, const Parameters& parameters)
-      : path_(path), document_(read_document(path, parameters)) {}
+  Loader(const std::string& path, const Parameters& parameters, Unsupported unsupported)
+      : path_(path),
+        unsupported_(unsupported),
+        document_(read_document(path, parameters)),
+        materials_(document_, scene_, findings_) {}
 
   Scene load() {
+    try {
+      read();
+    } catch (const SceneError& error) {
+      // What is wrong and what is not supported, in one message.
+      if (findings_.none() || unsupported_ == Unsupported::kSubstitute) throw;
+      throw SceneError(fmt::format("{}\n{}", error.what(), findings_.message()));
+    }
+    if (!findings_.none()) {
+      if (unsupported_ == Unsupported::kRefuse) throw SceneError(findings_.message());
+      scene_.substitutions = findings_.substitutions();
+    }
+    scene_.hash = scene_hash(scene_);
+    return std::move(scene_);
+  }
+
+ private:
+  void read() {
     scene_.name = path_.substr(folder_of(path_).size());
     if (const size_t dot = scene_.name.rfind('.'); dot != std::string::npos && dot > 0)
       scene_.name.resize(dot);
@@ -42,12 +58,13 @@ class Loader {
                  "kd_max_depth", "kd_max_bad_refines", "kd_stop_prims", "kd_clip",
                  "kd_min_max_bins", "kd_retract_bad_splits", "kd_exact_prim_threshold",
                  "kd_parallel_build", "block_size"});
-    root.finish();
+    root.finish(findings_);
     for (const auto& child : root.children()) {
       const Element& e = *child.object;
       if (child.place->tag == "ref") {
-        fail(*child.place,
-             fmt::format("<ref> to {} is not supported at the top level", describe(e)));
+        findings_.add(*child.place,
+                      fmt::format("<ref> to {} is not supported at the top level", describe(e)),
+                      "it is left out");
       } else if (e.tag == "integrator") {
         once(e, integrator_);
         integrator(e);
@@ -55,7 +72,9 @@ class Loader {
         once(e, sensor_);
         sensor(e);
       } else if (e.tag == "bsdf") {
-        bsdf(e, 0);
+        materials_.bsdf(e);
+      } else if (e.tag == "texture") {
+        materials_.texture(e);
       } else if (e.tag == "shape") {
         shape(e);
       } else if (e.tag == "emitter") {
@@ -64,19 +83,19 @@ class Loader {
         // Takes part only where a sensor refers to it.
         if (!e.find("id")) fail(e, fmt::format("{} has no place at the top level", describe(e)));
       } else {
-        fail(e, fmt::format("{} is not supported, expected integrator, sensor, bsdf, shape or "
-                            "emitter",
-                            describe(e)));
+        findings_.add(e,
+                      fmt::format("{} is not supported, expected integrator, sensor, bsdf, "
+                                  "texture, shape or emitter",
+                                  describe(e)),
+                      "it is left out");
       }
     }
+    if (!findings_.none() && unsupported_ == Unsupported::kRefuse) return;
     if (!sensor_) whole("the scene has no camera, expected one <sensor type=\"perspective\">");
     if (scene_.shapes.empty()) whole("the scene has no shape");
     if (!has_light_) whole("the scene has no light, expected an <emitter> that is not black");
-    scene_.hash = scene_hash(scene_);
-    return std::move(scene_);
   }
 
- private:
   [[noreturn]] void whole(const std::string& what) const {
     throw SceneError(fmt::format("{}: {}", path_, what));
   }
@@ -91,14 +110,11 @@ class Loader {
     first = &e;
   }
 
-  static void no_children(const Properties& p) {
-    for (const auto& child : p.children())
-      fail(*child.place,
-           fmt::format("{} is not supported in {}", describe(*child.object), describe(p.object())));
-  }
+  void no_children(const Properties& p) { p.no_rest(findings_); }
 
-  [[noreturn]] static void unknown_type(const Element& e, const char* expected) {
-    fail(e, fmt::format("{} is not supported, expected type {}", describe(e), expected));
+  void unknown_type(const Element& e, const char* expected, const std::string& instead) {
+    findings_.add(e, fmt::format("{} is not supported, expected type {}", describe(e), expected),
+                  instead);
   }
 
   // Any integrator is welcome: it chooses a method. Depths count; what changes the image does not.
@@ -110,7 +126,8 @@ class Loader {
 
   void depth(Properties& p, bool& found, int level) {
     if (p.boolean("hide_emitters", false))
-      fail(p.element("hide_emitters"), "hidden emitters are not supported, expected false");
+      findings_.add(p.element("hide_emitters"), "hidden emitters are not supported, expected false",
+                    "they are seen");
     if (p.has("max_depth") && !found) {
       const int64_t depth = p.integer("max_depth", -1);
       if (depth != -1 && (depth < 1 || depth > std::numeric_limits<int>::max()))
@@ -139,7 +156,8 @@ class Loader {
 
   void sensor(const Element& e) {
     Properties p(document_, e);
-    if (p.type() != "perspective") unknown_type(e, "perspective");
+    if (p.type() != "perspective")
+      unknown_type(e, "perspective", "a perspective camera stands for it");
     Camera& camera = scene_.camera;
     camera.to_world = p.transform("to_world");
     // As Mitsuba, which tests with the same tolerance.
@@ -157,12 +175,12 @@ class Loader {
       fail(p.element("far_clip"), "far_clip is not beyond near_clip");
     if (p.number("principal_point_offset_x", 0) != 0 ||
         p.number("principal_point_offset_y", 0) != 0)
-      fail(e, "a shifted principal point is not supported");
+      findings_.add(e, "a shifted principal point is not supported", "it is in the middle");
     if (p.has("kc") && p.text("kc", "") != "0, 0" && p.text("kc", "") != "0,0")
-      fail(p.element("kc"), "lens distortion (kc) is not supported");
+      findings_.add(p.element("kc"), "lens distortion (kc) is not supported", "the lens has none");
     // A pinhole is in focus everywhere, and nothing moves while the shutter is open.
     p.ignore({"focus_distance", "shutter_open", "shutter_close"});
-    p.finish();
+    if (p.type() == "perspective") p.finish(findings_);
     const Element *film_place = nullptr, *sampler_place = nullptr;
     for (const auto& child : p.children()) {
       if (child.object->tag == "film") {
@@ -172,8 +190,10 @@ class Loader {
         once(*child.object, sampler_place);
         sampler(*child.object);
       } else {
-        fail(*child.place, fmt::format("{} is not supported in {}, expected film or sampler",
-                                       describe(*child.object), describe(e)));
+        findings_.add(*child.place,
+                      fmt::format("{} is not supported in {}, expected film or sampler",
+                                  describe(*child.object), describe(e)),
+                      "it is left out");
       }
     }
   }
@@ -217,7 +237,7 @@ class Loader {
     Properties p(document_, e);
     if (p.type() != "hdrfilm" && p.type() != "tiledhdrfilm" && p.type() != "ldrfilm" &&
         p.type() != "mfilm")
-      unknown_type(e, "hdrfilm, tiledhdrfilm, ldrfilm or mfilm");
+      unknown_type(e, "hdrfilm, tiledhdrfilm, ldrfilm or mfilm", "an hdrfilm stands for it");
     const bool matrix = p.type() == "mfilm";
     const int64_t width = p.integer("width", matrix ? 1 : 768);
     const int64_t height = p.integer("height", matrix ? 1 : 576);
@@ -227,7 +247,9 @@ class Loader {
     if (p.integer("crop_offset_x", 0) != 0 || p.integer("crop_offset_y", 0) != 0 ||
         p.integer("crop_width", width) != width || p.integer("crop_height", height) != height) {
       for (const char* name : {"crop_offset_x", "crop_offset_y", "crop_width", "crop_height"})
-        if (p.has(name)) fail(p.element(name), "crop windows are not supported");
+        if (p.has(name))
+          findings_.add(p.element(name), "crop windows are not supported",
+                        "the whole film is rendered");
     }
     scene_.film.width = static_cast<int>(width);
     scene_.film.height = static_cast<int>(height);
@@ -236,18 +258,27 @@ class Loader {
               "high_quality_edges", "sample_border", "compensate", "gamma", "exposure",
               "tone_mapping_method", "key", "burn", "variable", "digits"});
     p.ignore_labels();
-    p.finish();
+    p.finish(findings_);
     const Element* filter = nullptr;
     for (const auto& child : p.children()) {
-      if (child.object->tag != "rfilter")
-        fail(*child.place, fmt::format("{} is not supported in {}, expected rfilter",
-                                       describe(*child.object), describe(e)));
+      if (child.object->tag != "rfilter") {
+        findings_.add(*child.place,
+                      fmt::format("{} is not supported in {}, expected rfilter",
+                                  describe(*child.object), describe(e)),
+                      "it is left out");
+        continue;
+      }
       once(*child.object, filter);
       Properties f(document_, *child.object);
-      if (f.type() != "box") unknown_type(*child.object, "box");
+      if (f.type() != "box") {
+        unknown_type(*child.object, "box", "a box filter stands for it");
+        continue;
+      }
       if (f.number("radius", 0.5) != 0.5)
-        fail(f.element("radius"), "a box filter of another radius than 0.5 is not supported");
-      f.finish();
+        findings_.add(f.element("radius"),
+                      "a box filter of another radius than 0.5 is not supported",
+                      "the radius is 0.5");
+      f.finish(findings_);
       no_children(f);
     }
     if (!filter && !matrix)
@@ -262,155 +293,6 @@ class Loader {
            fmt::format("sampleCount is {}, expected 1 to {}", count, 1 << 20));
     scene_.sample_count = static_cast<int>(count);
     p.ignore_all();
-    no_children(p);
-  }
-
-  int add_bsdf(const Bsdf& bsdf) {
-    scene_.bsdfs.push_back(bsdf);
-    return static_cast<int>(scene_.bsdfs.size()) - 1;
-  }
-
-  Sides bsdf(const Element& e, int level) {
-    if (const auto at = bsdfs_.find(&e); at != bsdfs_.end()) return at->second;
-    if (level > 64) fail(e, "bsdfs are nested more than 64 deep");
-    Properties p(document_, e);
-    Sides sides;
-    if (p.type() == "twosided") {
-      sides = two_sided(p, level);
-    } else {
-      Bsdf b;
-      b.id = e["id"];
-      if (p.type() == "diffuse") {
-        if (p.has("reflectance") && p.has("diffuse_reflectance"))
-          fail(p.element("diffuse_reflectance"),
-               "diffuseReflectance is another name of reflectance");
-        b.kind = BsdfKind::kDiffuse;
-        b.diffuse =
-            p.color(p.has("diffuse_reflectance") ? "diffuse_reflectance" : "reflectance", Rgb(0.5));
-        conserve(p, b.diffuse, nullptr);
-      } else if (p.type() == "phong") {
-        b.kind = BsdfKind::kPhong;
-        b.diffuse = p.color("diffuse_reflectance", Rgb(0.5));
-        b.specular = p.color("specular_reflectance", Rgb(0.2));
-        b.exponent = p.number("exponent", 30);
-        if (b.exponent < 0 || b.exponent > 1e15)
-          fail(p.element("exponent"),
-               fmt::format("exponent is {}, expected 0 to 1e15", b.exponent));
-        conserve(p, b.diffuse, &b.specular);
-      } else if (p.type() == "conductor") {
-        conductor(p, b);
-      } else if (p.type() == "dielectric") {
-        dielectric(p, b);
-      } else {
-        unknown_type(e, "diffuse, phong, conductor, dielectric or twosided");
-      }
-      no_children(p);
-      sides.front = add_bsdf(b);
-      if (b.kind == BsdfKind::kDielectric) sides.back = sides.front;
-    }
-    p.finish();
-    bsdfs_.emplace(&e, sides);
-    return sides;
-  }
-
-  // Mitsuba 0.x scales a BSDF that would reflect more than arrives; 3.x refuses the color.
-  void conserve(Properties& p, Rgb& first, Rgb* second) {
-    const bool ensure = p.boolean("ensure_energy_conservation", true);
-    const double largest = max_component(second ? first + *second : first);
-    if (!(largest > 1)) return;
-    const Element& e = p.object();
-    if (document_.new_dialect || !ensure)
-      fail(e, fmt::format("{} reflects {} times the light that arrives, expected at most 1",
-                          describe(e), largest));
-    const double scale = 0.99 / largest;
-    first *= scale;
-    if (second) *second *= scale;
-    warn(e, fmt::format("{} reflects {} times the light that arrives and is scaled by {}",
-                        describe(e), largest, scale));
-  }
-
-  void conductor(Properties& p, Bsdf& b) {
-    b.kind = BsdfKind::kConductor;
-    b.specular = p.color("specular_reflectance", Rgb(1));
-    conserve(p, b.specular, nullptr);
-    if (p.has("material") && (p.has("eta") || p.has("k")))
-      fail(p.element("material"), "the conductor has both material and eta, k; expected one");
-    const std::string name = p.text("material", document_.new_dialect ? "none" : "Cu");
-    const auto metal = named_metal(name);
-    if (!metal)
-      fail(p.element("material"),
-           fmt::format("material '{}' is unknown, expected one of: {}", name, known_metals()));
-    // Relative to the outside; an ideal mirror is one in any medium.
-    const double outside = ior(p, "ext_eta", "air");
-    const bool given = p.has("eta") || p.has("k");
-    if (given && (!p.has("eta") || !p.has("k")))
-      fail(p.object(), fmt::format("{} has one of eta and k, expected both", describe(p.object())));
-    b.eta = p.color("eta", metal->eta);
-    b.k = p.color("k", metal->k);
-    // 3.x indices are against vacuum.
-    if (!document_.new_dialect || p.has("ext_eta")) {
-      b.eta /= outside;
-      b.k /= outside;
-    }
-    for (int i = 0; i < 3; ++i)
-      if (given && b.eta[i] == 0 && b.k[i] == 0)
-        fail(p.element("eta"), "eta and k are both 0, expected a metal or material \"none\"");
-  }
-
-  double ior(Properties& p, const std::string& name, const std::string& otherwise) {
-    if (p.has(name) && !p.is_text(name)) {
-      const double value = p.number(name, 0);
-      if (!(value > 0))
-        fail(p.element(name),
-             fmt::format("the index of refraction is {}, expected more than 0", value));
-      return value;
-    }
-    const std::string medium = p.text(name, otherwise);
-    const auto value = named_ior(medium);
-    if (!value)
-      fail(p.element(name), fmt::format("medium '{}' is unknown, expected a number or one of: {}",
-                                        medium, known_iors()));
-    return *value;
-  }
-
-  void dielectric(Properties& p, Bsdf& b) {
-    b.kind = BsdfKind::kDielectric;
-    b.specular = p.color("specular_reflectance", Rgb(1));
-    b.transmission = p.color("specular_transmittance", Rgb(1));
-    conserve(p, b.specular, nullptr);
-    conserve(p, b.transmission, nullptr);
-    const double inside = ior(p, "int_ior", "bk7");
-    b.ior = inside / ior(p, "ext_ior", "air");
-  }
-
-  Sides two_sided(Properties& p, int level) {
-    std::vector<Sides> nested;
-    for (const auto& child : p.children()) {
-      if (child.object->tag != "bsdf")
-        fail(*child.place, fmt::format("{} is not supported in {}, expected bsdf",
-                                       describe(*child.object), describe(p.object())));
-      const Sides sides = bsdf(*child.object, level + 1);
-      if (scene_.bsdfs[static_cast<size_t>(sides.front)].kind == BsdfKind::kDielectric)
-        fail(*child.place,
-             "a dielectric in <bsdf type=\"twosided\">: it transmits, expected BSDFs "
-             "that only reflect");
-      nested.push_back(sides);
-    }
-    p.ignore({"ensure_energy_conservation"});
-    if (nested.empty() || nested.size() > 2)
-      fail(p.object(), fmt::format("{} has {} BSDFs, expected one or two", describe(p.object()),
-                                   nested.size()));
-    Sides sides;
-    if (nested.size() == 2) {
-      sides.front = nested[0].front;
-      sides.back = nested[1].front;
-      return sides;
-    }
-    Bsdf copy = scene_.bsdfs[static_cast<size_t>(nested[0].front)];
-    copy.two_sided = true;
-    if (!p.object()["id"].empty()) copy.id = p.object()["id"];
-    sides.front = sides.back = add_bsdf(copy);
-    return sides;
   }
 
   void shape(const Element& e) {
@@ -431,37 +313,78 @@ class Loader {
     } else if (p.type() == "obj" || p.type() == "ply") {
       mesh(p, s, to_world);
     } else {
-      unknown_type(e, "rectangle, cube, sphere, disk, obj or ply");
+      unknown_type(e, "rectangle, cube, sphere, disk, obj or ply", "it is left out");
+      for (const auto& child : p.children())
+        if (child.object->tag == "bsdf") materials_.bsdf(*child.object);
+      return;
     }
-    p.finish();
+    p.finish(findings_);
 
     std::optional<Sides> sides;
     for (const auto& child : p.children()) {
       const Element& object = *child.object;
       if (object.tag == "bsdf") {
         if (sides) fail(*child.place, fmt::format("{} has two BSDFs, expected one", describe(e)));
-        sides = bsdf(object, 0);
+        sides = materials_.bsdf(object);
       } else if (object.tag == "emitter") {
         if (s.radiance)
           fail(*child.place, fmt::format("{} has two emitters, expected one", describe(e)));
         area_light(object, s);
       } else {
-        fail(*child.place, fmt::format("{} is not supported in {}, expected bsdf or emitter",
-                                       describe(object), describe(e)));
+        findings_.add(*child.place,
+                      fmt::format("{} is not supported in {}, expected bsdf or emitter",
+                                  describe(object), describe(e)),
+                      "it is left out");
       }
+    }
+    if (sides && s.radiance &&
+        (materials_.is_open(sides->front) || materials_.is_open(sides->back))) {
+      findings_.add(e,
+                    fmt::format("{} emits and lets light pass straight on (null, mask), which is "
+                                "not supported",
+                                describe(e)),
+                    "it is black and closed");
+      sides.reset();
     }
     if (!sides) {
       int& shared = s.radiance ? black_ : grey_;
       if (shared < 0) {
         Bsdf b;
         b.diffuse = Rgb(s.radiance ? 0 : 0.5);
-        shared = add_bsdf(b);
+        shared = materials_.add(b);
       }
       sides = Sides{shared, -1};
     }
     s.bsdf = sides->front;
     s.back_bsdf = sides->back;
+    needs_coordinates(e, s);
     scene_.shapes.push_back(std::move(s));
+  }
+
+  // A texture on a mesh without coordinates, or of colors that it does not have, shows nothing.
+  void needs_coordinates(const Element& e, const Shape& s) const {
+    const bool is_mesh = s.kind == ShapeKind::kMesh;
+    if (!is_mesh) return;
+    const auto check = [&](int index) {
+      if (index < 0) return;
+      const bool colors =
+          scene_.textures[static_cast<size_t>(index)].kind == TextureKind::kVertexColor;
+      if (colors && s.mesh.colors.empty())
+        fail(e,
+             fmt::format("{} has a texture of vertex colors, but its file has none", describe(e)));
+      if (!colors && s.mesh.uvs.empty())
+        fail(e,
+             fmt::format("{} has a texture, but its file has no texture coordinates", describe(e)));
+    };
+    const auto look = [&](const auto& again, int index) -> void {
+      if (index < 0) return;
+      const Bsdf& b = scene_.bsdfs[static_cast<size_t>(index)];
+      for (const int t : b.texture) check(t);
+      for (const int part : b.parts) again(again, part);
+    };
+    look(look, s.bsdf);
+    look(look, s.back_bsdf);
+    check(s.radiance_texture);
   }
 
   static std::string place(const Element& e) { return fmt::format("{}:{}", *e.file, e.line); }
@@ -491,37 +414,54 @@ class Loader {
     const std::string file = document_.find_file(p.element("filename"), p.text("filename", ""));
     const bool faceted = p.boolean("face_normals", false);
     if (p.number("max_smooth_angle", 0) != 0)
-      fail(p.element("max_smooth_angle"), "maxSmoothAngle is not supported");
+      findings_.add(p.element("max_smooth_angle"), "maxSmoothAngle is not supported",
+                    "all edges are smooth");
     if (p.has("shape_index") && p.integer("shape_index", -1) != -1)
-      fail(p.element("shape_index"), "shapeIndex is not supported");
+      findings_.add(p.element("shape_index"), "shapeIndex is not supported",
+                    "all shapes of the file are read");
     const bool load_materials = p.boolean("load_materials", true);
-    // Colors and texture coordinates have no use without textures.
-    p.ignore({"srgb", "flip_tex_coords", "collapse"});
-    MeshFile read = p.type() == "obj" ? read_obj(file) : read_ply_mesh(file);
+    const bool is_obj = p.type() == "obj";
+    // 0.6 takes vertex colors for sRGB, 3.x for linear.
+    const bool srgb = p.boolean("srgb", !document_.new_dialect);
+    const bool flip = p.boolean("flip_tex_coords", is_obj);
+    p.ignore({"collapse"});
+    MeshFile read = is_obj ? read_obj(file) : read_ply_mesh(file);
+    if (flip)
+      for (Vec2& uv : read.mesh.uvs) uv.y = 1 - uv.y;
+    if (srgb)
+      for (Rgb& c : read.mesh.colors)
+        for (int i = 0; i < 3; ++i) c[i] = srgb_to_linear(c[i]);
     if (read.names_materials && load_materials && !document_.new_dialect &&
         std::none_of(p.children().begin(), p.children().end(),
                      [](const auto& c) { return c.object->tag == "bsdf"; }))
-      fail(p.object(),
-           fmt::format("{} has no BSDF and its file uses materials of its own, which are "
-                       "not supported; expected a <bsdf> or loadMaterials false",
-                       describe(p.object())));
+      findings_.add(p.object(),
+                    fmt::format("{} has no BSDF and its file uses materials of its own, which are "
+                                "not supported; expected a <bsdf> or loadMaterials false",
+                                describe(p.object())),
+                    "a diffuse BSDF stands for them");
     s.mesh = std::move(read.mesh);
     place_mesh(s.mesh, {to_world, s.flip_normals, false, faceted}, place(p.object()));
   }
 
-  Rgb emitted(Properties& p, const std::string& name) {
-    const Rgb value = p.color(name, Rgb(1));
+  // With a texture in `texture`, its factor.
+  Rgb emitted(Properties& p, const std::string& name, int& texture) {
+    const Rgb value = materials_.textured(p, name, Rgb(1), texture);
     if (p.number("sampling_weight", 1) < 0)
       fail(p.element("sampling_weight"), "samplingWeight is negative");
-    has_light_ = has_light_ || !is_black(value);
+    const double shown =
+        texture < 0 ? 1 : texture_max(scene_.textures[static_cast<size_t>(texture)]);
+    has_light_ = has_light_ || (!is_black(value) && shown > 0);
     return value;
   }
 
   void area_light(const Element& e, Shape& s) {
     Properties p(document_, e);
-    if (p.type() != "area") unknown_type(e, "area in a shape");
-    s.radiance = emitted(p, "radiance");
-    p.finish();
+    if (p.type() != "area") {
+      unknown_type(e, "area in a shape", "it is left out");
+      return;
+    }
+    s.radiance = emitted(p, "radiance", s.radiance_texture);
+    p.finish(findings_);
     no_children(p);
   }
 
@@ -556,8 +496,24 @@ class Loader {
       l.kind = LightKind::kDirectional;
       key = "irradiance";
       one_of(p, "direction", "to_world");
+    } else if (p.type() == "constant" || p.type() == "envmap") {
+      environment(p, l);
+      return;
+    } else if (p.type() == "sky" || p.type() == "sunsky" || p.type() == "sun") {
+      findings_.add(
+          e,
+          fmt::format("{} is not supported, expected an envmap of it (Mitsuba renders one "
+                      "with the sensor 'spherical')",
+                      describe(e)),
+          "a constant environment of radiance 1 stands for it");
+      l.kind = LightKind::kEnvironment;
+      p.ignore_all();
+      add_environment(e, l);
+      return;
     } else {
-      unknown_type(e, "point, spot, directional, or area in a shape");
+      unknown_type(e, "point, spot, directional, constant, envmap, or area in a shape",
+                   "it is left out");
+      return;
     }
     const Mat4 to_world = p.transform("to_world");
     if (p.has("to_world") || l.kind == LightKind::kSpot) {
@@ -566,9 +522,58 @@ class Loader {
     }
     if (l.kind == LightKind::kDirectional && p.has("direction"))
       l.direction = unit(p.element("direction"), p.vector("direction", Vec3(0)));
-    l.intensity = emitted(p, key);
-    p.finish();
+    l.intensity = color_emitted(p, key);
+    p.finish(findings_);
     no_children(p);
+    scene_.lights.push_back(l);
+  }
+
+  Rgb color_emitted(Properties& p, const char* key) {
+    int texture = -1;
+    const Rgb value = emitted(p, key, texture);
+    if (texture < 0) return value;
+    const Rgb mean = texture_mean(scene_.textures[static_cast<size_t>(texture)]);
+    findings_.add(p.object(),
+                  fmt::format("{} has a textured {}, which is not supported, expected a color",
+                              describe(p.object()), key),
+                  "the texture's mean stands for it");
+    return value * mean;
+  }
+
+  void environment(Properties& p, Light& l) {
+    l.kind = LightKind::kEnvironment;
+    if (p.type() == "envmap") {
+      l.map = materials_.bitmap(p);
+      l.intensity = Rgb(p.number("scale", 1));
+      p.ignore({"cache", "mis_compensation"});
+      if (!(l.intensity.x >= 0))
+        fail(p.element("scale"), fmt::format("scale is {}, expected at least 0", l.intensity.x));
+      l.to_world = p.transform("to_world");
+      const glm::dmat3 m(l.to_world);
+      const double size = glm::dot(m[0], m[0]);
+      for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j)
+          if (std::fabs(glm::dot(m[i], m[j]) - (i == j ? size : 0)) > 1e-5 * size)
+            fail(p.element("to_world"),
+                 "the environment's transform shears, expected rotations and reflections only");
+      if (p.number("sampling_weight", 1) < 0)
+        fail(p.element("sampling_weight"), "samplingWeight is negative");
+      const bool black =
+          std::all_of(l.map->texels.begin(), l.map->texels.end(), [](float t) { return t == 0; });
+      if (black) fail(p.object(), fmt::format("the map of {} is black", describe(p.object())));
+      has_light_ = has_light_ || l.intensity.x > 0;
+    } else {
+      p.ignore({"to_world"});  // looks the same from all sides
+      l.intensity = color_emitted(p, "radiance");
+    }
+    p.finish(findings_);
+    no_children(p);
+    add_environment(p.object(), l);
+  }
+
+  void add_environment(const Element& e, const Light& l) {
+    has_light_ = has_light_ || !is_black(l.intensity);
+    once(e, environment_);
     scene_.lights.push_back(l);
   }
 
@@ -586,18 +591,20 @@ class Loader {
   }
 
   const std::string path_;
+  const Unsupported unsupported_;
   Document document_;
   Scene scene_;
-  std::map<const Element*, Sides> bsdfs_;
-  const Element *integrator_ = nullptr, *sensor_ = nullptr;
+  Findings findings_;
+  BsdfReader materials_;
+  const Element *integrator_ = nullptr, *sensor_ = nullptr, *environment_ = nullptr;
   int black_ = -1, grey_ = -1;
   bool has_light_ = false;
 };
 
 }  // namespace
 
-Scene load_scene(const std::string& path, const Parameters& parameters) {
-  return Loader(path, parameters).load();
+Scene load_scene(const std::string& path, const Parameters& parameters, Unsupported unsupported) {
+  return Loader(path, parameters, unsupported).load();
 }
 
 }  // namespace photonloom

@@ -60,6 +60,7 @@ class ObjReader {
     if (out_.mesh.triangles.empty())
       throw SceneError(fmt::format("{}: the file has no faces, expected at least one", path_));
     if (!any_normal_) out_.mesh.normals.clear();
+    if (coordinates_.empty()) out_.mesh.uvs.clear();
     return std::move(out_);
   }
 
@@ -159,6 +160,7 @@ class ObjReader {
       if (inserted) {
         out_.mesh.positions.push_back(p);
         out_.mesh.normals.push_back(n);
+        out_.mesh.uvs.push_back(t);
       }
       corners.push_back(at->second);
     }
@@ -183,6 +185,7 @@ Mesh rectangle_mesh() {
   Mesh mesh;
   mesh.positions = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}};
   mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
+  mesh.uvs = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
   return mesh;
 }
 
@@ -193,14 +196,67 @@ Mesh cube_mesh() {
   // Per face four corners, counter-clockwise from outside.
   constexpr uint32_t kFaces[6][4] = {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4},
                                      {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}};
-  for (const auto& f : kFaces) {
+  // Mitsuba's coordinates of each face's corners, in the order of kFaces.
+  const Vec2 at[4] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
+  constexpr size_t kCoordinates[6][4] = {{1, 0, 3, 2}, {0, 3, 2, 1}, {0, 3, 2, 1},
+                                         {2, 1, 0, 3}, {0, 3, 2, 1}, {3, 2, 1, 0}};
+  for (size_t i = 0; i < 6; ++i) {
+    const auto& f = kFaces[i];
+    const auto& c = kCoordinates[i];
     mesh.triangles.push_back({f[0], f[1], f[2]});
     mesh.triangles.push_back({f[0], f[2], f[3]});
+    mesh.corner_uvs.push_back({at[c[0]], at[c[1]], at[c[2]]});
+    mesh.corner_uvs.push_back({at[c[0]], at[c[2]], at[c[3]]});
   }
   return mesh;
 }
 
 MeshFile read_obj(const std::string& path) { return ObjReader(path, read_file(path)).read(); }
+
+namespace {
+
+// u, v or s, t, as exporters spell them.
+void read_ply_coordinates(const PlyElement& vertex, const std::string& path, Mesh& mesh) {
+  for (const auto& [u, v] :
+       {std::pair("u", "v"), std::pair("s", "t"), std::pair("texture_u", "texture_v")}) {
+    if (!vertex.find(u) || !vertex.find(v)) continue;
+    const auto &x = vertex.scalar(u, path), &y = vertex.scalar(v, path);
+    for (size_t i = 0; i < vertex.rows; ++i) {
+      mesh.uvs.emplace_back(x[i], y[i]);
+      if (!std::isfinite(x[i]) || !std::isfinite(y[i]))
+        throw SceneError(fmt::format(
+            "{}: texture coordinates of vertex {} are not finite, expected finite ones", path, i));
+    }
+    return;
+  }
+}
+
+// red, green, blue or r, g, b; integers over their largest.
+void read_ply_colors(const PlyElement& vertex, const std::string& path, Mesh& mesh) {
+  constexpr const char* kNames[][3] = {
+      {"red", "green", "blue"}, {"diffuse_red", "diffuse_green", "diffuse_blue"}, {"r", "g", "b"}};
+  for (const auto& names : kNames) {
+    const PlyColumn* column = vertex.find(names[0]);
+    if (!column || column->is_list || !vertex.find(names[1]) || !vertex.find(names[2])) continue;
+    const double largest = column->type == PlyType::kUint8    ? 255
+                           : column->type == PlyType::kUint16 ? 65535
+                                                              : 1;
+    mesh.colors.resize(vertex.rows);
+    for (int c = 0; c < 3; ++c) {
+      const auto& values = vertex.scalar(names[c], path);
+      for (size_t i = 0; i < vertex.rows; ++i) {
+        mesh.colors[i][c] = values[i] / largest;
+        if (!(values[i] >= 0) || !std::isfinite(values[i]))
+          throw SceneError(
+              fmt::format("{}: color {} of vertex {} is {}, expected a finite number of at least 0",
+                          path, names[c], i, values[i]));
+      }
+    }
+    return;
+  }
+}
+
+}  // namespace
 
 MeshFile read_ply_mesh(const std::string& path) {
   const PlyTable table = read_ply(path);
@@ -225,6 +281,8 @@ MeshFile read_ply_mesh(const std::string& path) {
       throw SceneError(
           fmt::format("{}: vertex {} is not finite, expected finite coordinates", path, i));
   }
+  read_ply_coordinates(*vertex, path, out.mesh);
+  read_ply_colors(*vertex, path, out.mesh);
   const PlyColumn* corners = face->find("vertex_indices");
   if (!corners) corners = face->find("vertex_index");
   if (!corners || !corners->is_list)
@@ -285,7 +343,12 @@ void place_mesh(Mesh& mesh, const MeshPlacement& placement, const std::string& w
     n /= glm::length(n);
   }
   const bool mirrored = glm::determinant(linear) < 0;
-  for (auto& t : mesh.triangles) {
+  const auto turn_round = [&](size_t i) {
+    std::swap(mesh.triangles[i][1], mesh.triangles[i][2]);
+    if (!mesh.corner_uvs.empty()) std::swap(mesh.corner_uvs[i][1], mesh.corner_uvs[i][2]);
+  };
+  for (size_t i = 0; i < mesh.triangles.size(); ++i) {
+    const auto& t = mesh.triangles[i];
     const Vec3 a = mesh.positions[t[0]], b = mesh.positions[t[1]], c = mesh.positions[t[2]];
     const Vec3 normal = glm::cross(b - a, c - a);
     if (!(glm::length(normal) > 0)) throw SceneError(fmt::format("{}: a triangle collapses", what));
@@ -294,11 +357,11 @@ void place_mesh(Mesh& mesh, const MeshPlacement& placement, const std::string& w
       const Vec3 sum = mesh.normals[t[0]] + mesh.normals[t[1]] + mesh.normals[t[2]];
       turn = glm::dot(normal, sum) < 0;
     }
-    if (turn) std::swap(t[1], t[2]);
+    if (turn) turn_round(i);
   }
   if (!placement.faceted) add_smooth_normals(mesh);
   if (placement.flip) {
-    for (auto& t : mesh.triangles) std::swap(t[1], t[2]);
+    for (size_t i = 0; i < mesh.triangles.size(); ++i) turn_round(i);
     for (Vec3& n : mesh.normals) n = -n;
   }
 }

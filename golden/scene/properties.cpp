@@ -156,8 +156,7 @@ Mat4 matrix(const Element& element) {
 
 Rgb from_srgb(const Rgb& c) {
   Rgb out;
-  for (int i = 0; i < 3; ++i)
-    out[i] = c[i] <= 0.04045 ? c[i] / 12.92 : pow_exact((c[i] + 0.055) / 1.055, 2.4);
+  for (int i = 0; i < 3; ++i) out[i] = srgb_to_linear(c[i]);
   return out;
 }
 
@@ -368,15 +367,44 @@ void Properties::ignore_all() {
   for (Property& p : properties_) p.used = true;
 }
 
-void Properties::finish() const {
+const Properties::Child* Properties::object_of(const std::string& name) {
+  asked_.push_back(name);
+  for (const Child& c : children_) {
+    const std::string& given = (*c.place)["name"];
+    if (given.empty() || canonical_name(given) != name) continue;
+    if (find(name)) fail(*c.place, fmt::format("{} is given twice", describe(*c.place)));
+    if (std::find(taken_.begin(), taken_.end(), c.place) != taken_.end()) continue;
+    taken_.push_back(c.place);
+    return &c;
+  }
+  asked_.pop_back();  // whoever asks for the value itself names it
+  return nullptr;
+}
+
+std::vector<Properties::Child> Properties::rest() const {
+  std::vector<Child> out;
+  for (const Child& c : children_)
+    if (std::find(taken_.begin(), taken_.end(), c.place) == taken_.end()) out.push_back(c);
+  return out;
+}
+
+void Properties::finish(Findings& findings) const {
   for (const Property& p : properties_) {
     if (p.used) continue;
     std::string known;
     for (const std::string& name : asked_) known += (known.empty() ? "" : ", ") + name;
-    fail(*p.element,
-         fmt::format("{} is not supported in {}, expected one of: {}", describe(*p.element),
-                     describe(object_), known.empty() ? "nothing" : known));
+    findings.add(*p.element,
+                 fmt::format("{} is not supported in {}, expected one of: {}", describe(*p.element),
+                             describe(object_), known.empty() ? "nothing" : known),
+                 "it is left out");
   }
+}
+
+void Properties::no_rest(Findings& findings) const {
+  for (const Child& c : rest())
+    findings.add(*c.place,
+                 fmt::format("{} is not supported in {}", describe(*c.object), describe(object_)),
+                 "it is left out");
 }
 
 }  // namespace photonloom

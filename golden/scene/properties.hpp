@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "golden/scene/findings.hpp"
 #include "golden/scene/xml.hpp"
 
 namespace photonloom {
@@ -49,9 +50,16 @@ class Properties {
     const Element* place;  // the <ref> or the object
   };
   const std::vector<Child>& children() const { return children_; }
+  // The object given as the value of a property (<texture name="reflectance" ...>, or a <ref> with
+  // that name), null where there is none; it is taken then.
+  const Child* object_of(const std::string& name);
+  // Children that object_of has not taken.
+  std::vector<Child> rest() const;
 
-  // Throws on the first property that was not asked for.
-  void finish() const;
+  // Properties that were not asked for are findings; they are ignored instead.
+  void finish(Findings& findings) const;
+  // So are children that are not taken.
+  void no_rest(Findings& findings) const;
 
  private:
   struct Property {
@@ -68,6 +76,7 @@ class Properties {
   std::vector<Property> properties_;
   std::vector<std::string> asked_;
   std::vector<Child> children_;
+  std::vector<const Element*> taken_;  // places
 };
 
 }  // namespace photonloom

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -12,15 +13,32 @@
 #include <vector>
 
 #include "golden/numeric/vec.hpp"
+#include "golden/scene/texture.hpp"
 
 namespace photonloom {
 
 using Mat4 = glm::dmat4;
 
-enum class BsdfKind { kDiffuse, kPhong, kConductor, kDielectric };
+enum class BsdfKind {
+  kDiffuse,
+  kPhong,
+  kConductor,
+  kDielectric,
+  kThinDielectric,
+  kRoughConductor,
+  kRoughDielectric,
+  kPlastic,
+  kRoughPlastic,
+  kMixture
+};
+
+enum class Microfacets { kBeckmann, kGgx };
+
+// What of a BSDF a texture may vary: each of its own entry in Bsdf::texture.
+enum class Slot { kDiffuse, kSpecular, kTransmission, kOpacity, kAlphaU, kAlphaV, kShare, kCount };
 
 // One BSDF; lobes that a kind does not have are black. Which sides of a shape it is on, the shape
-// says.
+// says. A textured value is the member times the texture's.
 struct Bsdf {
   std::string id;
   BsdfKind kind = BsdfKind::kDiffuse;
@@ -30,17 +48,42 @@ struct Bsdf {
   Rgb transmission{1};     // factor on transmission of a dielectric
   double exponent = 0;     // phong's n
   Rgb eta{0}, k{0};        // conductor's complex index; k = eta = 0: ideal mirror
-  double ior = 1;          // dielectric: interior over exterior index
-  bool is_delta() const { return kind == BsdfKind::kConductor || kind == BsdfKind::kDielectric; }
+  double ior = 1;          // dielectrics and plastics: interior over exterior index
+  Microfacets microfacets = Microfacets::kBeckmann;
+  double alpha_u = 0.1, alpha_v = 0.1;  // roughness along the tangent and across it
+  bool nonlinear = false;               // plastics: absorption between the coat's inner reflections
+  double opacity = 1;                   // the rest of the light goes straight on
+  // Mixture: indices into Scene::bsdfs, each with its share of all light; with a texture in kShare,
+  // two: the second's share is the texture, the first's the rest.
+  std::vector<int> parts;
+  std::vector<double> shares;
+  // Indices into Scene::textures by Slot; -1: none.
+  std::array<int, static_cast<size_t>(Slot::kCount)> texture = {-1, -1, -1, -1, -1, -1, -1};
+
+  // Every ray that it sends on is a mirror's or a glass's.
+  bool is_delta() const {
+    return kind == BsdfKind::kConductor || kind == BsdfKind::kDielectric ||
+           kind == BsdfKind::kThinDielectric;
+  }
+  // Light passes from one side to the other (other than by opacity), so both sides have this BSDF.
+  bool transmits() const {
+    return kind == BsdfKind::kDielectric || kind == BsdfKind::kThinDielectric ||
+           kind == BsdfKind::kRoughDielectric;
+  }
+  int textured(Slot slot) const { return texture[static_cast<size_t>(slot)]; }
 };
 
-enum class ShapeKind { kMesh, kSphere, kDisk, kRectangle, kCube };
+enum class ShapeKind { kMesh, kSphere, kDisk, kRectangle, kCube, kCylinder };
 
 // Triangles share vertices; normals are per vertex and may be empty (faceted).
 struct Mesh {
   std::vector<Vec3> positions;
   std::vector<Vec3> normals;
   std::vector<std::array<uint32_t, 3>> triangles;
+  // Texture coordinates: per vertex, or per corner of each triangle, or none.
+  std::vector<Vec2> uvs;
+  std::vector<std::array<Vec2, 3>> corner_uvs;
+  std::vector<Rgb> colors;  // linear, per vertex, or none
 };
 
 // A shape is a mesh (rectangles and cubes are loaded as meshes too), a sphere or a disk.
@@ -53,9 +96,10 @@ struct Shape {
   int bsdf = -1;                      // index into Scene::bsdfs; what the front sees
   int back_bsdf = -1;                 // what the back sees, a dielectric's is its own; -1: black
   std::optional<Rgb> radiance;        // area emitter, W/(m^2 sr), from the normal side
+  int radiance_texture = -1;          // its factor, index into Scene::textures
 };
 
-enum class LightKind { kPoint, kSpot, kDirectional };
+enum class LightKind { kPoint, kSpot, kDirectional, kEnvironment };
 
 // Emitters without a surface.
 struct Light {
@@ -65,6 +109,10 @@ struct Light {
   Rgb intensity{1};                         // W/sr; directional: irradiance W/m^2 across the beam
   double cutoff_cos = 0, beam_cos = 0;      // spot
   double cutoff_angle = 0, beam_angle = 0;  // radians; linear in angle between
+  // Environment: radiance `intensity`, W/(m^2 sr), from all directions, times the map where there
+  // is one. Its frame's y axis points to the map's upper edge, -z to the middle of u = 0.
+  std::shared_ptr<const Bitmap> map;
+  Mat4 to_world{1};
 };
 
 enum class FovAxis { kX, kY, kDiagonal, kSmaller, kLarger };
@@ -93,10 +141,13 @@ struct Scene {
   int sample_count = 0;  // 0: not given
   int max_depth = -1;    // segments of a path, -1 for no limit
   int rr_depth = 5;      // Russian roulette from this segment on
+  std::vector<Texture> textures;
   std::vector<Bsdf> bsdfs;
   std::vector<Shape> shapes;
   std::vector<Light> lights;
   std::vector<std::string> warnings;  // with file and line
+  // What is not supported and what stands for it, with file and line; only where asked for.
+  std::vector<std::string> substitutions;
 };
 
 // Hash of everything in the scene that touches the image; what Scene::hash holds after loading.
@@ -111,7 +162,12 @@ class SceneError : public std::runtime_error {
 
 using Parameters = std::vector<std::pair<std::string, std::string>>;  // -D name=value
 
-// Reads a Mitsuba 0.5/0.6 or 3.x XML file. Throws SceneError.
-Scene load_scene(const std::string& path, const Parameters& parameters = {});
+// What happens to elements that are not supported: all are named in one error, or the nearest that
+// is supported stands for each.
+enum class Unsupported { kRefuse, kSubstitute };
+
+// Reads a Mitsuba 0.4 to 0.6, 2.x or 3.x XML file. Throws SceneError.
+Scene load_scene(const std::string& path, const Parameters& parameters = {},
+                 Unsupported unsupported = Unsupported::kRefuse);
 
 }  // namespace photonloom

@@ -42,7 +42,26 @@ uint64_t scene_hash(const Scene& scene) {
   h.add(scene.film.height);
   h.add(scene.max_depth);
   h.add(scene.rr_depth);
-  const auto add_bsdf = [&](int index) {
+  // What scenes without textures, roughness and environments do not have adds nothing to the hash.
+  const auto add_bitmap = [&](const Bitmap& b) {
+    h.add(b.width);
+    h.add(b.height);
+    for (const float t : b.texels) h.add(static_cast<double>(t));
+  };
+  const bool has_textures = !scene.textures.empty();
+  const auto add_texture = [&](int index) {
+    if (index < 0) return;
+    const Texture& t = scene.textures[static_cast<size_t>(index)];
+    h.add(t.kind);
+    if (t.bitmap) add_bitmap(*t.bitmap);
+    h.add(static_cast<int>(t.nearest));
+    h.add(t.wrap_u);
+    h.add(t.wrap_v);
+    for (const auto& row : t.to_uv)
+      for (const double x : row) h.add(x);
+    for (const Rgb& c : {t.color[0], t.color[1], t.scale}) h.add(c);
+  };
+  const auto add_bsdf = [&](const auto& again, int index) -> void {
     if (index < 0) {
       h.add(-1);
       return;
@@ -52,6 +71,20 @@ uint64_t scene_hash(const Scene& scene) {
     for (const Rgb& c : {b.diffuse, b.specular, b.transmission, b.eta, b.k}) h.add(c);
     h.add(b.exponent);
     h.add(b.ior);
+    if (b.kind > BsdfKind::kDielectric) {
+      h.add(b.microfacets);
+      h.add(b.alpha_u);
+      h.add(b.alpha_v);
+      h.add(static_cast<int>(b.nonlinear));
+      for (const double share : b.shares) h.add(share);
+      for (const int part : b.parts) again(again, part);
+    }
+    if (b.opacity != 1) h.add(b.opacity);
+    for (size_t slot = 0; slot < b.texture.size(); ++slot) {
+      if (b.texture[slot] < 0) continue;
+      h.add(static_cast<uint64_t>(slot));
+      add_texture(b.texture[slot]);
+    }
   };
   h.add(static_cast<uint64_t>(scene.shapes.size()));
   for (const Shape& s : scene.shapes) {
@@ -66,10 +99,15 @@ uint64_t scene_hash(const Scene& scene) {
     h.add(static_cast<uint64_t>(s.mesh.triangles.size()));
     for (const auto& t : s.mesh.triangles)
       for (const uint32_t v : t) h.add(static_cast<uint64_t>(v));
-    add_bsdf(s.bsdf);
-    add_bsdf(s.back_bsdf);
+    if (has_textures) {
+      for (const Vec2& uv : s.mesh.uvs) h.add(Vec3(uv, 0));
+      for (const Rgb& c : s.mesh.colors) h.add(c);
+    }
+    add_bsdf(add_bsdf, s.bsdf);
+    add_bsdf(add_bsdf, s.back_bsdf);
     h.add(static_cast<int>(s.radiance.has_value()));
     if (s.radiance) h.add(*s.radiance);
+    add_texture(s.radiance_texture);
   }
   h.add(static_cast<uint64_t>(scene.lights.size()));
   for (const Light& l : scene.lights) {
@@ -79,6 +117,10 @@ uint64_t scene_hash(const Scene& scene) {
     h.add(l.intensity);
     h.add(l.cutoff_angle);
     h.add(l.beam_angle);
+    if (l.map) {
+      add_bitmap(*l.map);
+      h.add(l.to_world);
+    }
   }
   return h.value();
 }

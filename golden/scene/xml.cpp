@@ -11,6 +11,7 @@
 
 #include "golden/numeric/output_file.hpp"
 #include "golden/scene/text.hpp"
+#include "golden/scene/upgrade.hpp"
 
 namespace photonloom {
 namespace {
@@ -51,6 +52,7 @@ class Builder {
       if (parameter.given && !parameter.used)
         throw SceneError(fmt::format("{}: parameter '{}' given with -D is not used, expected {}",
                                      path, name, known_parameters()));
+    upgrade(*document_.root, minor_);
     index(*document_.root);
     for (const auto& alias : aliases_) add_alias(*alias);
     check_references();
@@ -223,11 +225,13 @@ class Builder {
     const auto words = split(*version, ".");
     const int64_t major = words.empty() ? -1 : parse_integer(words[0]).value_or(-1);
     const int64_t minor = words.size() < 2 ? 0 : parse_integer(words[1]).value_or(-1);
-    const bool old = major == 0 && minor >= 5;
+    const bool old = major == 0 && minor >= 3;
     if (minor < 0 || (!old && major != 2 && major != 3))
       fail(scene,
-           fmt::format("version '{}' is not supported, expected 0.5, 0.6, 2.x or 3.x", *version));
-    if (!included) document_.new_dialect = !old;
+           fmt::format("version '{}' is not supported, expected 0.3 to 0.6, 2.x or 3.x", *version));
+    if (included) return;
+    document_.new_dialect = !old;
+    if (old) minor_ = minor;
   }
 
   void take_default(const Element& element) {
@@ -327,6 +331,7 @@ class Builder {
   std::vector<std::string> open_;  // files being read, outermost first
   std::vector<std::unique_ptr<Element>> aliases_;
   size_t elements_ = 0;
+  int64_t minor_ = 6;  // of a 0.x file
 };
 
 }  // namespace

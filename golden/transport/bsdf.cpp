@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "golden/transport/bsdf.hpp"
 
+#include <algorithm>
+#include <bit>
 #include <cmath>
 
+#include "golden/transport/microfacet.hpp"
 #include "golden/transport/sampling.hpp"
 
 namespace photonloom {
@@ -25,26 +28,297 @@ double cos_lobe(const Surface& s, const Vec3& out) {
   return glm::dot(reflect(s.in, s.shading_normal), out);
 }
 
+bool is_phong(const Surface& s) { return s.bsdf->kind == BsdfKind::kPhong; }
+
+// The rough surface in its own frame: `in` above.
+struct Rough {
+  Vec3 x, y, z, in;
+  MicrofacetSurface facets;
+
+  explicit Rough(const Surface& s) : z(s.shading_normal) {
+    facets.kind = s.bsdf->microfacets;
+    facets.alpha_u = s.alpha_u;
+    facets.alpha_v = s.alpha_v;
+    const Vec3 along = s.tangent - z * glm::dot(s.tangent, z);
+    const double length = glm::length(along);
+    const Frame any(z);
+    x = length > 0 ? along / length : any.s;
+    y = length > 0 ? glm::cross(z, x) : any.t;
+    in = to_local(s.in);
+  }
+  Vec3 to_local(const Vec3& v) const {
+    return Vec3(glm::dot(v, x), glm::dot(v, y), glm::dot(v, z));
+  }
+  Vec3 to_world(const Vec3& v) const { return x * v.x + y * v.y + z * v.z; }
+};
+
+// Probability of reflection when rough glass is met at this cosine to the facet.
+double reflect_probability(const Surface& s, double fresnel) {
+  const double r = mean(s.glossy_lobe) * fresnel, t = mean(s.transmission) * (1 - fresnel);
+  return r + t > 0 ? r / (r + t) : 0;
+}
+
+// The facet that sends `in` to `out`, towards the front; zero where there is none.
+Vec3 half_vector(const Rough& r, const Vec3& out, double ior) {
+  const Vec3 sum = out.z > 0 ? r.in + out : r.in + out * ior;
+  const double length = glm::length(sum);
+  if (!(length > 0)) return Vec3(0);
+  return sum / (sum.z < 0 ? -length : length);
+}
+
+// What refraction by facets does to solid angles: of normals per solid angle of `out`.
+double refraction_jacobian(const Vec3& in, const Vec3& out, const Vec3& m, double ior) {
+  const double sum = glm::dot(in, m) + ior * glm::dot(out, m);
+  return ior * ior * std::fabs(glm::dot(out, m)) / (sum * sum);
+}
+
+Rgb facet_fresnel(const Surface& s, double cos_in) {
+  if (s.bsdf->kind == BsdfKind::kRoughConductor)
+    return fresnel_conductor(cos_in, s.bsdf->eta, s.bsdf->k);
+  return Rgb(fresnel_dielectric(cos_in, s.relative_ior()));
+}
+
+Rgb rough_times_cosine(const Surface& s, const Vec3& out_world, Carried carried) {
+  if (!s.reaches(out_world)) return Rgb(0);
+  const Rough r(s);
+  const Vec3 out = r.to_local(out_world);
+  const double ior = s.transmits() ? s.relative_ior() : 1;
+  const Vec3 m = half_vector(r, out, ior);
+  const double cos_in = glm::dot(r.in, m);
+  // Each side of the facet sees its own side of the surface.
+  if (!(cos_in > 0) || !(glm::dot(out, m) * out.z > 0)) return Rgb(0);
+  const double facets = r.facets.density(m) * r.facets.shadowing(r.in, out, m);
+  if (out.z > 0) return s.glossy_lobe * facet_fresnel(s, cos_in) * (facets / (4 * r.in.z));
+  const double passed = 1 - fresnel_dielectric(cos_in, ior);
+  double value = passed * facets * cos_in * refraction_jacobian(r.in, out, m, ior) / r.in.z;
+  if (carried == Carried::kRadiance) value /= ior * ior;
+  return s.transmission * value;
+}
+
+double rough_pdf(const Surface& s, const Vec3& out_world) {
+  const Rough r(s);
+  const Vec3 out = r.to_local(out_world);
+  if (out.z == 0 || (out.z < 0 && !s.transmits())) return 0;
+  const double ior = s.transmits() ? s.relative_ior() : 1;
+  const Vec3 m = half_vector(r, out, ior);
+  const double cos_in = glm::dot(r.in, m);
+  if (!(cos_in > 0) || !(glm::dot(out, m) * out.z > 0)) return 0;
+  const double normals = r.facets.pdf(r.in, m);
+  double reflects = 1;
+  if (s.transmits()) reflects = reflect_probability(s, fresnel_dielectric(cos_in, ior));
+  if (out.z > 0) return reflects * normals / (4 * cos_in);
+  return (1 - reflects) * normals * refraction_jacobian(r.in, out, m, ior);
+}
+
+// Zero, which has no density, where light meets a facet from behind or is sent to the wrong side.
+Vec3 sample_rough(const Surface& s, const Vec2& u) {
+  const Rough r(s);
+  const Vec3 m = r.facets.sample(r.in, u);
+  const double cos_in = glm::dot(r.in, m);
+  if (!(cos_in > 0)) return Vec3(0);
+  if (s.transmits()) {
+    // Reflection or refraction by a number of its own, a hash of the two.
+    const double choice =
+        to_unit(mix64(std::bit_cast<uint64_t>(u.x) ^
+                      mix64(std::bit_cast<uint64_t>(u.y) + 0x9e3779b97f4a7c15ull)));
+    const double ior = s.relative_ior();
+    if (!(choice < reflect_probability(s, fresnel_dielectric(cos_in, ior)))) {
+      Vec3 out;
+      return refract(r.in, m, ior, out) && out.z < 0 ? r.to_world(out) : Vec3(0);
+    }
+  }
+  const Vec3 out = reflect(r.in, m);
+  return out.z > 0 ? r.to_world(out) : Vec3(0);
+}
+
+Rgb bare_times_cosine(const Surface& s, const Vec3& out) {
+  return s.above(out) ? s.diffuse() * (glm::dot(s.shading_normal, out) / kPi) : Rgb(0);
+}
+
 }  // namespace
 
 double Surface::diffuse_probability() const {
-  const double d = mean(diffuse()), g = mean(glossy());
+  const double d = mean(diffuse()), g = glossy_share;
   return d > 0 ? d / (d + g) : 0;
 }
 
-Surface make_surface(const World& world, const Hit& hit, const Vec3& ray_direction) {
+double Coat::enters(double cosine) const {
+  if (!(cosine > 0)) return 0;
+  if (table.empty()) return 1 - fresnel_dielectric(cosine, ior);
+  const double at = std::min(cosine, 1.0) * static_cast<double>(table.size() - 1);
+  const size_t i = std::min(static_cast<size_t>(at), table.size() - 2);
+  const double part = at - static_cast<double>(i);
+  return table[i] * (1 - part) + table[i + 1] * part;
+}
+
+namespace {
+
+// Share of light of this cosine that a coat of index `ior` (other side over this one) reflects,
+// over an even grid of numbers of the sampler.
+double coat_reflects(const Bsdf& plastic, double cosine, double ior) {
+  constexpr int kGrid = 64;
+  MicrofacetSurface facets;
+  facets.kind = plastic.microfacets;
+  facets.alpha_u = facets.alpha_v = plastic.alpha_u;
+  const double c = std::max(cosine, 1e-4);
+  const Vec3 in(std::sqrt(std::max(0.0, 1 - c * c)), 0, c);
+  double sum = 0;
+  for (int i = 0; i < kGrid; ++i)
+    for (int j = 0; j < kGrid; ++j) {
+      const Vec3 m = facets.sample(in, Vec2((i + 0.5) / kGrid, (j + 0.5) / kGrid));
+      const double to_facet = glm::dot(in, m);
+      const Vec3 out = reflect(in, m);
+      const double pdf = facets.pdf(in, m);
+      if (!(to_facet > 0) || !(out.z > 0) || !(pdf > 0)) continue;
+      sum += fresnel_dielectric(to_facet, ior) * facets.density(m) * facets.shadowing(in, out, m) *
+             to_facet / (in.z * pdf);
+    }
+  return std::min(1.0, sum / (kGrid * kGrid));
+}
+
+// Textures and lobes of one part, which is no mixture.
+void fill(const World& world, const Hit& hit, const Bsdf& b, double choice, Surface& s) {
+  const auto look_up = [&](const Rgb& factor, Slot slot) {
+    const int t = b.textured(slot);
+    return t < 0 ? factor : factor * world.texture(t, hit);
+  };
+  s.bsdf = &b;
+  s.delta = b.is_delta();
+  const double cos_in = glm::dot(s.in, s.shading_normal);
+  const auto roughness = [&](double alpha, Slot slot) {
+    const int t = b.textured(slot);
+    return std::max(1e-4, t < 0 ? alpha : alpha * luminance(world.texture(t, hit)));
+  };
+  const bool rough = b.kind == BsdfKind::kRoughConductor || b.kind == BsdfKind::kRoughDielectric ||
+                     b.kind == BsdfKind::kRoughPlastic;
+  if (rough) {
+    s.alpha_u = roughness(b.alpha_u, Slot::kAlphaU);
+    s.alpha_v = roughness(b.alpha_v, Slot::kAlphaV);
+    if (s.alpha_u != s.alpha_v) s.tangent = world.tangent(hit);
+  }
+  switch (b.kind) {
+    case BsdfKind::kDiffuse:
+      s.diffuse_lobe = look_up(b.diffuse, Slot::kDiffuse);
+      break;
+    case BsdfKind::kPhong:
+      s.diffuse_lobe = look_up(b.diffuse, Slot::kDiffuse);
+      s.glossy_lobe = look_up(b.specular, Slot::kSpecular);
+      s.glossy_share = mean(s.glossy_lobe);
+      break;
+    case BsdfKind::kConductor:
+      s.reflection = look_up(b.specular, Slot::kSpecular);
+      break;
+    case BsdfKind::kDielectric:
+    case BsdfKind::kThinDielectric:
+      s.reflection = look_up(b.specular, Slot::kSpecular);
+      s.transmission = look_up(b.transmission, Slot::kTransmission);
+      break;
+    case BsdfKind::kRoughConductor:
+      s.glossy_lobe = look_up(b.specular, Slot::kSpecular);
+      s.glossy_share = mean(s.glossy_lobe);
+      break;
+    case BsdfKind::kRoughDielectric:
+      s.glossy_lobe = look_up(b.specular, Slot::kSpecular);
+      s.transmission = look_up(b.transmission, Slot::kTransmission);
+      s.glossy_share = mean(s.glossy_lobe + s.transmission);
+      break;
+    case BsdfKind::kPlastic:
+    case BsdfKind::kRoughPlastic: {
+      const Rgb d = look_up(b.diffuse, Slot::kDiffuse), g = look_up(b.specular, Slot::kSpecular);
+      s.coat = world.coat(b);
+      const double enters = s.coat->enters(cos_in);
+      const Rgb kept = b.nonlinear ? 1.0 - d * s.coat->inner : Rgb(1 - s.coat->inner);
+      s.diffuse_lobe = d / kept * (enters / (b.ior * b.ior));
+      const double glossy = mean(g) * (1 - enters), diffuse = mean(d) * enters;
+      if (b.kind == BsdfKind::kRoughPlastic) {
+        s.glossy_lobe = g;
+        s.glossy_share = diffuse > 0 ? mean(s.diffuse_lobe) * glossy / diffuse : glossy;
+        break;
+      }
+      const double p = glossy + diffuse > 0 ? glossy / (glossy + diffuse) : 0;
+      s.delta = choice < p;
+      if (s.delta) {
+        s.reflection = g * ((1 - enters) / p);
+        s.diffuse_lobe = Rgb(0);
+      } else {
+        s.diffuse_lobe /= 1 - p;
+      }
+      break;
+    }
+    case BsdfKind::kMixture:
+      break;
+  }
+}
+
+// The first diffuse part, for photons, which land whatever part is chosen.
+void find_store(const World& world, const Hit& hit, const Bsdf& b, Surface& s) {
+  if (s.stores || world.opacity(b, hit) == 0) return;
+  if (b.kind == BsdfKind::kMixture) {
+    for (size_t i = 0; i < b.parts.size(); ++i)
+      if (b.parts[i] >= 0 && world.share(b, i, hit) > 0)
+        find_store(world, hit, world.scene().bsdfs[static_cast<size_t>(b.parts[i])], s);
+    return;
+  }
+  const int t = b.textured(Slot::kDiffuse);
+  if (b.is_delta() || is_black(b.diffuse) || (t >= 0 && is_black(world.texture(t, hit)))) return;
+  s.stores = true;
+  if (const Coat* coat = world.coat(b)) s.entering = coat->enters(glm::dot(s.in, s.shading_normal));
+}
+
+// One part of a mixture by its share of what does not pass straight on; null: the black rest. The
+// choice is stretched to [0, 1) for what comes after.
+const Bsdf* choose_part(const World& world, const Hit& hit, const Bsdf& mixture, double& choice) {
+  const double total = world.opacity(mixture, hit);
+  double before = 0;
+  for (size_t i = 0; i < mixture.parts.size(); ++i) {
+    const int part = mixture.parts[i];
+    const Bsdf* b = part < 0 ? nullptr : &world.scene().bsdfs[static_cast<size_t>(part)];
+    const double share = world.share(mixture, i, hit) * (b ? world.opacity(*b, hit) : 1) / total;
+    if (choice < before + share) {
+      choice = std::clamp((choice - before) / share, 0.0, 0x1.fffffffffffffp-1);
+      return b;
+    }
+    before += share;
+  }
+  return nullptr;
+}
+
+}  // namespace
+
+Coat make_coat(const Bsdf& plastic) {
+  constexpr int kSteps = 64, kFine = 1024;
+  Coat coat;
+  coat.ior = plastic.ior;
+  if (plastic.kind == BsdfKind::kPlastic) {
+    // Midpoints of the square of the cosine, in which diffuse light is even.
+    for (int i = 0; i < kFine; ++i)
+      coat.inner += fresnel_dielectric(std::sqrt((i + 0.5) / kFine), 1 / plastic.ior) / kFine;
+    return coat;
+  }
+  for (int i = 0; i < kSteps; ++i) {
+    coat.table.push_back(1 - coat_reflects(plastic, i / (kSteps - 1.0), plastic.ior));
+    coat.inner += coat_reflects(plastic, std::sqrt((i + 0.5) / kSteps), 1 / plastic.ior) / kSteps;
+  }
+  return coat;
+}
+
+Surface make_surface(const World& world, const Hit& hit, const Vec3& ray_direction, double choice) {
   Surface s;
   s.front = glm::dot(hit.normal, ray_direction) < 0;
   s.in = -ray_direction;
   s.normal = s.front ? hit.normal : -hit.normal;
   s.shading_normal = s.front ? hit.shading_normal : -hit.shading_normal;
-  s.bsdf = world.bsdf(hit.shape, s.front);
-  if (glm::dot(s.shading_normal, s.in) <= 0) s.bsdf = nullptr;
+  const Bsdf* b = world.bsdf(hit.shape, s.front);
+  if (!b || glm::dot(s.shading_normal, s.in) <= 0) return s;
+  find_store(world, hit, *b, s);
+  while (b && b->kind == BsdfKind::kMixture) b = choose_part(world, hit, *b, choice);
+  if (b) fill(world, hit, *b, choice, s);
   return s;
 }
 
 Rgb diffuse_times_cosine(const Surface& s, const Vec3& out) {
-  return s.above(out) ? s.diffuse() * (glm::dot(s.shading_normal, out) / kPi) : Rgb(0);
+  const Rgb bare = bare_times_cosine(s, out);
+  return s.coat ? bare * s.coat->enters(glm::dot(s.shading_normal, out)) : bare;
 }
 
 double diffuse_pdf(const Surface& s, const Vec3& out) {
@@ -52,15 +326,18 @@ double diffuse_pdf(const Surface& s, const Vec3& out) {
   return c > 0 ? c / kPi : 0;
 }
 
-Rgb glossy_times_cosine(const Surface& s, const Vec3& out) {
-  const Rgb rho = s.glossy();
-  if (is_black(rho) || !s.above(out)) return Rgb(0);
+Rgb glossy_times_cosine(const Surface& s, const Vec3& out, Carried carried) {
+  const Rgb& rho = s.glossy();
+  if (is_black(rho) && is_black(s.transmission)) return Rgb(0);
+  if (!is_phong(s)) return rough_times_cosine(s, out, carried);
+  if (!s.above(out)) return Rgb(0);
   const double c = cos_lobe(s, out), n = s.bsdf->exponent;
   if (c <= 0) return Rgb(0);
   return rho * ((n + 2) / (2 * kPi) * pow_exact(c, n) * glm::dot(s.shading_normal, out));
 }
 
 double glossy_pdf(const Surface& s, const Vec3& out) {
+  if (!is_phong(s)) return rough_pdf(s, out);
   const double c = cos_lobe(s, out), n = s.bsdf->exponent;
   return c > 0 ? (n + 1) / (2 * kPi) * pow_exact(c, n) : 0;
 }
@@ -70,6 +347,7 @@ Vec3 sample_diffuse(const Surface& s, const Vec2& u) {
 }
 
 Vec3 sample_glossy(const Surface& s, const Vec2& u) {
+  if (!is_phong(s)) return sample_rough(s, u);
   const double z = pow_exact(1 - u.x, 1 / (s.bsdf->exponent + 1));
   const double r = std::sqrt(std::max(0.0, 1 - z * z));
   return Frame(reflect(s.in, s.shading_normal)).to_world(Vec3(cos_sin_turns(u.y) * r, z));
@@ -81,14 +359,15 @@ bool leave_with_power(const Surface& s, double choice, const Vec2& u, Vec3& out,
     // Around the geometric normal, so that the adjoint's |out.ng| cancels.
     out = Frame(s.normal).to_world(sample_cosine(u));
     power *= s.diffuse() * (s.shading_ratio(s.in) / p);
+    if (s.coat) power *= s.coat->enters(glm::dot(s.shading_normal, out));
   } else {
     out = sample_glossy(s, u);
     const double pdf = glossy_pdf(s, out);
-    if (!(pdf > 0) || !s.above(out)) return false;
-    power *= glossy_times_cosine(s, out) *
+    if (!(pdf > 0) || !s.reaches(out)) return false;
+    power *= glossy_times_cosine(s, out, Carried::kPower) *
              (s.shading_ratio(s.in) / s.shading_ratio(out) / ((1 - p) * pdf));
   }
-  return s.above(out) && !is_black(power);
+  return s.reaches(out) && !is_black(power);
 }
 
 double fresnel_dielectric(double cos_in, double ior) {
@@ -120,14 +399,18 @@ bool sample_delta(const Surface& s, double u, Carried carried, Vec3& out, Rgb& w
                   double& ior2) {
   const double cos_in = glm::dot(s.in, s.shading_normal);
   ior2 = 1;
-  if (s.bsdf->kind == BsdfKind::kConductor) {
+  if (s.bsdf->kind == BsdfKind::kConductor || s.bsdf->kind == BsdfKind::kPlastic) {
     out = reflect(s.in, s.shading_normal);
-    weight = s.bsdf->specular * fresnel_conductor(cos_in, s.bsdf->eta, s.bsdf->k);
+    weight = s.reflection;
+    if (s.bsdf->kind == BsdfKind::kConductor)
+      weight = s.reflection * fresnel_conductor(cos_in, s.bsdf->eta, s.bsdf->k);
     if (glm::dot(s.normal, out) <= 0) return false;
   } else {
-    const double ior = s.front ? s.bsdf->ior : 1 / s.bsdf->ior;
-    const double f = fresnel_dielectric(cos_in, ior);
-    const Rgb reflected = s.bsdf->specular * f, transmitted = s.bsdf->transmission * (1 - f);
+    const bool thin = s.bsdf->kind == BsdfKind::kThinDielectric;
+    const double ior = s.front || thin ? s.bsdf->ior : 1 / s.bsdf->ior;
+    double f = fresnel_dielectric(cos_in, ior);
+    if (thin) f = 2 * f / (1 + f);  // all reflections between the two faces
+    const Rgb reflected = s.reflection * f, transmitted = s.transmission * (1 - f);
     const double total = mean(reflected) + mean(transmitted);
     if (!(total > 0)) return false;
     const double p = mean(reflected) / total;
@@ -136,11 +419,15 @@ bool sample_delta(const Surface& s, double u, Carried carried, Vec3& out, Rgb& w
       weight = reflected / p;
       if (glm::dot(s.normal, out) <= 0) return false;
     } else {
-      if (!refract(s.in, s.shading_normal, ior, out)) return false;
+      if (thin) {
+        out = -s.in;
+      } else if (!refract(s.in, s.shading_normal, ior, out)) {
+        return false;
+      }
       weight = transmitted / (1 - p);
       if (glm::dot(s.normal, out) >= 0) return false;
       if (carried == Carried::kRadiance) {
-        ior2 = ior * ior;
+        ior2 = thin ? 1 : ior * ior;
         weight /= ior2;
       }
     }

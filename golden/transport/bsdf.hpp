@@ -13,21 +13,42 @@ namespace photonloom {
 
 enum class Carried { kRadiance, kPower };  // camera paths, photons
 
+// A BSDF at one point: textures looked up, and of several parts one chosen. What is sent on, over
+// the probability of the choice, is in the lobes.
 struct Surface {
-  const Bsdf* bsdf = nullptr;   // null: black
+  const Bsdf* bsdf = nullptr;   // the part that was chosen; null: black
   Vec3 in;                      // unit, back along the ray
   Vec3 normal, shading_normal;  // turned to the side of `in`
   bool front = true;
+  bool delta = false;          // a mirror or glass
+  bool stores = false;         // photons: some part, chosen or not, has a diffuse lobe
+  double entering = 1;         // photons: the share that enters that part's coat
+  const Coat* coat = nullptr;  // of the diffuse lobe; what leaves to `in` is in the lobe already
+  Rgb diffuse_lobe{0}, glossy_lobe{0}, reflection{0}, transmission{0};
+  double glossy_share = 0;  // beside the diffuse lobe's mean, when one of them is chosen
+  double alpha_u = 0, alpha_v = 0;
+  Vec3 tangent{0};  // not normalised; 0: any
 
-  bool is_delta() const { return bsdf && bsdf->is_delta(); }
-  Rgb diffuse() const { return bsdf && !bsdf->is_delta() ? bsdf->diffuse : Rgb(0); }
-  Rgb glossy() const { return bsdf && bsdf->kind == BsdfKind::kPhong ? bsdf->specular : Rgb(0); }
-  bool black() const { return !is_delta() && is_black(diffuse()) && is_black(glossy()); }
+  bool is_delta() const { return delta; }
+  const Rgb& diffuse() const { return diffuse_lobe; }
+  const Rgb& glossy() const { return glossy_lobe; }
+  // A glossy lobe of rough glass, which reaches both sides.
+  bool transmits() const { return bsdf && bsdf->kind == BsdfKind::kRoughDielectric; }
+  bool black() const {
+    return !delta && is_black(diffuse_lobe) && is_black(glossy_lobe) && is_black(transmission);
+  }
+  // Index of the other side over that of the side of `in`.
+  double relative_ior() const { return front ? bsdf->ior : 1 / bsdf->ior; }
   // Probability of the diffuse lobe when one of diffuse and glossy is chosen.
   double diffuse_probability() const;
   // Both normals see `direction` on this side.
   bool above(const Vec3& direction) const {
     return glm::dot(normal, direction) > 0 && glm::dot(shading_normal, direction) > 0;
+  }
+  // A lobe may send light to `direction`: both normals see it on the same side.
+  bool reaches(const Vec3& direction) const {
+    return above(direction) || (transmits() && glm::dot(normal, direction) < 0 &&
+                                glm::dot(shading_normal, direction) < 0);
   }
   // |d.ns| / |d.ng|: what turns power per area of the true surface into power per area of the
   // shaded one.
@@ -36,15 +57,22 @@ struct Surface {
   }
 };
 
-// Black where the shading normal sees the ray from behind.
-Surface make_surface(const World& world, const Hit& hit, const Vec3& ray_direction);
+// Black where the shading normal sees the ray from behind. `choice` in [0, 1) chooses among parts
+// (mixtures, a plastic's coat and base); it counts where World::has_choices().
+Surface make_surface(const World& world, const Hit& hit, const Vec3& ray_direction,
+                     double choice = 0);
 
-// BSDF times cosine, and density of the lobe's sampling.
+// Of a plastic.
+Coat make_coat(const Bsdf& plastic);
+
+// BSDF times |cosine|, and density of the lobe's sampling. Radiance that a glossy lobe of glass
+// takes to the denser side has the factor 1/ior^2, as sample_delta.
 Rgb diffuse_times_cosine(const Surface& s, const Vec3& out);
 double diffuse_pdf(const Surface& s, const Vec3& out);
-Rgb glossy_times_cosine(const Surface& s, const Vec3& out);
+Rgb glossy_times_cosine(const Surface& s, const Vec3& out, Carried carried = Carried::kRadiance);
 double glossy_pdf(const Surface& s, const Vec3& out);
 
+// Zero, of density 0, where a rough lobe sends nothing for this u.
 Vec3 sample_diffuse(const Surface& s, const Vec2& u);
 Vec3 sample_glossy(const Surface& s, const Vec2& u);
 

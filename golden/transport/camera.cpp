@@ -5,6 +5,7 @@
 
 #include "golden/numeric/elementary.hpp"
 #include "golden/numeric/random.hpp"
+#include "golden/transport/visibility.hpp"
 
 namespace photonloom {
 namespace {
@@ -96,10 +97,10 @@ bool Lens::project(const Vec3& point, double& x, double& y, double& density) con
   return true;
 }
 
-Hit first_hit(const RayCaster& caster, const CameraRay& camera) {
+Hit first_hit(const World& world, const RayCaster& caster, const CameraRay& camera, double u) {
   Ray ray = camera.ray;
   ray.origin += ray.direction * camera.near;
-  Hit hit = caster.closest(ray, nullptr);
+  Hit hit = pass_openings(world, caster, ray, caster.closest(ray, nullptr), u);
   hit.distance += camera.near;
   if (camera.far > 0 && hit.distance > camera.far) return Hit();
   return hit;

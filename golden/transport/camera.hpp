@@ -29,7 +29,8 @@ class Lens {
   double near_, far_;
 };
 
-// The first hit within the camera's clipping planes; its distance is counted from the camera.
-Hit first_hit(const RayCaster& caster, const CameraRay& camera);
+// The first hit within the camera's clipping planes, past open surfaces (visibility.hpp); its
+// distance is counted from the camera.
+Hit first_hit(const World& world, const RayCaster& caster, const CameraRay& camera, double u);
 
 }  // namespace photonloom

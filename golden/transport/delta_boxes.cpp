@@ -12,8 +12,6 @@ namespace {
 // More boxes than this are merged into one: testing them would cost as much as tracing.
 constexpr size_t kMostBoxes = 16;
 
-bool is_delta(const Bsdf* b) { return b && b->is_delta(); }
-
 bool meets(const Ray& ray, const Vec3& lower, const Vec3& upper) {
   double near = 0, far = HUGE_VAL;
   for (int axis = 0; axis < 3; ++axis) {
@@ -34,7 +32,9 @@ bool meets(const Ray& ray, const Vec3& lower, const Vec3& upper) {
 DeltaBoxes::DeltaBoxes(const World& world) {
   uint32_t last_shape = ~0u;
   for (const Primitive& p : world.primitives()) {
-    if (!is_delta(world.bsdf(p.shape, true)) && !is_delta(world.bsdf(p.shape, false))) continue;
+    if (!has_delta_part(world.scene(), world.bsdf(p.shape, true)) &&
+        !has_delta_part(world.scene(), world.bsdf(p.shape, false)))
+      continue;
     Vec3 lower, upper;
     primitive_bounds(p, lower, upper);
     if (p.shape != last_shape) boxes_.push_back({lower, upper});

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "golden/transport/sampling.hpp"
+#include "golden/transport/visibility.hpp"
 
 namespace photonloom {
 
@@ -22,10 +23,15 @@ DirectLight direct_light(const World& world, const RayCaster& caster, const Hit&
                          ? light.distance
                          : light.distance - 0x1p-44 * (max_component(glm::abs(hit.position)) +
                                                        std::min(light.distance, world.radius()));
-  if (caster.occluded(ray, end, &hit, light.on_surface ? &light.hit : nullptr))
-    return DirectLight();
+  const double passing =
+      transmittance(world, caster, ray, end, &hit, light.on_surface ? &light.hit : nullptr);
+  if (passing == 0) return DirectLight();
   out.diffuse *= light.radiance;
   out.glossy *= light.radiance;
+  if (passing != 1) {
+    out.diffuse *= passing;
+    out.glossy *= passing;
+  }
   if (light.pdf > 0) {
     out.diffuse *= power_heuristic(light.pdf, share.diffuse * diffuse_pdf(surface, d));
     if (share.glossy > 0)
@@ -37,6 +43,11 @@ DirectLight direct_light(const World& world, const RayCaster& caster, const Hit&
 double found_weight(const World& world, const ShadingPoint& x, double lobe_pdf, const Hit& hit,
                     const Vec3& direction) {
   return power_heuristic(lobe_pdf, light_pdf(world, x, hit, direction));
+}
+
+double escaped_weight(const World& world, const ShadingPoint& x, double lobe_pdf,
+                      const Vec3& direction) {
+  return power_heuristic(lobe_pdf, environment_pdf(world, x, direction));
 }
 
 }  // namespace photonloom

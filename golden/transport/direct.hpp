@@ -17,7 +17,7 @@ struct DirectLight {
 };
 
 inline ShadingPoint shading_point(const Hit& hit, const Surface& s) {
-  return {hit.position, s.normal};
+  return {hit.position, s.normal, s.transmits()};
 }
 
 // One shadow ray to one emitter.
@@ -28,5 +28,8 @@ DirectLight direct_light(const World& world, const RayCaster& caster, const Hit&
 // found at `hit`.
 double found_weight(const World& world, const ShadingPoint& x, double lobe_pdf, const Hit& hit,
                     const Vec3& direction);
+// The same where the ray left the scene, to its environment.
+double escaped_weight(const World& world, const ShadingPoint& x, double lobe_pdf,
+                      const Vec3& direction);
 
 }  // namespace photonloom

@@ -16,7 +16,7 @@ double sine(double angle) { return cos_sin_turns(angle / (2 * kPi)).y; }
 double cosine(double angle) { return cos_sin_turns(angle / (2 * kPi)).x; }
 
 bool behind(const ShadingPoint& x, const Vec3& p) {
-  return glm::dot(x.normal, p - x.position) <= 0;
+  return !x.both_sides && glm::dot(x.normal, p - x.position) <= 0;
 }
 
 // Irradiance the emitter could send to x, roughly; 0 only where it can send none.
@@ -25,7 +25,7 @@ double area_importance(const Primitive& p, const Emitter& e, const ShadingPoint&
   if (p.kind == PrimitiveKind::kSphere) {
     const double r = p.b.x;
     if (!p.inward && glm::dot(x.position - p.a, x.position - p.a) < r * r) return 0;
-    if (glm::dot(x.normal, p.a - x.position) <= -r) return 0;
+    if (!x.both_sides && glm::dot(x.normal, p.a - x.position) <= -r) return 0;
   } else {
     if (glm::dot(p.normal, x.position - p.a) <= 0) return 0;
     if (p.kind == PrimitiveKind::kTriangle) {
@@ -39,7 +39,7 @@ double area_importance(const Primitive& p, const Emitter& e, const ShadingPoint&
 
 double light_importance(const Light& light, const ShadingPoint& x) {
   if (light.kind == LightKind::kDirectional)
-    return glm::dot(x.normal, light.direction) < 0 ? mean(light.intensity) : 0;
+    return x.both_sides || glm::dot(x.normal, light.direction) < 0 ? mean(light.intensity) : 0;
   if (behind(x, light.position)) return 0;
   const Vec3 d = x.position - light.position;
   double intensity = mean(light.intensity);
@@ -48,6 +48,9 @@ double light_importance(const Light& light, const ShadingPoint& x) {
 }
 
 double importance(const World& world, const Emitter& e, const ShadingPoint& x) {
+  // About half of it comes from above, at a mean cosine of about a half.
+  if (world.environment() && &e == &world.emitters()[world.environment_emitter()])
+    return mean(world.environment()->integral()) / 4;
   return e.primitive >= 0
              ? area_importance(world.primitives()[static_cast<size_t>(e.primitive)], e, x)
              : light_importance(world.scene().lights[static_cast<size_t>(e.light)], x);
@@ -104,6 +107,7 @@ Hit point_on(const Primitive& p, uint32_t number, const Vec2& u) {
       const double root = std::sqrt(u.x);
       const double wb = (1 - u.y) * root, wc = u.y * root;
       hit.position = p.a * (1 - wb - wc) + p.b * wb + p.c * wc;
+      hit.coordinates = Vec2(wb, wc);
       break;
     }
     case PrimitiveKind::kSphere: {
@@ -115,6 +119,7 @@ Hit point_on(const Primitive& p, uint32_t number, const Vec2& u) {
     case PrimitiveKind::kDisk: {
       const Vec2 d = sample_disk(u);
       hit.position = p.a + p.b * d.x + p.c * d.y;
+      hit.coordinates = d;
       break;
     }
   }
@@ -185,6 +190,14 @@ bool sample_delta_light(const Light& light, const ShadingPoint& x, LightSample& 
   return !is_black(s.radiance);
 }
 
+// A beam of parallel rays that covers the scene.
+Ray from_disk(const World& world, const Vec3& direction, const Vec2& u) {
+  const Frame frame(direction);
+  const Vec2 d = sample_disk(u) * world.radius();
+  return {world.centre() + frame.s * d.x + frame.t * d.y - frame.n * (2 * world.radius()),
+          direction};
+}
+
 Ray emit_from_light(const World& world, const Light& light, const Random& random) {
   const auto pair = [&](uint64_t dimension) {
     return Vec2(random.unit(0, dimension), random.unit(0, dimension + 1));
@@ -200,13 +213,10 @@ Ray emit_from_light(const World& world, const Light& light, const Random& random
         if (random.unit(0, 5 + 3 * attempt) < spot_falloff(light, d)) return {light.position, d};
       }
     }
-    case LightKind::kDirectional:
+    default:
       break;
   }
-  const Frame frame(light.direction);
-  const Vec2 d = sample_disk(pair(3)) * world.radius();
-  return {world.centre() + frame.s * d.x + frame.t * d.y - frame.n * (2 * world.radius()),
-          light.direction};
+  return from_disk(world, light.direction, pair(3));
 }
 
 }  // namespace
@@ -226,7 +236,7 @@ Rgb light_power(const Light& light, double scene_radius) {
       return light.intensity * (4 * kPi);
     case LightKind::kDirectional:
       return light.intensity * (kPi * scene_radius * scene_radius);
-    case LightKind::kSpot:
+    default:
       break;
   }
   // 2 pi times the integral of falloff(a) sin(a): 1 - (sin c - sin b) / (c - b).
@@ -243,9 +253,18 @@ bool sample_light(const World& world, const ShadingPoint& x, double choice, cons
   if (e.primitive >= 0) {
     const Primitive& p = world.primitives()[static_cast<size_t>(e.primitive)];
     if (!sample_area(p, e, x, u, sample)) return false;
+    if (e.texture >= 0) sample.radiance = world.emitted(e, sample.hit);
     sample.pdf *= chosen.probability;
     sample.radiance /= sample.pdf;
     return true;
+  }
+  if (world.environment() && chosen.emitter == world.environment_emitter()) {
+    sample.direction = world.environment()->sample(u, sample.pdf);
+    sample.distance = HUGE_VAL;
+    sample.pdf *= chosen.probability;
+    if (!(sample.pdf > 0)) return false;
+    sample.radiance = world.environment()->radiance(sample.direction) / sample.pdf;
+    return !is_black(sample.radiance);
   }
   if (!sample_delta_light(world.scene().lights[static_cast<size_t>(e.light)], x, sample))
     return false;
@@ -264,6 +283,11 @@ double light_pdf(const World& world, const ShadingPoint& x, const Hit& hit, cons
   return cos_light > 0 ? probability * distance2 / (cos_light * p.area) : 0;
 }
 
+double environment_pdf(const World& world, const ShadingPoint& x, const Vec3& direction) {
+  return choice_probability(world, x, world.environment_emitter()) *
+         world.environment()->pdf(direction);
+}
+
 Emission emit_photon_from(const World& world, uint32_t emitter, const Random& random) {
   const Emitter& e = world.emitters()[emitter];
   Emission out;
@@ -274,6 +298,14 @@ Emission emit_photon_from(const World& world, uint32_t emitter, const Random& ra
         point_on(p, static_cast<uint32_t>(e.primitive), Vec2(random.unit(0, 1), random.unit(0, 2)));
     const Vec3 local = sample_cosine(Vec2(random.unit(0, 3), random.unit(0, 4)));
     out.ray = {out.from.position, Frame(out.from.normal).to_world(local)};
+    if (e.texture >= 0) out.power = world.emitted(e, out.from) * (kPi * p.area);
+  } else if (world.environment() && emitter == world.environment_emitter()) {
+    double pdf;
+    const Vec3 to_sky =
+        world.environment()->sample(Vec2(random.unit(0, 1), random.unit(0, 2)), pdf);
+    out.ray = from_disk(world, -to_sky, Vec2(random.unit(0, 3), random.unit(0, 4)));
+    const double area = kPi * world.radius() * world.radius();
+    out.power = pdf > 0 ? world.environment()->radiance(to_sky) * (area / pdf) : Rgb(0);
   } else {
     out.ray = emit_from_light(world, world.scene().lights[static_cast<size_t>(e.light)], random);
   }

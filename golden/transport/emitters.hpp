@@ -27,7 +27,8 @@ struct LightSample {
 // What the choice of an emitter knows of the surface point.
 struct ShadingPoint {
   Vec3 position;
-  Vec3 normal;  // geometric, on the side that is lit
+  Vec3 normal;              // geometric, on the side that is lit
+  bool both_sides = false;  // light on the other side counts too: the surface transmits
 };
 
 // Chooses an emitter by the light it could send (few emitters) or by power (many), then a point on
@@ -37,6 +38,9 @@ bool sample_light(const World& world, const ShadingPoint& x, double choice, cons
 
 // Density, per solid angle, with which sample_light finds this hit on an emitter from x.
 double light_pdf(const World& world, const ShadingPoint& x, const Hit& hit, const Vec3& direction);
+
+// The same for a ray from x that leaves the scene, to an environment.
+double environment_pdf(const World& world, const ShadingPoint& x, const Vec3& direction);
 
 // A photon as it leaves its emitter. `from` is valid on area emitters.
 struct Emission {

@@ -15,6 +15,7 @@ Hit finish_hit(const World& world, uint32_t primitive, const Ray& ray, const Mee
     case PrimitiveKind::kTriangle: {
       const Vec3& w = m.coordinates;
       hit.position = p.a * w.x + p.b * w.y + p.c * w.z;
+      hit.coordinates = Vec2(w.y, w.z);
       const Mesh& mesh = world.scene().shapes[p.shape].mesh;
       if (!mesh.normals.empty()) {
         const auto& v = mesh.triangles[p.index];
@@ -34,6 +35,7 @@ Hit finish_hit(const World& world, uint32_t primitive, const Ray& ray, const Mee
     }
     case PrimitiveKind::kDisk:
       hit.position = p.a + p.b * m.coordinates.x + p.c * m.coordinates.y;
+      hit.coordinates = Vec2(m.coordinates.x, m.coordinates.y);
       break;
   }
   return hit;

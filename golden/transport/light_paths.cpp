@@ -6,16 +6,24 @@
 
 #include "golden/transport/emitters.hpp"
 #include "golden/transport/roulette.hpp"
+#include "golden/transport/visibility.hpp"
 
 namespace photonloom {
 namespace {
 
-enum LightDimension : uint64_t { kLightLobe, kLightRoulette, kLightDirectionU, kLightDirectionV };
+enum LightDimension : uint64_t {
+  kLightLobe,
+  kLightRoulette,
+  kLightDirectionU,
+  kLightDirectionV,
+  kLightPart,
+  kLightOpening
+};
 constexpr uint64_t kLightChoice = 1 << 20;  // a dimension of bounce 0 that emission does not use
 
 // Power per solid angle that the vertex sends into a direction, over its power; by lobe.
 Rgb sent(const Rgb& bsdf_times_cosine, const Surface& s, const Vec3& out) {
-  return s.above(out) ? bsdf_times_cosine / s.shading_ratio(out) : Rgb(0);
+  return s.reaches(out) ? bsdf_times_cosine / s.shading_ratio(out) : Rgb(0);
 }
 
 }  // namespace
@@ -25,6 +33,8 @@ LightPaths::LightPaths(const World& world) : world_(world), boxes_(world) {
   double sum = 0;
   for (uint32_t i = 0; i < world.emitters().size(); ++i) {
     if (world.emitters()[i].light < 0) continue;
+    // Rays that leave the scene find the environment.
+    if (world.environment() && i == world.environment_emitter()) continue;
     emitters_.push_back(i);
     cdf_.push_back(sum += world.emitters()[i].pmf);
   }
@@ -44,7 +54,9 @@ void LightPaths::trace(const RayCaster& caster, const Random& random,
   Hit hit = first_surface(world_, caster, e);
   bool through_delta = false;  // since the light or the last vertex
   for (uint64_t segment = 1; hit.valid() && depth_left(segment); ++segment) {
-    const Surface s = make_surface(world_, hit, ray.direction);
+    hit = pass_openings(world_, caster, ray, hit, random.unit(segment, kLightOpening));
+    if (!hit.valid()) return;
+    const Surface s = make_surface(world_, hit, ray.direction, random.unit(segment, kLightPart));
     if (s.is_delta()) {
       Rgb weight;
       double ior2;
@@ -80,10 +92,13 @@ Rgb LightPaths::connect(const RayCaster& caster, const LightVertex& vertex, cons
   const Surface& v = vertex.surface;
   const Rgb here = diffuse_times_cosine(surface, out) + glossy_times_cosine(surface, out);
   if (is_black(here)) return Rgb(0);
-  const Rgb there = sent(diffuse_times_cosine(v, -out) + glossy_times_cosine(v, -out), v, -out);
+  const Rgb there =
+      sent(diffuse_times_cosine(v, -out) + glossy_times_cosine(v, -out, Carried::kPower), v, -out);
   if (is_black(there)) return Rgb(0);
-  if (caster.occluded(Ray{hit.position, out}, distance, &hit, &vertex.hit)) return Rgb(0);
-  return here * there * vertex.power / distance2;
+  const double passing =
+      transmittance(world_, caster, Ray{hit.position, out}, distance, &hit, &vertex.hit);
+  if (passing == 0) return Rgb(0);
+  return here * there * vertex.power * (passing / distance2);
 }
 
 bool LightPaths::splat(const RayCaster& caster, const Lens& lens, const LightVertex& vertex,
@@ -98,15 +113,17 @@ bool LightPaths::splat(const RayCaster& caster, const Lens& lens, const LightVer
   const Surface& v = vertex.surface;
   const Rgb scale = vertex.power * (density / distance2);
   out.caustic = sent(diffuse_times_cosine(v, to_camera), v, to_camera) * scale;
-  out.indirect = sent(glossy_times_cosine(v, to_camera), v, to_camera) * scale;
+  out.indirect = sent(glossy_times_cosine(v, to_camera, Carried::kPower), v, to_camera) * scale;
   if (!vertex.first) {
     out.indirect += out.caustic;
     out.caustic = Rgb(0);
   }
   if (is_black(out.caustic) && is_black(out.indirect)) return false;
-  if (caster.occluded(Ray{vertex.hit.position, to_camera}, distance - camera.near, &vertex.hit,
-                      nullptr))
-    return false;
+  const double passing = transmittance(world_, caster, Ray{vertex.hit.position, to_camera},
+                                       distance - camera.near, &vertex.hit, nullptr);
+  if (passing == 0) return false;
+  out.caustic *= passing;
+  out.indirect *= passing;
   const int width = world_.scene().film.width;
   out.pixel = static_cast<uint32_t>(static_cast<int>(y) * width + static_cast<int>(x));
   return true;

@@ -13,6 +13,7 @@
 #include "golden/transport/light_paths.hpp"
 #include "golden/transport/roulette.hpp"
 #include "golden/transport/sampling.hpp"
+#include "golden/transport/visibility.hpp"
 
 namespace photonloom {
 namespace {
@@ -20,7 +21,15 @@ namespace {
 constexpr int kTile = 8;  // edge in pixels
 
 // Dimensions of one bounce.
-enum PathDimension : uint64_t { kPathLobe, kPathDirection, kPathChoice, kPathPoint, kPathRoulette };
+enum PathDimension : uint64_t {
+  kPathLobe,
+  kPathDirection,
+  kPathChoice,
+  kPathPoint,
+  kPathRoulette,
+  kPathPart,
+  kPathOpening
+};
 
 // One path's light, by layer.
 struct PathSample {
@@ -50,7 +59,7 @@ Rgb& layer_of(const LobeRay& lobe, PathSample& out) {
 
 // Leaves a non-delta surface by one of its lobes; false: absorbed.
 bool leave_by_lobe(const Hit& hit, const Surface& s, double choice, const Vec2& u, Vec3& direction,
-                   Rgb& throughput, LobeRay& lobe) {
+                   Rgb& throughput, double& ior2, LobeRay& lobe) {
   const double p = s.diffuse_probability();
   lobe.diffuse = choice < p;
   lobe.exists = true;
@@ -62,6 +71,7 @@ bool leave_by_lobe(const Hit& hit, const Surface& s, double choice, const Vec2& 
   throughput *=
       (lobe.diffuse ? diffuse_times_cosine(s, direction) : glossy_times_cosine(s, direction)) /
       lobe.pdf;
+  if (s.transmits() && !s.above(direction)) ior2 *= s.relative_ior() * s.relative_ior();
   return !is_black(throughput);
 }
 
@@ -78,11 +88,14 @@ PathSample trace_sample(const World& world, const RayCaster& caster, const Lens&
   const CameraRay camera = lens.through(px + jitter.x, py + jitter.y);
   PathSample out;
   Ray ray = camera.ray;
-  Hit hit = first_hit(caster, camera);
+  const auto opening = [&](uint64_t segment) {
+    return world.has_openings() ? numbers.unit(segment, kPathOpening) : 0;
+  };
+  Hit hit = first_hit(world, caster, camera, opening(1));
   if (hit.valid()) {
     out.normal = hit.shading_normal;
     out.depth = hit.distance;
-    if (const Bsdf* b = world.bsdf(hit, ray.direction)) out.albedo = b->diffuse + b->specular;
+    out.albedo = world.albedo(hit, ray.direction);
   }
   Rgb throughput(1);
   double ior2 = 1;
@@ -95,7 +108,8 @@ PathSample trace_sample(const World& world, const RayCaster& caster, const Lens&
       layer_of(lobe, out) += throughput * radiance * w;
     }
     if (!has_depth(scene, segment)) break;
-    const Surface s = make_surface(world, hit, ray.direction);
+    const Surface s = make_surface(world, hit, ray.direction,
+                                   world.has_choices() ? numbers.unit(segment, kPathPart) : 0);
     if (s.black()) break;
     if (s.is_delta()) {
       Rgb weight;
@@ -117,7 +131,8 @@ PathSample trace_sample(const World& world, const RayCaster& caster, const Lens&
           out.indirect += throughput * light_paths.connect(caster, v, hit, s);
       const bool first = !lobe.exists;
       if (!leave_by_lobe(hit, s, numbers.unit(segment, kPathLobe),
-                         numbers.pair(segment, kPathDirection), ray.direction, throughput, lobe))
+                         numbers.pair(segment, kPathDirection), ray.direction, throughput, ior2,
+                         lobe))
         break;
       lobe.from_first = first;
     }
@@ -125,6 +140,13 @@ PathSample trace_sample(const World& world, const RayCaster& caster, const Lens&
       break;
     ray.origin = hit.position;
     hit = caster.closest(ray, &hit);
+    hit = pass_openings(world, caster, ray, hit, opening(segment + 1));
+  }
+  if (!hit.valid() && world.environment()) {
+    const Rgb radiance = world.environment()->radiance(ray.direction);
+    const bool shared = lobe.exists && !lobe.through_delta;
+    const double w = shared ? escaped_weight(world, lobe.x, lobe.pdf, ray.direction) : 1.0;
+    layer_of(lobe, out) += throughput * radiance * w;
   }
   return out;
 }

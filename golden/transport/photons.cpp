@@ -9,6 +9,7 @@
 #include "golden/transport/emitters.hpp"
 #include "golden/transport/intersect.hpp"
 #include "golden/transport/roulette.hpp"
+#include "golden/transport/visibility.hpp"
 
 namespace photonloom {
 namespace {
@@ -18,7 +19,9 @@ enum PhotonDimension : uint64_t {
   kPhotonLobe,
   kPhotonDirectionU,
   kPhotonDirectionV,
-  kPhotonRoulette
+  kPhotonRoulette,
+  kPhotonPart,
+  kPhotonOpening
 };
 
 struct Walk {
@@ -49,18 +52,31 @@ void trace_path(const Walk& walk, uint64_t path, int rr_depth, const DeltaBoxes*
                 std::vector<Photon>& photons) {
   Emission e = emit_photon(walk.world, walk.random);
   Ray ray = e.ray;
+  if (is_black(e.power)) return;  // a texture or an environment may be black in places
   if (boxes && !boxes->met_by(ray)) return;
   Hit hit = first_surface(walk.world, walk.caster, e);
   Rgb throughput(1);
   double flight = 0;
   bool scattered = false;  // by a surface that is not a delta one
   for (uint64_t segment = 1; hit.valid(); ++segment) {
-    const Surface s = make_surface(walk.world, hit, ray.direction);
-    if (s.black()) return;
-    if (!s.is_delta() && !is_black(s.diffuse()) && !(walk.caustic && segment == 1)) {
-      photons.push_back({hit.position, s.in, e.power * throughput * s.shading_ratio(s.in), path,
-                         static_cast<uint32_t>(segment - 1), scattered ? flight : 0.0});
+    const bool chooses = walk.world.has_choices();
+    Surface s;
+    // Open surfaces get all light that arrives, for what is opaque of them asks with its share.
+    for (uint64_t i = 0;; ++i) {
+      s = make_surface(walk.world, hit, ray.direction,
+                       chooses ? walk.random.unit(segment, kPhotonPart) : 0);
+      if (s.stores && !(walk.caustic && segment == 1))
+        photons.push_back({hit.position, s.in,
+                           e.power * throughput * (s.shading_ratio(s.in) * s.entering), path,
+                           static_cast<uint32_t>(segment - 1), scattered ? flight : 0.0});
+      const double opacity = walk.world.opacity(hit, ray.direction);
+      if (opacity >= 1 || opening_number(walk.random.unit(segment, kPhotonOpening), i) < opacity)
+        break;
+      hit = walk.caster.closest(Ray{hit.position, ray.direction}, &hit);
+      if (!hit.valid()) return;
+      flight += hit.distance;
     }
+    if (s.black()) return;
     if (walk.caustic && !s.is_delta()) return;
     if (walk.max_segments >= 0 && segment >= static_cast<uint64_t>(walk.max_segments)) return;
     if (!scatter(walk, s, segment, ray.direction, throughput)) return;

@@ -4,6 +4,7 @@
 #include "golden/transport/direct.hpp"
 #include "golden/transport/roulette.hpp"
 #include "golden/transport/sampling.hpp"
+#include "golden/transport/visibility.hpp"
 
 namespace photonloom {
 namespace {
@@ -15,7 +16,10 @@ enum WalkDimension : uint64_t {
   kWalkChoice,
   kWalkPoint,
   kWalkPartner,
-  kWalkRoulette
+  kWalkRoulette,
+  kWalkPart,
+  kWalkOpening,
+  kWalkPartnerOpening
 };
 
 // Numbers of one gather ray.
@@ -65,7 +69,8 @@ bool pass_delta(const Surface& s, double u, Path& path) {
 bool leave_glossy(const Hit& hit, const Surface& s, const Vec2& u, double probability, Path& path) {
   const Vec3 out = sample_glossy(s, u);
   const double pdf = probability * glossy_pdf(s, out);
-  if (!(pdf > 0) || !s.above(out)) return false;
+  if (!(pdf > 0) || !s.reaches(out)) return false;
+  if (!s.above(out)) path.ior2 *= s.relative_ior() * s.relative_ior();
   path.throughput *= glossy_times_cosine(s, out) / pdf;
   path.ray.direction = out;
   path.glossy = {true, false, false, shading_point(hit, s), pdf};
@@ -73,7 +78,7 @@ bool leave_glossy(const Hit& hit, const Surface& s, const Vec2& u, double probab
 }
 
 DiffuseHit diffuse_hit(const Hit& hit, const Surface& s, uint64_t segments) {
-  return {hit.position, s.normal, s.shading_normal, hit, static_cast<uint32_t>(segments)};
+  return {hit.position, s.normal, s.shading_normal, hit, static_cast<uint32_t>(segments), s.coat};
 }
 
 // Radiance of an emitter found by a glossy lobe: in full through delta surfaces, else by its
@@ -86,17 +91,40 @@ Rgb found_by_glossy(const World& world, const Path& path, const Hit& hit) {
   return path.throughput * radiance * w;
 }
 
+// The same of an environment, for a path that left the scene.
+Rgb escaped_by_glossy(const World& world, const Path& path) {
+  if (!world.environment()) return Rgb(0);
+  const GlossyRay& g = path.glossy;
+  const double w = g.through_delta ? 1.0 : escaped_weight(world, g.x, g.pdf, path.ray.direction);
+  return path.throughput * world.environment()->radiance(path.ray.direction) * w;
+}
+
+// Numbers that only some scenes ask for.
+template <class Numbers>
+double part_number(const World& world, const Numbers& numbers, uint64_t segment) {
+  return world.has_choices() ? numbers.unit(segment, kWalkPart) : 0;
+}
+template <class Numbers>
+double opening_number(const World& world, const Numbers& numbers, uint64_t segment,
+                      Dimension dimension = kWalkOpening) {
+  return world.has_openings() ? numbers.unit(segment, dimension) : 0;
+}
+
 // The diffuse lobe's own sample of direct light: one ray along the cosine.
 Rgb diffuse_partner(const World& world, const RayCaster& caster, const Hit& hit, const Surface& s,
-                    const Vec2& u) {
+                    const Vec2& u, double opening) {
   const Vec3 d = sample_diffuse(s, u);
   if (!s.above(d)) return Rgb(0);
-  const Hit found = caster.closest(Ray{hit.position, d}, &hit);
-  if (!found.valid()) return Rgb(0);
-  const Rgb radiance = world.emission(found, d);
+  const Ray ray{hit.position, d};
+  const Hit found = pass_openings(world, caster, ray, caster.closest(ray, &hit), opening);
+  if (!found.valid() && !world.environment()) return Rgb(0);
+  const Rgb radiance = found.valid() ? world.emission(found, d) : world.environment()->radiance(d);
   if (is_black(radiance)) return Rgb(0);
-  return s.diffuse() * radiance *
-         found_weight(world, shading_point(hit, s), diffuse_pdf(s, d), found, d);
+  const ShadingPoint x = shading_point(hit, s);
+  const double w = found.valid() ? found_weight(world, x, diffuse_pdf(s, d), found, d)
+                                 : escaped_weight(world, x, diffuse_pdf(s, d), d);
+  const Rgb sent = s.diffuse() * radiance * w;
+  return s.coat ? sent * s.coat->enters(glm::dot(s.shading_normal, d)) : sent;
 }
 
 bool depth_left(const World& world, uint64_t segments) {
@@ -112,7 +140,9 @@ Rgb camera_direct(const World& world, const RayCaster& caster, const Hit& hit, c
       direct_light(world, caster, hit, s, numbers.unit(segment, kWalkChoice),
                    numbers.pair(segment, kWalkPoint), {p > 0 ? 1.0 : 0.0, 1 - p});
   Rgb sum = light.diffuse + light.glossy;
-  if (p > 0) sum += diffuse_partner(world, caster, hit, s, numbers.pair(segment, kWalkPartner));
+  if (p > 0)
+    sum += diffuse_partner(world, caster, hit, s, numbers.pair(segment, kWalkPartner),
+                           opening_number(world, numbers, segment, kWalkPartnerOpening));
   return sum;
 }
 
@@ -128,11 +158,11 @@ CameraSample trace_camera(const World& world, const RayCaster& caster, int px, i
   const CameraRay camera = Lens(scene).through(px + jitter.x, py + jitter.y);
   CameraSample out;
   Path path{camera.ray, Rgb(1), 1, {}};
-  Hit hit = first_hit(caster, camera);
+  Hit hit = first_hit(world, caster, camera, opening_number(world, numbers, 1));
   if (hit.valid()) {
     out.normal = hit.shading_normal;
     out.depth = hit.distance;
-    if (const Bsdf* b = world.bsdf(hit, path.ray.direction)) out.albedo = b->diffuse + b->specular;
+    out.albedo = world.albedo(hit, path.ray.direction);
   }
   bool at_first = true;  // no non-delta hit yet
   for (uint64_t segment = 1; hit.valid(); ++segment) {
@@ -143,7 +173,8 @@ CameraSample trace_camera(const World& world, const RayCaster& caster, int px, i
       (path.glossy.from_first && !path.glossy.through_delta ? out.direct : out.indirect) += found;
     }
     if (!depth_left(world, segment)) break;
-    const Surface s = make_surface(world, hit, path.ray.direction);
+    const Surface s =
+        make_surface(world, hit, path.ray.direction, part_number(world, numbers, segment));
     if (s.black()) break;
     if (s.is_delta()) {
       if (!pass_delta(s, numbers.unit(segment, kWalkLobe), path)) break;
@@ -169,7 +200,16 @@ CameraSample trace_camera(const World& world, const RayCaster& caster, int px, i
                   path.ior2))
       break;
     path.ray.origin = hit.position;
-    hit = caster.closest(path.ray, &hit);
+    hit = pass_openings(world, caster, path.ray, caster.closest(path.ray, &hit),
+                        opening_number(world, numbers, segment + 1));
+  }
+  if (!hit.valid() && world.environment()) {
+    if (at_first) {
+      out.emission += path.throughput * world.environment()->radiance(path.ray.direction);
+    } else {
+      (path.glossy.from_first && !path.glossy.through_delta ? out.direct : out.indirect) +=
+          escaped_by_glossy(world, path);
+    }
   }
   return out;
 }
@@ -181,11 +221,14 @@ GatherSample trace_gather(const World& world, const RayCaster& caster, const Dif
   if (glm::dot(direction, x.normal) <= 0 || glm::dot(direction, x.shading_normal) <= 0) return out;
   const RayNumbers numbers(seed, pixel, sample, ray);
   Path path{{x.position, direction}, Rgb(1), 1, {}};
-  Hit hit = caster.closest(path.ray, &x.hit);
+  if (x.coat) path.throughput *= x.coat->enters(glm::dot(direction, x.shading_normal));
+  Hit hit = pass_openings(world, caster, path.ray, caster.closest(path.ray, &x.hit),
+                          opening_number(world, numbers, x.segments + uint64_t{1}));
   for (uint64_t segment = x.segments + uint64_t{1}; hit.valid(); ++segment) {
     if (path.glossy.exists) out.radiance += found_by_glossy(world, path, hit);
     if (!depth_left(world, segment)) break;
-    const Surface s = make_surface(world, hit, path.ray.direction);
+    const Surface s =
+        make_surface(world, hit, path.ray.direction, part_number(world, numbers, segment));
     if (s.black()) break;
     if (s.is_delta()) {
       if (!pass_delta(s, numbers.unit(segment, kWalkLobe), path)) break;
@@ -209,8 +252,10 @@ GatherSample trace_gather(const World& world, const RayCaster& caster, const Dif
                   numbers.unit(segment, kWalkRoulette), path.ior2))
       break;
     path.ray.origin = hit.position;
-    hit = caster.closest(path.ray, &hit);
+    hit = pass_openings(world, caster, path.ray, caster.closest(path.ray, &hit),
+                        opening_number(world, numbers, segment + 1));
   }
+  if (!hit.valid() && path.glossy.exists) out.radiance += escaped_by_glossy(world, path);
   return out;
 }
 

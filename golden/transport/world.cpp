@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "golden/numeric/elementary.hpp"
+#include "golden/transport/bsdf.hpp"
 #include "golden/transport/emitters.hpp"
 
 namespace photonloom {
@@ -14,7 +15,15 @@ namespace {
 
 Vec3 column(const Mat4& m, int i) { return Vec3(m[i]); }
 
-bool has_diffuse(const Bsdf* b) { return b && !is_black(b->diffuse) && !b->is_delta(); }
+// Whether one of a BSDF's parts, or itself, has what `has` asks for.
+template <class Has>
+bool any_part(const Scene& scene, const Bsdf* b, Has&& has) {
+  if (!b) return false;
+  if (b->kind != BsdfKind::kMixture) return has(*b);
+  for (const int part : b->parts)
+    if (part >= 0 && any_part(scene, &scene.bsdfs[static_cast<size_t>(part)], has)) return true;
+  return false;
+}
 
 Primitive disk_primitive(const Shape& s) {
   Primitive p;
@@ -48,6 +57,24 @@ Vec3 disk_reach(const Primitive& p) {
 
 }  // namespace
 
+bool has_diffuse_part(const Scene& scene, const Bsdf* bsdf) {
+  return any_part(scene, bsdf, [](const Bsdf& b) { return !is_black(b.diffuse) && !b.is_delta(); });
+}
+
+bool has_delta_part(const Scene& scene, const Bsdf* bsdf) {
+  return any_part(scene, bsdf, [](const Bsdf& b) {
+    return b.is_delta() || (b.kind == BsdfKind::kPlastic && !is_black(b.specular));
+  });
+}
+
+bool has_glossy_part(const Scene& scene, const Bsdf* bsdf) {
+  return any_part(scene, bsdf, [](const Bsdf& b) {
+    const bool rough = b.kind == BsdfKind::kRoughConductor || b.kind == BsdfKind::kRoughPlastic;
+    return b.kind == BsdfKind::kRoughDielectric ||
+           ((rough || b.kind == BsdfKind::kPhong) && !is_black(b.specular));
+  });
+}
+
 void primitive_bounds(const Primitive& p, Vec3& lower, Vec3& upper) {
   switch (p.kind) {
     case PrimitiveKind::kTriangle:
@@ -66,15 +93,26 @@ void primitive_bounds(const Primitive& p, Vec3& lower, Vec3& upper) {
 }
 
 World::World(Scene scene) : scene_(std::move(scene)) {
+  add_coats();
   add_primitives();
   add_emitters();
+}
+
+void World::add_coats() {
+  for (size_t i = 0; i < scene_.bsdfs.size(); ++i) {
+    const Bsdf& b = scene_.bsdfs[i];
+    if (b.kind == BsdfKind::kMixture || b.kind == BsdfKind::kPlastic) has_choices_ = true;
+    if (b.kind != BsdfKind::kPlastic && b.kind != BsdfKind::kRoughPlastic) continue;
+    coats_.resize(scene_.bsdfs.size());
+    coats_[i] = make_coat(b);
+  }
 }
 
 void World::add_primitives() {
   for (uint32_t s = 0; s < scene_.shapes.size(); ++s) {
     const Shape& shape = scene_.shapes[s];
     const Bsdf* front = shape.bsdf < 0 ? nullptr : &scene_.bsdfs[static_cast<size_t>(shape.bsdf)];
-    const bool both = front && (front->two_sided || front->kind == BsdfKind::kDielectric);
+    const bool both = front && (front->two_sided || front->transmits());
     side_bsdf_.push_back(shape.bsdf);
     side_bsdf_.push_back(shape.back_bsdf >= 0 ? shape.back_bsdf : both ? shape.bsdf : -1);
     const size_t first = primitives_.size();
@@ -102,12 +140,18 @@ void World::add_primitives() {
       primitives_[i].shape = s;
       surface_area_ += primitives_[i].area;
       for (bool side : {true, false})
-        if (has_diffuse(bsdf(s, side))) diffuse_area_ += primitives_[i].area;
+        if (has_diffuse_part(scene_, bsdf(s, side))) diffuse_area_ += primitives_[i].area;
     }
     for (bool side : {true, false}) {
       const Bsdf* b = bsdf(s, side);
-      has_delta_ = has_delta_ || (b && b->is_delta());
-      has_glossy_ = has_glossy_ || (b && b->kind == BsdfKind::kPhong && !is_black(b->specular));
+      has_delta_ = has_delta_ || has_delta_part(scene_, b);
+      has_glossy_ = has_glossy_ || has_glossy_part(scene_, b);
+      const auto open = [](const Bsdf& x) {
+        return x.opacity < 1 || x.textured(Slot::kOpacity) >= 0;
+      };
+      const bool is_open = b && (open(*b) || any_part(scene_, b, open));
+      side_open_.push_back(is_open);
+      has_openings_ = has_openings_ || is_open;
     }
   }
   if (primitives_.empty()) throw SceneError(scene_.name + ": the scene has no shapes with area");
@@ -151,12 +195,21 @@ void World::add_emitters() {
     e.primitive = static_cast<int32_t>(i);
     e.radiance = *radiance;
     e.power = *radiance * (kPi * p.area);
+    e.texture = scene_.shapes[p.shape].radiance_texture;
+    if (e.texture >= 0) e.power *= texture_mean(scene_.textures[static_cast<size_t>(e.texture)]);
     emitters_.push_back(e);
   }
   for (size_t i = 0; i < scene_.lights.size(); ++i) {
     Emitter e;
     e.light = static_cast<int32_t>(i);
-    e.power = light_power(scene_.lights[i], radius_);
+    if (scene_.lights[i].kind == LightKind::kEnvironment) {
+      environment_ = std::make_shared<const Environment>(scene_.lights[i]);
+      environment_emitter_ = static_cast<uint32_t>(emitters_.size());
+      e.power = environment_->integral() * (kPi * radius_ * radius_);
+      if (is_black(e.power)) environment_.reset();
+    } else {
+      e.power = light_power(scene_.lights[i], radius_);
+    }
     if (!is_black(e.power)) emitters_.push_back(e);
   }
   if (emitters_.empty()) throw SceneError(scene_.name + ": the scene has no light");
@@ -168,6 +221,123 @@ void World::add_emitters() {
     sum += e.pmf;
     emitter_cdf_.push_back(sum);
   }
+}
+
+double World::opacity(const Bsdf& b, const Hit& hit) const {
+  double share_of_parts = 1;
+  if (b.kind == BsdfKind::kMixture) {
+    // What is in no part is black, and there.
+    double rest = 1;
+    share_of_parts = 0;
+    for (size_t i = 0; i < b.parts.size(); ++i) {
+      const double s = share(b, i, hit);
+      rest -= s;
+      share_of_parts +=
+          s * (b.parts[i] < 0 ? 1 : opacity(scene_.bsdfs[static_cast<size_t>(b.parts[i])], hit));
+    }
+    share_of_parts += std::max(0.0, rest);
+  }
+  const int t = b.textured(Slot::kOpacity);
+  const double own = t < 0 ? b.opacity : b.opacity * luminance(texture_at(t, hit));
+  return std::clamp(own * share_of_parts, 0.0, 1.0);
+}
+
+double World::share(const Bsdf& mixture, size_t part, const Hit& hit) const {
+  const int t = mixture.textured(Slot::kShare);
+  if (t < 0) return mixture.shares[part];
+  const double second = std::clamp(luminance(texture_at(t, hit)), 0.0, 1.0);
+  return part == 0 ? 1 - second : second;
+}
+
+Rgb World::albedo(const Bsdf& b, const Hit& hit) const {
+  if (b.kind != BsdfKind::kMixture)
+    return b.diffuse * texture(b.textured(Slot::kDiffuse), hit) +
+           b.specular * texture(b.textured(Slot::kSpecular), hit);
+  Rgb sum(0);
+  for (size_t i = 0; i < b.parts.size(); ++i)
+    if (b.parts[i] >= 0)
+      sum += albedo(scene_.bsdfs[static_cast<size_t>(b.parts[i])], hit) * share(b, i, hit);
+  return sum;
+}
+
+namespace {
+
+// Angle of (x, y) from 0 to 1 for a whole turn.
+double turn_of(double x, double y) {
+  const double turn = angle_of(x, std::fabs(y)) / (2 * kPi);
+  return y < 0 ? 1 - turn : turn;
+}
+
+// The point of the unit sphere whose image a point on a sphere is.
+Vec3 on_unit_sphere(const Shape& s, const Vec3& position) {
+  const Vec3 d = position - column(s.to_world, 3);
+  const Vec3 local(glm::dot(d, column(s.to_world, 0)), glm::dot(d, column(s.to_world, 1)),
+                   glm::dot(d, column(s.to_world, 2)));
+  return local / glm::length(local);
+}
+
+struct Corners {
+  Vec2 uv[3];
+};
+Corners corners_of(const Mesh& mesh, uint32_t triangle) {
+  if (!mesh.corner_uvs.empty()) {
+    const auto& c = mesh.corner_uvs[triangle];
+    return {{c[0], c[1], c[2]}};
+  }
+  if (mesh.uvs.empty()) return {{Vec2(0), Vec2(0), Vec2(0)}};
+  const auto& v = mesh.triangles[triangle];
+  return {{mesh.uvs[v[0]], mesh.uvs[v[1]], mesh.uvs[v[2]]}};
+}
+
+}  // namespace
+
+Vec2 World::uv(const Hit& hit) const {
+  const Primitive& p = primitives_[hit.primitive];
+  const Shape& s = scene_.shapes[p.shape];
+  switch (p.kind) {
+    case PrimitiveKind::kTriangle: {
+      const Corners c = corners_of(s.mesh, p.index);
+      const Vec2& w = hit.coordinates;
+      return c.uv[0] * (1 - w.x - w.y) + c.uv[1] * w.x + c.uv[2] * w.y;
+    }
+    case PrimitiveKind::kSphere: {
+      const Vec3 d = on_unit_sphere(s, hit.position);
+      return Vec2(turn_of(d.x, d.y), angle_of(d.z, std::sqrt(d.x * d.x + d.y * d.y)) / kPi);
+    }
+    default:
+      return Vec2(glm::length(hit.coordinates), turn_of(hit.coordinates.x, hit.coordinates.y));
+  }
+}
+
+Vec3 World::tangent(const Hit& hit) const {
+  const Primitive& p = primitives_[hit.primitive];
+  const Shape& s = scene_.shapes[p.shape];
+  switch (p.kind) {
+    case PrimitiveKind::kTriangle: {
+      const Corners c = corners_of(s.mesh, p.index);
+      const Vec2 b = c.uv[1] - c.uv[0], d = c.uv[2] - c.uv[0];
+      const double det = b.x * d.y - b.y * d.x;
+      return det == 0 ? Vec3(0) : ((p.b - p.a) * d.y - (p.c - p.a) * b.y) / det;
+    }
+    case PrimitiveKind::kSphere: {
+      const Vec3 d = on_unit_sphere(s, hit.position);
+      return column(s.to_world, 1) * d.x - column(s.to_world, 0) * d.y;
+    }
+    default:
+      return p.b * hit.coordinates.x + p.c * hit.coordinates.y;
+  }
+}
+
+Rgb World::texture_at(int index, const Hit& hit) const {
+  const Texture& t = scene_.textures[static_cast<size_t>(index)];
+  if (t.kind != TextureKind::kVertexColor) return texture_value(t, uv(hit));
+  const Primitive& p = primitives_[hit.primitive];
+  const Mesh& mesh = scene_.shapes[p.shape].mesh;
+  if (p.kind != PrimitiveKind::kTriangle || mesh.colors.empty()) return Rgb(0);
+  const auto& v = mesh.triangles[p.index];
+  const Vec2& w = hit.coordinates;
+  return (mesh.colors[v[0]] * (1 - w.x - w.y) + mesh.colors[v[1]] * w.x + mesh.colors[v[2]] * w.y) *
+         t.scale;
 }
 
 uint32_t World::choose_emitter(double u) const {

@@ -10,6 +10,7 @@
 #include "golden/numeric/random.hpp"
 #include "golden/numeric/vec.hpp"
 #include "golden/scene/scene.hpp"
+#include "golden/transport/environment.hpp"
 
 namespace photonloom {
 
@@ -26,6 +27,8 @@ struct Hit {
   Vec3 position;
   Vec3 normal;  // geometric
   Vec3 shading_normal;
+  Vec2 coordinates{
+      0};  // triangle: weights of its second and third vertex; disk: x, y of the unit one
   double distance = 0;
   uint32_t primitive = ~0u;
   uint32_t shape = ~0u;
@@ -62,10 +65,26 @@ struct Primitive {
 struct Emitter {
   int32_t primitive = -1;  // area emitter; else -1 and
   int32_t light = -1;      // index into Scene::lights
-  Rgb radiance{0};         // area emitter, W/(m^2 sr)
-  Rgb power{0};            // W; directional: through the disk that covers the scene
+  Rgb radiance{0};         // area emitter, W/(m^2 sr); with a texture, its factor
+  int32_t texture = -1;    // index into Scene::textures
+  Rgb power{0};            // W; directional and environment: through the disk that covers the
+                           // scene; textured: as if the texture were its mean everywhere
   double pmf = 0;          // probability of emission: its share of the total power
 };
+
+// The smooth or rough coat of a plastic: what enters it and what stays in it.
+struct Coat {
+  double ior = 1;
+  double inner = 0;           // share of diffuse light from below that it reflects back
+  std::vector<double> table;  // rough: what enters by the cosine, even steps from 0 to 1
+  // Share of light that enters from, or leaves to, a direction of this cosine.
+  double enters(double cosine) const;
+};
+
+// Lobes of a BSDF or of one of its parts.
+bool has_diffuse_part(const Scene& scene, const Bsdf* bsdf);
+bool has_delta_part(const Scene& scene, const Bsdf* bsdf);
+bool has_glossy_part(const Scene& scene, const Bsdf* bsdf);
 
 // A scene with primitives, emitters and bounds worked out. Throws SceneError when nothing emits.
 class World {
@@ -91,7 +110,13 @@ class World {
   // Area that can hold photons: both sides where both sides have a diffuse lobe.
   double diffuse_area() const { return diffuse_area_; }
   bool has_delta() const { return has_delta_; }    // some surface is a mirror or glass
-  bool has_glossy() const { return has_glossy_; }  // some surface has a phong lobe
+  bool has_glossy() const { return has_glossy_; }  // some surface has a glossy lobe
+  // Some surface lets part of the light straight on (mask, null).
+  bool has_openings() const { return has_openings_; }
+  // Some surface has parts of which one is chosen at random.
+  bool has_choices() const { return has_choices_; }
+  const Environment* environment() const { return environment_.get(); }  // null: none
+  uint32_t environment_emitter() const { return environment_emitter_; }
   Rgb emitted_power() const { return emitted_power_; }
 
   // Emission: the emitter for a number in [0, 1), in proportion to power (mean of the channels).
@@ -106,17 +131,53 @@ class World {
     const int index = side_bsdf_[2 * shape + (front ? 0 : 1)];
     return index < 0 ? nullptr : &scene_.bsdfs[static_cast<size_t>(index)];
   }
+  // Share of light of this direction that the surface does not let straight on.
+  double opacity(const Hit& hit, const Vec3& ray_direction) const {
+    const bool front = glm::dot(hit.normal, ray_direction) < 0;
+    if (!has_openings_ || !side_open_[2 * hit.shape + (front ? 0 : 1)]) return 1;
+    return opacity(*bsdf(hit.shape, front), hit);
+  }
+  double opacity(const Bsdf& b, const Hit& hit) const;
+  // Shares of a mixture's parts at a hit.
+  double share(const Bsdf& mixture, size_t part, const Hit& hit) const;
+  // Coat of a plastic; null: none.
+  const Coat* coat(const Bsdf& b) const {
+    const size_t i = static_cast<size_t>(&b - scene_.bsdfs.data());
+    return i < coats_.size() && coats_[i].ior != 1 ? &coats_[i] : nullptr;
+  }
+
+  // Mitsuba's texture coordinates; (0, 0) on meshes without.
+  Vec2 uv(const Hit& hit) const;
+  // Along which u grows, not normalised; 0 where there is none.
+  Vec3 tangent(const Hit& hit) const;
+  // A texture's value, or 1 for index -1.
+  Rgb texture(int index, const Hit& hit) const {
+    return index < 0 ? Rgb(1) : texture_at(index, hit);
+  }
+  // Reflectance of all lobes, for the albedo layer.
+  Rgb albedo(const Hit& hit, const Vec3& ray_direction) const {
+    const Bsdf* b = bsdf(hit, ray_direction);
+    return b ? albedo(*b, hit) : Rgb(0);
+  }
+
   // Radiance leaving a hit against the ray: black but on the normal side of an emitter.
   Rgb emission(const Hit& hit, const Vec3& ray_direction) const {
     const int32_t e = primitives_[hit.primitive].emitter;
     return e >= 0 && glm::dot(hit.normal, ray_direction) < 0
-               ? emitters_[static_cast<size_t>(e)].radiance
+               ? emitted(emitters_[static_cast<size_t>(e)], hit)
                : Rgb(0);
+  }
+  // Radiance of an area emitter at a point on it.
+  Rgb emitted(const Emitter& e, const Hit& hit) const {
+    return e.texture < 0 ? e.radiance : e.radiance * texture_at(e.texture, hit);
   }
 
  private:
   void add_primitives();
   void add_emitters();
+  void add_coats();
+  Rgb texture_at(int index, const Hit& hit) const;
+  Rgb albedo(const Bsdf& b, const Hit& hit) const;
 
   Scene scene_;
   std::vector<Primitive> primitives_;
@@ -125,7 +186,11 @@ class World {
   std::vector<int> side_bsdf_;  // two per shape: front, back; -1: black
   Vec3 lower_{0}, upper_{0}, cube_origin_{0}, centre_{0};
   double cube_extent_ = 1, radius_ = 0, surface_area_ = 0, diffuse_area_ = 0;
-  bool has_delta_ = false, has_glossy_ = false;
+  bool has_delta_ = false, has_glossy_ = false, has_openings_ = false, has_choices_ = false;
+  std::vector<char> side_open_;  // as side_bsdf_
+  std::vector<Coat> coats_;      // by BSDF; index 1: none
+  std::shared_ptr<const Environment> environment_;
+  uint32_t environment_emitter_ = 0;
   Rgb emitted_power_{0};
 };
 
@@ -158,7 +223,8 @@ struct DiffuseHit {
   Vec3 normal;          // geometric, turned to the side that is lit and seen
   Vec3 shading_normal;  // turned likewise; the cosine of the BSDF is taken to it
   Hit hit;
-  uint32_t segments = 0;  // of the path from the camera to here
+  uint32_t segments = 0;       // of the path from the camera to here
+  const Coat* coat = nullptr;  // through which light enters; null: none
 };
 
 // The camera's path of one sample: everything but the caustic estimate and the final gather.

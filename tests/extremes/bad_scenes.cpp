@@ -213,3 +213,80 @@ TEST_CASE("PLY counts larger than the file are refused before anything is reserv
                         "half x\nend_header\n"),
              ContainsSubstring("a.ply:4: property type 'half'"));
 }
+
+namespace {
+
+std::string picture_error(const std::string& name, const std::string& bytes) {
+  const TestFolder folder;
+  folder.write(name, bytes);
+  try {
+    load_scene(folder.write("scene.xml",
+                            scene_text("<bsdf type=\"diffuse\"><texture type=\"bitmap\" "
+                                       "name=\"reflectance\"><string name=\"filename\" value=\"" +
+                                       name + "\"/></texture></bsdf>" + kSensor + kLamp)));
+  } catch (const SceneError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+// A PNG that says it has so many pixels, and ends there.
+std::string png_header(uint32_t width, uint32_t height) {
+  std::string bytes("\x89PNG\r\n\x1a\n\0\0\0\rIHDR", 16);
+  for (const uint32_t n : {width, height})
+    for (int shift = 24; shift >= 0; shift -= 8) bytes += static_cast<char>(n >> shift & 255);
+  return bytes + std::string("\x08\x02\0\0\0\0\0\0\0", 9);
+}
+
+}  // namespace
+
+TEST_CASE("pictures that are none, empty, too large or cut short") {
+  CHECK_THAT(picture_error("a.png", "no picture"),
+             ContainsSubstring("scene.xml:2") && ContainsSubstring("a.png: cannot be read as PNG"));
+  CHECK_THAT(picture_error("a.png", ""), ContainsSubstring("a.png: cannot be read"));
+  CHECK_THAT(picture_error("a.png", png_header(0, 0)),
+             ContainsSubstring("a.png: has 0 x 0 pixels, expected at least 1 x 1"));
+  CHECK_THAT(picture_error("a.png", png_header(0, 7)), ContainsSubstring("a.png: has 0 x 7"));
+  // Four gigabytes of texels in 41 bytes: refused by its header.
+  CHECK_THAT(picture_error("a.png", png_header(40000, 36000)),
+             ContainsSubstring("a.png: has 40000 x 36000 pixels, expected at most 2^26"));
+  CHECK_THAT(picture_error("a.png", png_header(4, 4)), ContainsSubstring("a.png: cannot be read"));
+  CHECK_THAT(picture_error("a.hdr", "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 70000 +X 70000\n"),
+             ContainsSubstring("a.hdr: "));
+  CHECK_THAT(picture_error("a.exr", "\x76\x2f\x31\x01garbage"), ContainsSubstring("a.exr: "));
+}
+
+TEST_CASE("textures on meshes without coordinates, without colors, and of bad values") {
+  const std::string textured =
+      "<shape type=\"obj\"><string name=\"filename\" value=\"a.obj\"/><bsdf "
+      "type=\"diffuse\"><texture "
+      "name=\"reflectance\" type=\"checkerboard\"/></bsdf></shape>";
+  const TestFolder folder;
+  folder.write("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  const auto error = [&](const std::string& body) {
+    try {
+      load_scene(folder.write("scene.xml", scene_text(body + kSensor + kLamp)));
+    } catch (const SceneError& e) {
+      return std::string(e.what());
+    }
+    return std::string();
+  };
+  CHECK_THAT(error(textured),
+             ContainsSubstring("scene.xml:2: <shape type=\"obj\"> has a texture, but "
+                               "its file has no texture coordinates"));
+  folder.write("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nf 1/1 2/2 3/3\n");
+  CHECK(error(textured) == "");
+  folder.write("b.ply", ply(kThree, "3 0 1 2\n"));
+  CHECK_THAT(error("<shape type=\"ply\"><string name=\"filename\" value=\"b.ply\"/><bsdf "
+                   "type=\"diffuse\"><texture name=\"reflectance\" type=\"vertexcolors\"/></bsdf>"
+                   "</shape>"),
+             ContainsSubstring("has a texture of vertex colors, but its file has none"));
+  CHECK_THAT(error("<bsdf type=\"diffuse\"><texture name=\"reflectance\" type=\"bitmap\"/></bsdf>"),
+             ContainsSubstring("has no filename"));
+  CHECK_THAT(
+      error("<texture type=\"scale\" id=\"a\"><ref id=\"b\"/></texture><texture type=\"scale\" "
+            "id=\"b\"><ref id=\"a\"/></texture>"),
+      ContainsSubstring("cyclic reference"));
+  folder.write("other.xml", "<scene version=\"0.6.0\"><include filename=\"scene.xml\"/></scene>");
+  CHECK_THAT(error("<include filename=\"other.xml\"/>"), ContainsSubstring("cyclic include"));
+}

@@ -66,7 +66,8 @@ def update(page: Path, options: argparse.Namespace, tally: Tally) -> None:
         raise Failure(f"{page}: has no line {MARK}")
     rows = [f"| `{unit}` | {stream} | {count:,} |" for unit, streams in sorted(tally.packets.items())
             for stream, count in streams.items()]
-    said = f"Seed {options.seed}, {options.plans} plans of {options.packets:,} packets a unit, {options.frames} frames; all equal."
+    command = f"tests/model/run.py --seed {options.seed} --plans {options.plans} --packets {options.packets} --frames {options.frames}"
+    said = f"`{command}`: all equal."
     lines = [MARK, "", said, "", "| unit | compared | packets |", "|---|---|---|", *rows]
     page.write_text(text[:text.index(MARK)] + "\n".join(lines) + "\n", encoding="utf-8")
 

@@ -180,6 +180,8 @@ TEST_CASE("phong: f cos and its density, sampled within 2 % and integrated") {
       b.exponent = n;
       Surface s;
       s.bsdf = &b;
+      s.diffuse_lobe = b.diffuse;
+      s.glossy_lobe = b.specular;
       s.in = Vec3(std::sin(angle), 0, std::cos(angle));
       s.normal = s.shading_normal = Vec3(0, 0, 1);
       const Vec3 mirror(-s.in.x, 0, s.in.z);

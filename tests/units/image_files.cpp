@@ -98,6 +98,25 @@ TEST_CASE("a truncated or damaged EXR is an error at every length") {
   }
 }
 
+TEST_CASE("an EXR that claims more than it holds is refused before room is made for it") {
+  const Folder folder;
+  write_exr(sample_image(), folder / "a.exr");
+  const std::string whole = read_file(folder / "a.exr");
+  const size_t compression =
+      whole.find("compression") + sizeof "compression" + sizeof "compression";
+  std::string claims = whole;
+  claims.replace(compression, 4, "\xff\xff\xff\x7f", 4);
+  write_file(folder / "b.exr", claims);
+  REQUIRE(contains(message([&] { read_exr(folder / "b.exr"); }),
+                   "b.exr: attribute compression of a header claims 2147483647 bytes"));
+  claims = whole;
+  const size_t window = whole.find("dataWindow") + sizeof "dataWindow" + sizeof "box2i" + 4;
+  claims.replace(window + 8, 4, "\xff\xff\xff\x03", 4);  // wide and low
+  write_file(folder / "b.exr", claims);
+  REQUIRE(
+      contains(message([&] { read_exr(folder / "b.exr"); }), "b.exr: has 67108864 x 3 pixels in"));
+}
+
 TEST_CASE("outputs appear whole or not at all") {
   const Folder folder;
   {

@@ -375,8 +375,8 @@ TEST_CASE("point, spot and directional emitters") {
   CHECK(s.lights[3].beam_cos == Approx(std::sqrt(0.75)));
   CHECK(s.lights[4].direction == Vec3(0, -1, 0));
   CHECK(s.lights[4].intensity == Rgb(1, 2, 3));
-  CHECK_THAT(body_error("<emitter type=\"constant\"/>"),
-             ContainsSubstring("<emitter type=\"constant\">"));
+  CHECK_THAT(body_error("<emitter type=\"projector\"/>"),
+             ContainsSubstring("<emitter type=\"projector\">"));
 }
 
 TEST_CASE("dielectric: indices as numbers or names") {
@@ -449,12 +449,12 @@ TEST_CASE("a BSDF that reflects more than arrives is scaled in 0.x files and ref
 }
 
 TEST_CASE("what is not supported is an error with file, line and name") {
-  CHECK_THAT(body_error("\n<bsdf type=\"roughplastic\" id=\"p\"/>"),
-             ContainsSubstring("scene.xml:3: <bsdf type=\"roughplastic\" id=\"p\">"));
-  CHECK_THAT(body_error("<texture type=\"bitmap\" id=\"t\"/>"),
-             ContainsSubstring("<texture type=\"bitmap\""));
-  CHECK_THAT(body_error("<shape type=\"cylinder\"/>"),
-             ContainsSubstring("<shape type=\"cylinder\">"));
+  CHECK_THAT(body_error("\n<bsdf type=\"hair\" id=\"p\"/>"),
+             ContainsSubstring("scene.xml:3: <bsdf type=\"hair\" id=\"p\">"));
+  CHECK_THAT(body_error("<texture type=\"wireframe\" id=\"t\"/>"),
+             ContainsSubstring("<texture type=\"wireframe\""));
+  CHECK_THAT(body_error("<shape type=\"bsplinecurve\"/>"),
+             ContainsSubstring("<shape type=\"bsplinecurve\">"));
   CHECK_THAT(body_error("<shape type=\"disk\"><medium type=\"x\"/></shape>"),
              ContainsSubstring("<medium"));
   CHECK_THAT(body_error("<bsdf type=\"diffuse\"><float name=\"glow\" value=\"1\"/></bsdf>"),
@@ -463,17 +463,16 @@ TEST_CASE("what is not supported is an error with file, line and name") {
       body_error("<bsdf type=\"diffuse\"><float name=\"reflectance\" value=\"1\" extra=\"2\"/>"
                  "</bsdf>"),
       ContainsSubstring("attribute 'extra'"));
-  CHECK_THAT(
-      body_error("<bsdf type=\"diffuse\"><texture name=\"reflectance\" type=\"checkerboard\"/>"
-                 "</bsdf>"),
-      ContainsSubstring("<texture type=\"checkerboard\""));
+  CHECK_THAT(body_error("<bsdf type=\"diffuse\"><texture name=\"glow\" type=\"checkerboard\"/>"
+                        "</bsdf>"),
+             ContainsSubstring("<texture type=\"checkerboard\""));
   CHECK_THAT(
       body_error("<bsdf type=\"diffuse\"><string name=\"reflectance\" value=\"red\"/></bsdf>"),
       ContainsSubstring("expected <rgb> or <spectrum>"));
   CHECK_THAT(load_error("<scene>" + std::string(kSensor) + kLamp + "</scene>"),
              ContainsSubstring("no version"));
-  CHECK_THAT(load_error(scene_text(std::string(kSensor) + kLamp, "0.4.1")),
-             ContainsSubstring("'0.4.1'"));
+  CHECK_THAT(load_error(scene_text(std::string(kSensor) + kLamp, "0.2.1")),
+             ContainsSubstring("'0.2.1'"));
 }
 
 TEST_CASE("references, aliases and identifiers") {
@@ -506,4 +505,166 @@ TEST_CASE("the hash is of what touches the image, not of how the file is written
                          "</integrator>")
             .hash != hash);
   CHECK(load_body(body + "<emitter type=\"point\"/>").hash != hash);
+}
+
+TEST_CASE("names of versions 0.3 and 0.4 are those of 0.6") {
+  const TestFolder folder;
+  const Scene s = load_scene(folder.write(
+      "old.xml",
+      "<scene version=\"0.3.0\"><camera type=\"perspective\"><float name=\"fov\" "
+      "value=\"40\"/><boolean name=\"mapSmallerSide\" "
+      "value=\"false\"/><transform name=\"toWorld\"><translate x=\"1\"/></transform>"
+      "<film type=\"exrfilm\"><boolean name=\"alpha\" value=\"true\"/></film></camera>"
+      "<shape type=\"disk\"><luminaire type=\"area\"><rgb name=\"intensity\" value=\"2\"/>"
+      "</luminaire></shape><luminaire type=\"directional\"><rgb name=\"intensity\" value=\"3\"/>"
+      "</luminaire></scene>"));
+  CHECK(s.camera.fov_axis == FovAxis::kLarger);
+  // Mirrored first, then moved.
+  CHECK(apply(s.camera.to_world, Vec3(1, 0, 0)) == Vec3(0, 0, 0));
+  CHECK(*s.shapes[0].radiance == Rgb(2));
+  CHECK(s.lights[0].intensity == Rgb(3));
+  // Between 0.4 and 0.5 one name changed.
+  CHECK_THAT(body_error("<bsdf type=\"bump\"><bsdf type=\"diffuse\"/></bsdf>", "0.4.4"),
+             ContainsSubstring("<bsdf type=\"bumpmap\">"));
+}
+
+TEST_CASE("all that is not supported is named in one message, each with its line") {
+  const std::string body =
+      "<bsdf type=\"hair\" id=\"a\"/>\n"
+      "<shape type=\"disk\"><ref id=\"a\"/><medium type=\"homogeneous\"/></shape>\n"
+      "<shape type=\"hair\"><bsdf type=\"irawan\"/></shape>\n"
+      "<emitter type=\"sky\"/>\n"
+      "<bsdf type=\"diffuse\"><float name=\"glow\" value=\"1\"/></bsdf>\n";
+  const TestFolder folder;
+  const auto error_of = [&](const std::string& text) {
+    try {
+      load_scene(folder.write("scene.xml", scene_text(text + kSensor + kLamp)));
+    } catch (const SceneError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  const std::string error = error_of(body);
+  for (const char* part :
+       {"6 elements are not supported", "scene.xml:2: <bsdf type=\"hair\" id=\"a\">",
+        "scene.xml:3: <medium type=\"homogeneous\">", "scene.xml:4: <shape type=\"hair\">",
+        "scene.xml:4: <bsdf type=\"irawan\">", "scene.xml:5: <emitter type=\"sky\">",
+        "scene.xml:6: <float name=\"glow\">"})
+    CHECK_THAT(error, ContainsSubstring(part));
+  // What is wrong comes first and does not hide them.
+  CHECK_THAT(error_of(body + "<bsdf type=\"phong\"><float name=\"exponent\" value=\"-1\"/></bsdf>"),
+             ContainsSubstring("scene.xml:7: exponent is -1") &&
+                 ContainsSubstring("6 elements are not supported"));
+  const Scene s = load_scene(folder.write("s.xml", scene_text(body + kSensor + kLamp)), {},
+                             Unsupported::kSubstitute);
+  REQUIRE(s.substitutions.size() == 6);
+  CHECK_THAT(s.substitutions[0], ContainsSubstring("s.xml:2: <bsdf type=\"hair\" id=\"a\">") &&
+                                     ContainsSubstring("a diffuse BSDF stands for it"));
+  CHECK(s.shapes.size() == 2);  // a disk and the lamp
+  CHECK(s.lights.size() == 1);
+  CHECK(s.lights[0].kind == LightKind::kEnvironment);
+  CHECK(s.bsdfs[static_cast<size_t>(s.shapes[0].bsdf)].diffuse == Rgb(0.5));
+  CHECK(load_body("").substitutions.empty());
+}
+
+TEST_CASE("the nearest supported BSDF is the one inside, or a diffuse one of the same color") {
+  const TestFolder folder;
+  const auto first = [&](const std::string& bsdf) {
+    const Scene s = load_scene(folder.write("s.xml", scene_text("<shape type=\"disk\">" + bsdf +
+                                                                "</shape>" + kSensor + kLamp)),
+                               {}, Unsupported::kSubstitute);
+    CHECK(s.substitutions.size() == 1);
+    return s.bsdfs[static_cast<size_t>(s.shapes[0].bsdf)];
+  };
+  CHECK(first("<bsdf type=\"coating\"><float name=\"thickness\" value=\"1\"/><bsdf "
+              "type=\"roughconductor\"/></bsdf>")
+            .kind == BsdfKind::kRoughConductor);
+  CHECK(first("<bsdf type=\"principled\"><rgb name=\"base_color\" value=\"0.1 0.2 0.3\"/></bsdf>")
+            .diffuse == Rgb(0.1, 0.2, 0.3));
+}
+
+TEST_CASE("rough and coated BSDFs, their names and defaults") {
+  const Bsdf metal = bsdf("<bsdf type=\"roughconductor\"/>");
+  CHECK(metal.kind == BsdfKind::kRoughConductor);
+  CHECK(metal.microfacets == Microfacets::kBeckmann);
+  CHECK(metal.alpha_u == 0.1);
+  CHECK(metal.alpha_v == 0.1);
+  CHECK(metal.eta.x == Approx(0.2004376970 / 1.000277));
+  const Bsdf brushed = bsdf(
+      "<bsdf type=\"roughconductor\"><string name=\"distribution\" value=\"ggx\"/>"
+      "<float name=\"alpha_u\" value=\"0.05\"/><float name=\"alpha_v\" value=\"0.3\"/></bsdf>",
+      "3.0.0");
+  CHECK(brushed.microfacets == Microfacets::kGgx);
+  CHECK(brushed.alpha_u == 0.05);
+  CHECK(brushed.alpha_v == 0.3);
+  CHECK(brushed.eta == Rgb(0));
+  const Bsdf plastic = bsdf("<bsdf type=\"plastic\"/>");
+  CHECK(plastic.ior == Approx(1.49 / 1.000277));
+  CHECK(plastic.diffuse == Rgb(0.5));
+  CHECK(plastic.specular == Rgb(1));
+  CHECK(!plastic.nonlinear);
+  CHECK(bsdf("<bsdf type=\"roughdielectric\"/>").ior == Approx(1.5046 / 1.000277));
+  CHECK(bsdf("<bsdf type=\"thindielectric\"/>").kind == BsdfKind::kThinDielectric);
+  CHECK(bsdf("<bsdf type=\"null\"/>").opacity == 0);
+  CHECK_THAT(body_error("<bsdf type=\"roughplastic\"><float name=\"alpha\" value=\"0\"/></bsdf>"),
+             ContainsSubstring("alpha is 0, expected more than 0"));
+  CHECK_THAT(body_error("<bsdf type=\"roughconductor\"><float name=\"alpha\" value=\"0.1\"/><float "
+                        "name=\"alphaU\" value=\"0.1\"/></bsdf>"),
+             ContainsSubstring("both alpha and alphaU"));
+  CHECK_THAT(body_error("<bsdf type=\"roughconductor\"><string name=\"distribution\" "
+                        "value=\"phong\"/></bsdf>"),
+             ContainsSubstring("'phong' is not supported, expected beckmann or ggx"));
+  CHECK_THAT(body_error("<bsdf type=\"plastic\"><float name=\"intIOR\" value=\"0.9\"/></bsdf>"),
+             ContainsSubstring("expected more than 1"));
+}
+
+TEST_CASE("mask, blendbsdf and mixturebsdf: both sides, shares, what they refuse") {
+  const auto disk = [](const std::string& text) {
+    return load_body("<shape type=\"disk\">" + text + "</shape>");
+  };
+  const Scene s = disk(
+      "<bsdf type=\"mask\"><float name=\"opacity\" value=\"0.25\"/><bsdf "
+      "type=\"diffuse\"/></bsdf>");
+  const Bsdf front = s.bsdfs[static_cast<size_t>(s.shapes[0].bsdf)],
+             back = s.bsdfs[static_cast<size_t>(s.shapes[0].back_bsdf)];
+  CHECK(front.opacity == 0.25);
+  CHECK(front.diffuse == Rgb(0.5));
+  CHECK(back.opacity == 0.25);
+  CHECK(back.diffuse == Rgb(0));
+  const Bsdf blend = bsdf(
+      "<bsdf type=\"blendbsdf\"><float name=\"weight\" value=\"0.75\"/><bsdf "
+      "type=\"diffuse\"/><bsdf type=\"roughconductor\"/></bsdf>");
+  CHECK(blend.shares == std::vector<double>{0.25, 0.75});
+  CHECK(blend.parts.size() == 2);
+  const Bsdf mix = bsdf(
+      "<bsdf type=\"mixturebsdf\"><string name=\"weights\" value=\"0.9, 0.9\"/>"
+      "<bsdf type=\"diffuse\"/><bsdf type=\"conductor\"/></bsdf>");
+  CHECK(mix.shares == std::vector<double>{0.5, 0.5});
+  CHECK_THAT(body_error("<bsdf type=\"mixturebsdf\"><string name=\"weights\" value=\"1\"/></bsdf>"),
+             ContainsSubstring("has 0 BSDFs and 1 weights"));
+  CHECK_THAT(body_error("<bsdf type=\"mask\"/>"), ContainsSubstring("has no BSDF"));
+  CHECK_THAT(body_error("<bsdf type=\"blendbsdf\"><bsdf type=\"diffuse\"/><bsdf type=\"plastic\"/>"
+                        "</bsdf>"),
+             ContainsSubstring("mixes a plastic with a BSDF that has another coat or none"));
+  CHECK_THAT(body_error("<bsdf type=\"twosided\"><bsdf type=\"mask\"><bsdf type=\"diffuse\"/>"
+                        "</bsdf></bsdf>"),
+             ContainsSubstring("it transmits"));
+  CHECK_THAT(
+      body_error("<shape type=\"disk\"><bsdf type=\"null\"/><emitter type=\"area\"/></shape>"),
+      ContainsSubstring("emits and lets light pass"));
+}
+
+TEST_CASE("environments: one, of one radiance or with a map") {
+  const Scene s = load_body(
+      "<emitter type=\"constant\"><rgb name=\"radiance\" value=\"1 2 3\"/>"
+      "</emitter>");
+  REQUIRE(s.lights.size() == 1);
+  CHECK(s.lights[0].kind == LightKind::kEnvironment);
+  CHECK(s.lights[0].intensity == Rgb(1, 2, 3));
+  CHECK_THAT(body_error("<emitter type=\"constant\"/><emitter type=\"constant\"/>"),
+             ContainsSubstring("second <emitter>"));
+  CHECK_THAT(body_error("<emitter type=\"envmap\"/>"), ContainsSubstring("has no filename"));
+  CHECK_THAT(body_error("<emitter type=\"envmap\"><string name=\"filename\" value=\"no.exr\"/>"
+                        "</emitter>"),
+             ContainsSubstring("no.exr' does not exist"));
 }

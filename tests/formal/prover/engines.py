@@ -29,7 +29,8 @@ def refute(tools: Tools, folder: Path, proved: Property, sources: list[Path], wo
     """The same where a run that breaks it is looked for, the shortest first."""
     if proved.method == "path":
         return _path(tools, folder, proved, sources, work, limit)
-    found = _search(tools, folder, proved, sources, work, max(100, proved.depth), limit)
+    # A bound that its bug lies beyond would show nothing.
+    found = _search(tools, folder, proved, sources, work, proved.depth or 100, limit)
     if found.verdict == "fails":
         return found
     return Outcome("undecided", found.depth, found.seconds)

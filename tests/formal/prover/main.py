@@ -8,7 +8,7 @@ from pathlib import Path
 
 from flow.shell import ROOT, Failure, say
 
-from . import engines, properties, report, sources, tools
+from . import engines, kept, properties, report, sources, tools
 from .engines import Outcome
 from .properties import Property
 from .report import Result
@@ -46,7 +46,7 @@ def main() -> int:
     parser.add_argument("-j", "--jobs", type=int, default=2, help="proofs at a time (default 2)")
     parser.add_argument("--limit", type=float, default=600.0, help="seconds of the processor until a property counts as undecided (default 600)")
     parser.add_argument("--quick", action="store_true", help="only the properties marked quick, in a few seconds")
-    parser.add_argument("--page", action="store_true", help=f"write the table into {PAGE} as well")
+    parser.add_argument("--page", action="store_true", help=f"prove nothing: write the last results of all into {PAGE}")
     parser.add_argument("--check", action="store_true", help="prove nothing: tell whether sources are there and planted bugs apply")
     parser.add_argument("--list", action="store_true", help="print the table's names and what they say")
     parser.add_argument("--work", type=Path, default=ROOT / "build" / "formal", help="where models and logs go (default build/formal)")
@@ -67,6 +67,9 @@ def main() -> int:
             print(f"{proved.name:<32} {proved.says}")
         return 0
 
+    if arguments.page:
+        report.write_page(ROOT / PAGE, [kept.read(ROOT, arguments.work, proved) for proved in chosen])
+        return 0
     if arguments.check:
         for proved in chosen:
             sources.plant(ROOT, proved, sources.of(ROOT, proved), arguments.work / "sources")
@@ -79,12 +82,11 @@ def main() -> int:
     with ThreadPoolExecutor(max_workers=max(1, arguments.jobs)) as pool:
         for result in pool.map(lambda proved: check(found, proved, arguments.work, arguments.limit), chosen):
             print(report.line(result), flush=True)
+            kept.keep(ROOT, arguments.work, result)
             results.append(result)
     failed = [result for result in results if not result.passed]
     unbounded = sum(result.proved.unbounded for result in results if result.passed)
     say(f"{len(results) - len(failed)} of {len(results)} properties hold, {unbounded} without a bound, each with its planted bug refuted")
-    if arguments.page:
-        report.write_page(ROOT / PAGE, results)
     if failed:
         print(f"formal: {', '.join(result.proved.name for result in failed)}: logs in {arguments.work}/NAME", file=sys.stderr)
     return 1 if failed else 0

@@ -8,7 +8,7 @@ from flow.shell import Failure
 from .engines import Outcome
 from .properties import Property
 
-BEGIN = "<!-- table: written by `make formal FORMAL_FLAGS=--page` -->"
+BEGIN = "<!-- table: written by `scripts/formal --page` after `make formal` -->"
 END = "<!-- end of the table -->"
 
 

@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "golden/image/picture.hpp"
+
+#include <fmt/core.h>
+
+#include <climits>
+#include <cstdint>
+#include <memory>
+#include <stdexcept>
+
+#include "golden/image/image.hpp"
+#include "golden/numeric/output_file.hpp"
+
+// No SIMD: a JPEG's bytes then decode to the same texels on every machine.
+#define STB_IMAGE_STATIC
+#define STB_IMAGE_IMPLEMENTATION
+#define STBI_NO_STDIO
+#define STBI_NO_SIMD
+#define STBI_NO_PSD
+#define STBI_NO_GIF
+#define STBI_NO_PIC
+#define STBI_NO_PNM
+#define STBI_MAX_DIMENSIONS (1 << 20)
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wunused-function"
+#pragma GCC diagnostic ignored "-Wsign-compare"
+#include <stb/stb_image.h>
+#pragma GCC diagnostic pop
+
+namespace photonloom {
+namespace {
+
+constexpr int64_t kMaxPixels = int64_t{1} << 26;
+
+[[noreturn]] void fail(const std::string& path, const std::string& why) {
+  throw std::runtime_error(path + ": " + why);
+}
+
+void check_size(const std::string& path, int64_t width, int64_t height) {
+  if (width < 1 || height < 1)
+    fail(path, fmt::format("has {} x {} pixels, expected at least 1 x 1", width, height));
+  if (width > kMaxPixels / height)
+    fail(path, fmt::format("has {} x {} pixels, expected at most 2^26", width, height));
+}
+
+struct Free {
+  void operator()(void* p) const { stbi_image_free(p); }
+};
+
+// Values of the library, owned by it, over their largest.
+template <class Value>
+void take(Picture& out, Value* data, double largest) {
+  const std::unique_ptr<Value, Free> owner(data);
+  const size_t count = static_cast<size_t>(out.width) * static_cast<size_t>(out.height) *
+                       static_cast<size_t>(out.channels);
+  out.values.resize(count);
+  for (size_t i = 0; i < count; ++i)
+    out.values[i] = static_cast<float>(static_cast<double>(data[i]) / largest);
+}
+
+Picture from_exr(const std::string& path) {
+  const Image image = read_exr(path);
+  check_size(path, image.width, image.height);
+  std::vector<const Channel*> planes;
+  for (const char* name : {"R", "G", "B"})
+    if (const Channel* c = image.find(name)) planes.push_back(c);
+  if (planes.size() != 3) {
+    planes.clear();
+    if (const Channel* y = image.find("Y")) planes.push_back(y);
+  }
+  if (planes.empty()) fail(path, "has neither channels R, G, B nor Y, expected a color image");
+  if (const Channel* a = image.find("A")) planes.push_back(a);
+  Picture out;
+  out.width = image.width;
+  out.height = image.height;
+  out.channels = static_cast<int>(planes.size());
+  out.values.resize(planes.size() * planes[0]->pixels.size());
+  for (size_t c = 0; c < planes.size(); ++c)
+    for (size_t i = 0; i < planes[c]->pixels.size(); ++i)
+      out.values[i * planes.size() + c] = planes[c]->pixels[i];
+  return out;
+}
+
+}  // namespace
+
+Picture read_picture(const std::string& path) {
+  const std::string bytes = read_file(path);
+  if (bytes.compare(0, 4, "\x76\x2f\x31\x01") == 0) return from_exr(path);
+  if (bytes.size() > INT_MAX) fail(path, "is larger than 2 GiB");
+  const auto* data = reinterpret_cast<const stbi_uc*>(bytes.data());
+  const int size = static_cast<int>(bytes.size());
+  // The library's own limit has no message of its own.
+  if (bytes.size() >= 24 && bytes.compare(0, 4, "\x89PNG") == 0) {
+    const auto big_endian = [&](size_t at) {
+      int64_t n = 0;
+      for (size_t i = at; i < at + 4; ++i) n = n << 8 | data[i];
+      return n;
+    };
+    check_size(path, big_endian(16), big_endian(20));
+  }
+  Picture out;
+  const auto broken = [&](const char* what) {
+    const char* reason = stbi_failure_reason();
+    fail(path, fmt::format("{}: {}", what, reason ? reason : "unknown format"));
+  };
+  if (!stbi_info_from_memory(data, size, &out.width, &out.height, &out.channels))
+    broken("cannot be read as PNG, JPEG, TGA, BMP, HDR or EXR");
+  check_size(path, out.width, out.height);
+  int width = 0, height = 0;
+  if (stbi_is_hdr_from_memory(data, size)) {
+    float* values = stbi_loadf_from_memory(data, size, &width, &height, &out.channels, 0);
+    if (!values) broken("cannot be read as HDR");
+    take(out, values, 1);
+  } else if (stbi_is_16_bit_from_memory(data, size)) {
+    stbi_us* values = stbi_load_16_from_memory(data, size, &width, &height, &out.channels, 0);
+    if (!values) broken("cannot be read");
+    out.integers = true;
+    take(out, values, 65535);
+  } else {
+    stbi_uc* values = stbi_load_from_memory(data, size, &width, &height, &out.channels, 0);
+    if (!values) broken("cannot be read");
+    out.integers = true;
+    take(out, values, 255);
+  }
+  return out;
+}
+
+}  // namespace photonloom
