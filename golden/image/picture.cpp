@@ -30,17 +30,17 @@
 namespace photonloom {
 namespace {
 
-constexpr int64_t kMaxPixels = int64_t{1} << 26;
+constexpr int64_t kMaxPicturePixels = int64_t{1} << 26;
 
-[[noreturn]] void fail(const std::string& path, const std::string& why) {
+[[noreturn]] void fail_picture(const std::string& path, const std::string& why) {
   throw std::runtime_error(path + ": " + why);
 }
 
 void check_size(const std::string& path, int64_t width, int64_t height) {
   if (width < 1 || height < 1)
-    fail(path, fmt::format("has {} x {} pixels, expected at least 1 x 1", width, height));
-  if (width > kMaxPixels / height)
-    fail(path, fmt::format("has {} x {} pixels, expected at most 2^26", width, height));
+    fail_picture(path, fmt::format("has {} x {} pixels, expected at least 1 x 1", width, height));
+  if (width > kMaxPicturePixels / height)
+    fail_picture(path, fmt::format("has {} x {} pixels, expected at most 2^26", width, height));
 }
 
 struct Free {
@@ -68,7 +68,8 @@ Picture from_exr(const std::string& path) {
     planes.clear();
     if (const Channel* y = image.find("Y")) planes.push_back(y);
   }
-  if (planes.empty()) fail(path, "has neither channels R, G, B nor Y, expected a color image");
+  if (planes.empty())
+    fail_picture(path, "has neither channels R, G, B nor Y, expected a color image");
   if (const Channel* a = image.find("A")) planes.push_back(a);
   Picture out;
   out.width = image.width;
@@ -86,7 +87,7 @@ Picture from_exr(const std::string& path) {
 Picture read_picture(const std::string& path) {
   const std::string bytes = read_file(path);
   if (bytes.compare(0, 4, "\x76\x2f\x31\x01") == 0) return from_exr(path);
-  if (bytes.size() > INT_MAX) fail(path, "is larger than 2 GiB");
+  if (bytes.size() > INT_MAX) fail_picture(path, "is larger than 2 GiB");
   const auto* data = reinterpret_cast<const stbi_uc*>(bytes.data());
   const int size = static_cast<int>(bytes.size());
   // The library's own limit has no message of its own.
@@ -101,7 +102,7 @@ Picture read_picture(const std::string& path) {
   Picture out;
   const auto broken = [&](const char* what) {
     const char* reason = stbi_failure_reason();
-    fail(path, fmt::format("{}: {}", what, reason ? reason : "unknown format"));
+    fail_picture(path, fmt::format("{}: {}", what, reason ? reason : "unknown format"));
   };
   if (!stbi_info_from_memory(data, size, &out.width, &out.height, &out.channels))
     broken("cannot be read as PNG, JPEG, TGA, BMP, HDR or EXR");

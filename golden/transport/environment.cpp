@@ -10,7 +10,7 @@
 namespace photonloom {
 namespace {
 
-double mean(const Rgb& c) { return (c.x + c.y + c.z) / 3; }
+double mean_of_channels(const Rgb& c) { return (c.x + c.y + c.z) / 3; }
 
 // Longitude and polar angle as parts of the map's width and height.
 Vec2 place_of(const Vec3& local) {
@@ -69,7 +69,7 @@ Environment::Environment(const Light& light) : light_(light) {
       const Rgb value = texel_mean(map, x, y) * light.intensity;
       integral_ += value * area;
       brightest_ = std::max(brightest_, max_component(map.at(x, y) * light.intensity));
-      texels_.push_back(row += mean(value) * area);
+      texels_.push_back(row += mean_of_channels(value) * area);
     }
     rows_.push_back(rows += row);
   }

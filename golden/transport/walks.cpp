@@ -106,7 +106,7 @@ double part_number(const World& world, const Numbers& numbers, uint64_t segment)
 }
 template <class Numbers>
 double opening_number(const World& world, const Numbers& numbers, uint64_t segment,
-                      Dimension dimension = kWalkOpening) {
+                      WalkDimension dimension = kWalkOpening) {
   return world.has_openings() ? numbers.unit(segment, dimension) : 0;
 }
 
