@@ -25,9 +25,11 @@ int main() {
 }
 END
 libraries=$(find "$build" -name 'libphotonloom_*.a' | tr '\n' ' ')
+# What the program links beside them: several files of a folder are one object, which asks for all that its folder asks for.
+others=$(ninja -C "$build" -t commands photonloom | tail -n 1 | tr ' ' '\n' | grep -E '\.so|^-l|\.a$' | grep -v libphotonloom | sort -u | tr '\n' ' ')
 # The copy's objects stand in front, so theirs are the packets that count.
 g++ -std=c++20 -I. -I"$source" -isystem /usr/include/OpenEXR -isystem /usr/include/Imath write.cpp \
-  "$source/hls_kernels/generate/header.cpp" -Wl,--start-group $libraries -Wl,--end-group -lfmt -ltbb -o write ||
+  "$source/hls_kernels/generate/header.cpp" -Wl,--start-group $libraries -Wl,--end-group $others -o write ||
   fail "the header's writer does not compile"
 ./write >photonloom_hls.hpp
 grep -q 'typename T::template uint<5> colour_of_tea;' photonloom_hls.hpp || fail "the kernels' packet has no such field"
