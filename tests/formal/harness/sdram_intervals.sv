@@ -3,8 +3,8 @@
 // sdram_controller: no command comes inside an interval that the data sheet forbids, no row is read or written that is not
 // open, and nobody drives the data pins against the chip. The times, in ns, are written down here from the data sheet and
 // turned into cycles here; the commands are read from the chip's pins. One bank, any, is watched. Requests are free.
-// Refreshes fall due at any time, but only 16 cycles after the last one was made; each is made within 64 cycles, so with the
-// controller's own 7.8 us between them that is so. With Pause 1 instead: no command in the first 200 us, counted out.
+// Refreshes fall due at any time, but only 16 cycles after the last one was made; each is asserted to be made within 64 cycles,
+// and with the controller's own 7.8 us between them that is so. With Pause 1 instead: no command in the first 200 us, counted out.
 module sdram_intervals #(
     parameter int unsigned ClockKHz = 100000,
     parameter int unsigned LineHalfwords = 16,

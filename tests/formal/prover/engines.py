@@ -21,7 +21,7 @@ class Outcome:
 
 def prove(tools: Tools, folder: Path, proved: Property, sources: list[Path], work: Path, limit: float) -> Outcome:
     """Whether a property holds; undecided after limit seconds."""
-    method = {"pdr": _pdr, "induction": _induction, "exhaustive": _bounded, "bmc": _bounded, "path": _path}[proved.method]
+    method = {"pdr": _pdr, "exhaustive": _bounded, "bmc": _bounded, "path": _path}[proved.method]
     return method(tools, folder, proved, sources, work, limit)
 
 
@@ -89,21 +89,6 @@ def _bounded(tools: Tools, folder: Path, proved: Property, sources: list[Path], 
     if found.verdict == "holds" and proved.unbounded:
         return Outcome("holds", None, found.seconds)
     return found
-
-
-def _induction(tools: Tools, folder: Path, proved: Property, sources: list[Path], work: Path, limit: float) -> Outcome:
-    log = work / "log"
-    smt = work / "model.smt2"
-    seconds = model.smt2(tools, folder, proved, sources, smt, log)
-    for step in (False, True):
-        options = ["-i"] if step else ["--presat"]
-        done = commands.run([tools.smtbmc, "-s", "z3", *options, "-t", str(proved.depth), str(smt)], log, limit)
-        seconds += done.seconds
-        if "Status: FAILED" in done.text and not step:
-            return Outcome("fails", proved.depth, seconds)
-        if "Status: PASSED" not in done.text:
-            return Outcome("undecided", proved.depth if step else 0, seconds)
-    return Outcome("holds", None, seconds)
 
 
 def _path(tools: Tools, folder: Path, proved: Property, sources: list[Path], work: Path, limit: float) -> Outcome:

@@ -43,12 +43,6 @@ def aiger(tools: Tools, folder: Path, proved: Property, sources: list[Path], out
     return _yosys(tools, script, log)
 
 
-def smt2(tools: Tools, folder: Path, proved: Property, sources: list[Path], out: Path, log: Path) -> float:
-    script = _read(folder, proved, sources) + (
-        f"async2sync; dffunmap; memory_map; setundef -undriven -anyseq; opt_clean; write_smt2 -wires {out}")
-    return _yosys(tools, script, log)
-
-
 def netlist(tools: Tools, folder: Path, proved: Property, sources: list[Path], out: Path, log: Path) -> float:
     """Gates and registers of the harness as JSON, bit by bit."""
     # Nothing uses the ends of a path once the assertions are gone.

@@ -9,12 +9,11 @@ from flow.shell import Failure
 
 # How a property is shown, and whether that holds without a bound:
 #   pdr        property directed reachability, unbounded
-#   induction  k-induction by an SMT solver, k = depth, unbounded
 #   exhaustive every run of a harness that ends within depth cycles and asserts that it does: all inputs at once, unbounded
 #   bmc        every run of at most depth cycles
 #   path       no combinational path between two ports, found in the netlist, unbounded
-UNBOUNDED = {"pdr": True, "induction": True, "exhaustive": True, "bmc": False, "path": True}
-NEEDS_DEPTH = {"induction", "exhaustive", "bmc"}
+UNBOUNDED = {"pdr": True, "exhaustive": True, "bmc": False, "path": True}
+NEEDS_DEPTH = {"exhaustive", "bmc"}
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,6 @@ from flow.shell import Failure
 class Tools:
     yosys: str
     abc: str  # the model checker of the synthesis suite
-    smtbmc: str
 
 
 def find(root: Path) -> Tools:
@@ -26,4 +25,4 @@ def find(root: Path) -> Tools:
                     return found
         raise Failure(f"{names[0]}: neither in {own} nor on PATH (make formal installs it)")
 
-    return Tools(program("yosys"), program("yosys-abc", "berkeley-abc"), program("yosys-smtbmc"))
+    return Tools(program("yosys"), program("yosys-abc", "berkeley-abc"))
