@@ -102,7 +102,8 @@ GatherCost gather_cost_model(const Plan& plan, const PhotonMap& global, const Ph
   for (double* sum : {&cost.load.nodes, &cost.load.leaves, &cost.load.insertions})
     *sum /= static_cast<double>(queries.size());
   cost.load.misses =
-      static_cast<double>(lines_fetched(leaf_cache_shape(plan), visits, order, plan.contexts)) /
+      static_cast<double>(lines_fetched(leaf_cache_shape(plan), visits, order, plan.contexts,
+                                        lookup_times(plan, latency))) /
       static_cast<double>(queries.size());
   cost.bytes = cost.load.misses * plan.line_bytes();
   cost.cycles = modelled_cycles(plan, cost.load, latency);
