@@ -152,8 +152,7 @@ LookupTimes lookup_times(const Plan& plan, int latency) {
   t.read = static_cast<uint32_t>(plan.bucket / plan.lanes);
   t.beats = beats;
   t.memory = static_cast<uint32_t>(latency) + 2;
-  // Lanes, list and count of a leaf take 27 cycles, an inner node 4; three lie before a leaf.
-  t.between = 40;
+  t.between = kCyclesBetweenLines;
   t.misses = static_cast<uint32_t>(plan.cache_misses);
   return t;
 }

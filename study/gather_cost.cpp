@@ -139,8 +139,8 @@ double modelled_cycles(const Plan& plan, const GatherLoad& load, int latency) {
 std::string cycle_fit_signature() {
   const CycleFit& f = kCycleFit;
   Sha256 sum;
-  sum.add(fmt::format("{} {} {} {} {} {} {}", f.power, f.fixed, f.nodes, f.lanes, f.insertions,
-                      f.memory, f.latency));
+  sum.add(fmt::format("{} {} {} {} {} {} {} {}", f.power, f.fixed, f.nodes, f.lanes, f.insertions,
+                      f.memory, f.latency, kCyclesBetweenLines));
   return sum.hex().substr(0, 16);
 }
 

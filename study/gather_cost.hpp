@@ -68,7 +68,7 @@ GatherCost gather_cost_model(const Plan& plan, const PhotonMap& global, const Ph
 
 // Cycles of a gather as the fit has it. docs/sweep.md has the formula.
 double modelled_cycles(const Plan& plan, const GatherLoad& load, int latency);
-// Of the fit's numbers; results made with another are made again.
+// Of the numbers of fit and cache model; results made with another are made again.
 std::string cycle_fit_signature();
 
 // Cycles of cdf_sampler for a table of `photons` photons and `rays` requests, as
