@@ -22,12 +22,6 @@ bool is_property(const std::string& tag) {
          std::end(kPropertyTags);
 }
 
-std::string lower(std::string text) {
-  for (char& c : text)
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  return text;
-}
-
 void check_attributes(const Element& element, std::initializer_list<const char*> names) {
   for (const auto& [name, value] : element.attributes)
     if (std::find_if(names.begin(), names.end(),
@@ -268,9 +262,40 @@ Vec3 Properties::vector(const std::string& name, const Vec3& otherwise) {
   return xyz(*e, 0, false, false);
 }
 
-Rgb Properties::color(const std::string& name, const Rgb& otherwise) {
-  const Element* e = take(name, {"rgb", "spectrum", "srgb", "float"});
+namespace {
+
+// temperature="5000K", scale="1".
+Rgb blackbody(const Element& e) {
+  check_attributes(e, {"name", "temperature", "scale"});
+  std::string text = e["temperature"];
+  if (text.ends_with('K') || text.ends_with('k')) text.pop_back();
+  const auto kelvin = parse_double(text);
+  constexpr double kHottest = 1e9;
+  if (!kelvin || !(*kelvin > 0 && *kelvin <= kHottest))
+    fail(e, fmt::format("temperature of {} is '{}', expected kelvins like 5000K, at most {:g}",
+                        describe(e), e["temperature"], kHottest));
+  const double scale = e.find("scale") ? finite(e, e["scale"], "scale") : 1;
+  if (scale < 0) fail(e, fmt::format("scale of {} is negative, expected at least 0", describe(e)));
+  return blackbody_color(*kelvin, scale);
+}
+
+}  // namespace
+
+Rgb Properties::color(const std::string& name, const Rgb& otherwise, SpectrumOf of) {
+  const Element* e = take(name, {"rgb", "spectrum", "srgb", "float", "blackbody"});
   if (!e) return otherwise;
+  if (e->tag == "blackbody") return blackbody(*e);
+  if (e->tag == "spectrum" &&
+      (e->find("filename") || (*e)["value"].find(':') != std::string::npos)) {
+    check_attributes(*e, {"name", "value", "filename", "intent"});
+    if (e->find("filename") && e->find("value"))
+      fail(*e, fmt::format("{} has both filename and value, expected one", describe(*e)));
+    return spectrum_color(
+        e->find("filename")
+            ? read_spd(document_.find_file(*e, (*e)["filename"]))
+            : parse_spectrum((*e)["value"], fmt::format("{}:{}", *e->file, e->line)),
+        of);
+  }
   check_attributes(*e, {"name", "value", "intent"});
   const auto words = split((*e)["value"], ", \t\r\n");
   Rgb c;
@@ -287,11 +312,6 @@ Rgb Properties::color(const std::string& name, const Rgb& otherwise) {
     }
     for (int i = 0; i < 3; ++i) c[i] = value[i] / 255.0;
   } else {
-    if (e->tag == "spectrum" &&
-        (e->find("filename") || (*e)["value"].find(':') != std::string::npos))
-      fail(*e, fmt::format("{} with wavelengths is not supported, expected one number or three "
-                           "(linear Rec.709)",
-                           describe(*e)));
     const std::vector<double> v = numbers(*e, "value");
     if (v.size() == 1) {
       c = Rgb(v[0]);

@@ -12,9 +12,9 @@
 namespace photonloom {
 namespace {
 
-constexpr const char* kTypes =
+constexpr const char* kBsdfTypes =
     "diffuse, phong, conductor, roughconductor, dielectric, roughdielectric, thindielectric, "
-    "plastic, roughplastic, mask, null, blendbsdf, mixturebsdf or twosided";
+    "plastic, roughplastic, mask, null, blendbsdf, mixturebsdf, bumpmap, normalmap or twosided";
 
 std::string suffix(const std::string& id, const char* side) { return id.empty() ? id : id + side; }
 
@@ -60,9 +60,10 @@ bool BsdfReader::lets_light_pass(int index) const {
                      [&](int part) { return lets_light_pass(part); });
 }
 
-Rgb BsdfReader::textured(Properties& p, const std::string& name, const Rgb& otherwise, int& index) {
+Rgb BsdfReader::textured(Properties& p, const std::string& name, const Rgb& otherwise, int& index,
+                         SpectrumOf of) {
   const Properties::Child* child = p.object_of(name);
-  if (!child) return p.color(name, otherwise);
+  if (!child) return p.color(name, otherwise, of);
   if (child->object->tag != "texture") {
     findings_.add(*child->place,
                   fmt::format("{} is not supported as {} of {}, expected a color or a texture",
@@ -116,6 +117,8 @@ Sides BsdfReader::bsdf(const Element& e, int level) {
     sides = mask(p, level);
   } else if (type == "blendbsdf" || type == "mixturebsdf") {
     sides = mixture(p, level);
+  } else if (type == "bumpmap" || type == "normalmap") {
+    sides = normals(p, level);
   } else {
     Bsdf b;
     b.id = e["id"];
@@ -158,7 +161,7 @@ Sides BsdfReader::bsdf(const Element& e, int level) {
 Sides BsdfReader::substitute(Properties& p, int level) {
   const Element& e = p.object();
   const std::string refusal =
-      fmt::format("{} is not supported, expected type {}", describe(e), kTypes);
+      fmt::format("{} is not supported, expected type {}", describe(e), kBsdfTypes);
   for (const auto& child : p.children())
     if (child.object->tag == "bsdf") {
       findings_.add(e, refusal, "the BSDF inside of it stands for it");
@@ -409,6 +412,67 @@ Sides BsdfReader::mask(Properties& p, int level) {
   return sides;
 }
 
+// The BSDF inside with its shading normals turned by a texture.
+Sides BsdfReader::normals(Properties& p, int level) {
+  const bool bump = p.type() == "bumpmap";
+  const double scale = bump ? p.number("scale", 1) : 1;
+  std::optional<Sides> nested;
+  int map = -1;
+  for (const auto& child : p.children()) {
+    if (child.object->tag == "bsdf" && !nested) {
+      nested = bsdf(*child.object, level + 1);
+    } else if (child.object->tag == "texture" && map < 0) {
+      map = texture(*child.object);
+    } else {
+      findings_.add(*child.place,
+                    fmt::format("{} is not supported in {}, expected one bsdf and one texture",
+                                describe(*child.object), describe(p.object())),
+                    "it is left out");
+    }
+  }
+  if (!nested) fail(p.object(), fmt::format("{} has no BSDF, expected one", describe(p.object())));
+  if (map < 0)
+    fail(p.object(), fmt::format("{} has no texture, expected one", describe(p.object())));
+  if (scene_.textures[static_cast<size_t>(map)].kind == TextureKind::kVertexColor) {
+    findings_.add(
+        p.object(),
+        fmt::format("{} takes vertex colors, which is not supported, expected a bitmap or "
+                    "checkerboard",
+                    describe(p.object())),
+        "the BSDF inside of it stands for it");
+    return *nested;
+  }
+  if (scale != 1) {
+    Texture scaled = scene_.textures[static_cast<size_t>(map)];
+    scaled.scale *= scale;
+    scene_.textures.push_back(scaled);
+    map = static_cast<int>(scene_.textures.size()) - 1;
+  }
+  const auto turned = [&](int index, const char* side) {
+    if (index < 0) return index;
+    Bsdf b = scene_.bsdfs[static_cast<size_t>(index)];
+    if (turns_normals(index))
+      findings_.add(p.object(),
+                    fmt::format("{} has a bumpmap or normalmap inside, which is not supported",
+                                describe(p.object())),
+                    "the outer one stands for both");
+    b.id = suffix(p.object()["id"], side);
+    (bump ? b.bump_map : b.normal_map) = map;
+    (bump ? b.normal_map : b.bump_map) = -1;
+    return add(b);
+  };
+  Sides sides;
+  sides.front = turned(nested->front, "");
+  sides.back = nested->back == nested->front ? sides.front : turned(nested->back, ".back");
+  return sides;
+}
+
+bool BsdfReader::turns_normals(int index) const {
+  if (index < 0) return false;
+  const Bsdf& b = scene_.bsdfs[static_cast<size_t>(index)];
+  return b.normal_map >= 0 || b.bump_map >= 0;
+}
+
 Sides BsdfReader::mixture(Properties& p, int level) {
   Bsdf front;
   front.kind = BsdfKind::kMixture;
@@ -471,7 +535,15 @@ Sides BsdfReader::mixture(Properties& p, int level) {
       coat = &b;
     }
   };
-  for (const Sides& s : nested) look(look, s.front);
+  for (const Sides& s : nested) {
+    look(look, s.front);
+    if (turns_normals(s.front) || turns_normals(s.back))
+      findings_.add(p.object(),
+                    fmt::format("{} mixes BSDFs with bumpmap or normalmap, which is not supported, "
+                                "expected one around it",
+                                describe(p.object())),
+                    "the maps inside are left out");
+  }
   if (coat && bare) {
     findings_.add(p.object(),
                   fmt::format("{} mixes a plastic with a BSDF that has another coat or none, which "
