@@ -70,6 +70,7 @@ class Properties {
     bool used = false;
   };
   const Property* find(const std::string& name) const;
+  Rgb spectrum_plugin(const Element& e, SpectrumOf of) const;
   const Element* take(const std::string& name, std::initializer_list<const char*> tags);
 
   const Document& document_;

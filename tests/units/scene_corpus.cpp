@@ -207,6 +207,10 @@ constexpr File kFiles[] = {
      "<shape type='sphere'><bsdf type='diffuse'><spectrum name='reflectance' "
      "filename='paint.spd'/></bsdf></shape>",
      ""},
+    {"blackbody 3", "3.0.0",
+     "<shape type='sphere'><emitter type='area'><spectrum type='blackbody' name='radiance'><float "
+     "name='temperature' value='5000'/></spectrum></emitter></shape>",
+     ""},
     {"blackbody", "0.6.0",
      "<shape type='sphere'/><emitter type='spot'><blackbody name='intensity' "
      "temperature='5000K'/></emitter>",
@@ -329,7 +333,7 @@ void write_pictures(const TestFolder& folder) {
 }  // namespace
 
 TEST_CASE("small files in the style of public scenes render, or are refused whole") {
-  static_assert(std::size(kFiles) == 51);
+  static_assert(std::size(kFiles) == 52);
   const TestFolder folder;
   write_pictures(folder);
   for (const File& f : kFiles) {

@@ -97,6 +97,41 @@ TEST_CASE("spectra in scenes: lists, files and black bodies, on surfaces and lam
              ContainsSubstring("none.spd"));
 }
 
+TEST_CASE("the spectrum plugins of 3.x") {
+  const auto intensity = [](const std::string& type, const std::string& inside) {
+    return load_body("<emitter type=\"point\"><spectrum name=\"intensity\" type=\"" + type + "\">" +
+                         inside + "</spectrum></emitter>",
+                     "3.0.0")
+        .lights[0]
+        .intensity;
+  };
+  CHECK(intensity("blackbody", "<float name=\"temperature\" value=\"3000\"/>") ==
+        blackbody_color(3000, 1));
+  CHECK(intensity("uniform", "<float name=\"value\" value=\"0.5\"/>") == Rgb(0.5));
+  CHECK(intensity("d65", "<float name=\"scale\" value=\"2\"/>") == Rgb(2));
+  CHECK(intensity("rgb", "<rgb name=\"color\" value=\"1 2 3\"/>") == Rgb(1, 2, 3));
+  const Rgb expected =
+      spectrum_color(parse_spectrum("400:1 500:3 600:2", "here"), SpectrumOf::kLight);
+  CHECK(intensity("irregular",
+                  "<string name=\"wavelengths\" value=\"400, 500, 600\"/><string name=\"values\" "
+                  "value=\"1 3 2\"/>") == expected);
+  CHECK(intensity("regular",
+                  "<float name=\"wavelength_min\" value=\"400\"/><float name=\"wavelength_max\" "
+                  "value=\"600\"/><string name=\"values\" value=\"1 3 2\"/>") == expected);
+  const auto error = [](const std::string& type, const std::string& inside) {
+    return body_error("<emitter type=\"point\"><spectrum name=\"intensity\" type=\"" + type +
+                          "\">" + inside + "</spectrum></emitter>",
+                      "3.0.0");
+  };
+  CHECK_THAT(error("irregular", "<string name=\"values\" value=\"1 3 2\"/>"),
+             ContainsSubstring("has 0 wavelengths and 3 values"));
+  CHECK_THAT(error("laser", ""),
+             ContainsSubstring("scene.xml:2") && ContainsSubstring("blackbody"));
+  CHECK_THAT(error("uniform", "<float name=\"glow\" value=\"1\"/>"), ContainsSubstring("glow"));
+  CHECK_THAT(error("uniform", "<float name=\"value\" value=\"-1\"/>"),
+             ContainsSubstring("negative"));
+}
+
 TEST_CASE(".spd files that are none") {
   CHECK(spd_error("400 1\n500 2") == "");
   CHECK_THAT(spd_error("# nothing\n"), ContainsSubstring("a.spd: the spectrum has no points"));
