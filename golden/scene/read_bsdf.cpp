@@ -168,6 +168,7 @@ Sides BsdfReader::substitute(Properties& p, int level) {
       p.ignore_all();
       return bsdf(*child.object, level + 1);
     }
+  if (p.type() == "principled") return like_principled(p, refusal);
   Bsdf b;
   b.id = e["id"];
   b.diffuse = Rgb(0.5);
@@ -182,6 +183,59 @@ Sides BsdfReader::substitute(Properties& p, int level) {
   findings_.add(e, refusal, "a diffuse BSDF stands for it");
   Sides sides;
   sides.front = sides.back = add(b);
+  return sides;
+}
+
+// Metal, glass and plastic in the shares of Mitsuba 3's principled BSDF.
+Sides BsdfReader::like_principled(Properties& p, const std::string& refusal) {
+  const auto mean_of = [&](const char* name, double otherwise) {
+    int t = -1;
+    const Rgb factor = textured(p, name, Rgb(otherwise), t);
+    return luminance(t < 0 ? factor
+                           : factor * texture_mean(scene_.textures[static_cast<size_t>(t)]));
+  };
+  const double roughness = mean_of("roughness", 0.5);
+  const double metallic = std::clamp(mean_of("metallic", 0), 0.0, 1.0);
+  const double glass = std::clamp(mean_of("spec_trans", 0), 0.0, 1.0) * (1 - metallic);
+  const double specular = std::clamp(mean_of("specular", 0.5), 0.0, 1.0);
+  const double eta = p.number("eta", 2 / (1 - std::sqrt(0.08 * specular)) - 1);
+  Bsdf base;
+  base.microfacets = Microfacets::kGgx;
+  base.alpha_u = base.alpha_v = std::clamp(roughness * roughness, 1e-3, 1.0);
+  base.ior = std::max(1.001, eta);
+  const Rgb color = value(p, base, Slot::kDiffuse, "base_color", Rgb(0.5));
+  const int map = base.textured(Slot::kDiffuse);
+  const double most = std::max(1.0, largest(base, Slot::kDiffuse, color));
+  base.texture[static_cast<size_t>(Slot::kDiffuse)] = -1;
+  const auto colored = [&](Bsdf& b, Rgb& member, Slot slot) {
+    member = color / most;
+    b.texture[static_cast<size_t>(slot)] = map;
+  };
+  Bsdf metal = base, clear = base, plastic = base;
+  metal.kind = BsdfKind::kRoughConductor;
+  colored(metal, metal.specular, Slot::kSpecular);
+  clear.kind = BsdfKind::kRoughDielectric;
+  clear.specular = Rgb(1);
+  colored(clear, clear.transmission, Slot::kTransmission);
+  plastic.kind = BsdfKind::kRoughPlastic;
+  plastic.specular = Rgb(1);
+  colored(plastic, plastic.diffuse, Slot::kDiffuse);
+  Bsdf mixture;
+  mixture.id = p.object()["id"];
+  mixture.kind = BsdfKind::kMixture;
+  const std::pair<double, Bsdf*> parts[] = {
+      {metallic, &metal}, {glass, &clear}, {1 - metallic - glass, &plastic}};
+  for (const auto& [share, part] : parts) {
+    if (!(share > 0)) continue;
+    part->id = mixture.id;
+    mixture.shares.push_back(share);
+    mixture.parts.push_back(add(*part));
+  }
+  p.ignore_all();
+  findings_.add(p.object(), refusal,
+                "roughconductor, roughdielectric and roughplastic of its color stand for it");
+  Sides sides;
+  sides.front = sides.back = mixture.parts.size() == 1 ? mixture.parts[0] : add(mixture);
   return sides;
 }
 

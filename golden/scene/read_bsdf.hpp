@@ -56,6 +56,7 @@ class BsdfReader {
   Sides normals(Properties& p, int level);
   bool turns_normals(int index) const;
   Sides substitute(Properties& p, int level);
+  Sides like_principled(Properties& p, const std::string& refusal);
   Rgb color0or1(Properties& p, const char* name, const Rgb& otherwise);
 
   const Document& document_;

@@ -682,13 +682,17 @@ TEST_CASE("all that is not supported is named in one message, each with its line
   CHECK(load_body("").substitutions.empty());
 }
 
-TEST_CASE("the nearest supported BSDF is the one inside, or a diffuse one of the same color") {
+TEST_CASE("the nearest supported BSDF is the one inside, or one of the same color") {
   const TestFolder folder;
-  const auto first = [&](const std::string& bsdf) {
+  const auto loaded = [&](const std::string& bsdf) {
     const Scene s = load_scene(folder.write("s.xml", scene_text("<shape type=\"disk\">" + bsdf +
                                                                 "</shape>" + kSensor + kLamp)),
                                {}, Unsupported::kSubstitute);
     CHECK(s.substitutions.size() == 1);
+    return s;
+  };
+  const auto first = [&](const std::string& bsdf) {
+    const Scene s = loaded(bsdf);
     return s.bsdfs[static_cast<size_t>(s.shapes[0].bsdf)];
   };
   CHECK(first("<bsdf type=\"coating\"><float name=\"thickness\" value=\"1\"/><bsdf "
@@ -696,6 +700,27 @@ TEST_CASE("the nearest supported BSDF is the one inside, or a diffuse one of the
             .kind == BsdfKind::kRoughConductor);
   CHECK(first("<bsdf type=\"principled\"><rgb name=\"base_color\" value=\"0.1 0.2 0.3\"/></bsdf>")
             .diffuse == Rgb(0.1, 0.2, 0.3));
+  // Of Mitsuba's principled BSDF the parts that there are.
+  const auto principled = [](const std::string& inside) {
+    return "<bsdf type=\"principled\"><rgb name=\"base_color\" value=\"0.1 0.2 0.3\"/>" + inside +
+           "</bsdf>";
+  };
+  const auto number = [](const char* name, const char* value) {
+    return std::string("<float name=\"") + name + "\" value=\"" + value + "\"/>";
+  };
+  const Bsdf plastic = first(principled(number("roughness", "0.4")));
+  CHECK(plastic.kind == BsdfKind::kRoughPlastic);
+  CHECK(plastic.alpha_u == Approx(0.16));
+  CHECK(plastic.ior == Approx(1.5));
+  const Bsdf metal = first(principled(number("metallic", "1")));
+  CHECK(metal.kind == BsdfKind::kRoughConductor);
+  CHECK(metal.specular == Rgb(0.1, 0.2, 0.3));
+  CHECK(first(principled(number("spec_trans", "1") + number("eta", "1.3"))).ior == 1.3);
+  const Scene mixed = loaded(principled(number("metallic", "0.25") + number("clearcoat", "1")));
+  const Bsdf& mixture = mixed.bsdfs[static_cast<size_t>(mixed.shapes[0].bsdf)];
+  CHECK(mixture.kind == BsdfKind::kMixture);
+  CHECK(mixture.shares == std::vector<double>{0.25, 0.75});
+  CHECK(first("<bsdf type=\"twosided\">" + principled("") + "</bsdf>").two_sided);
 }
 
 TEST_CASE("rough and coated BSDFs, their names and defaults") {
