@@ -162,11 +162,36 @@ Sides BsdfReader::substitute(Properties& p, int level) {
   const Element& e = p.object();
   const std::string refusal =
       fmt::format("{} is not supported, expected type {}", describe(e), kBsdfTypes);
+  const bool coating = p.type() == "coating", rough_coating = p.type() == "roughcoating";
   for (const auto& child : p.children())
     if (child.object->tag == "bsdf") {
-      findings_.add(e, refusal, "the BSDF inside of it stands for it");
+      Sides inside = bsdf(*child.object, level + 1);
+      Bsdf b;
+      if (inside.front >= 0) b = scene_.bsdfs[static_cast<size_t>(inside.front)];
+      const bool coats = (coating || rough_coating) && inside.front >= 0;
+      if (coats) b.ior = ior(p, "int_ior", "bk7") / ior(p, "ext_ior", "air");
+      if (!coats || b.kind != BsdfKind::kDiffuse || !(b.ior > 1)) {
+        findings_.add(e, refusal, "the BSDF inside of it stands for it");
+        p.ignore_all();
+        return inside;
+      }
+      b.id = e["id"];
+      b.kind = coating ? BsdfKind::kPlastic : BsdfKind::kRoughPlastic;
+      b.specular = value(p, b, Slot::kSpecular, "specular_reflectance", Rgb(1));
+      if (rough_coating) roughness(p, b);
+      if (const int t = b.textured(Slot::kAlphaU); t >= 0)
+        b.alpha_u *= luminance(texture_mean(scene_.textures[static_cast<size_t>(t)]));
+      b.alpha_v = b.alpha_u = std::max(1e-4, b.alpha_u);
+      for (const Slot slot : {Slot::kAlphaU, Slot::kAlphaV})
+        b.texture[static_cast<size_t>(slot)] = -1;
       p.ignore_all();
-      return bsdf(*child.object, level + 1);
+      findings_.add(e, refusal,
+                    coating ? "a plastic of its color stands for it"
+                            : "a roughplastic of its color stands for it");
+      const bool both = inside.back == inside.front;
+      inside.front = add(b);
+      if (both) inside.back = inside.front;
+      return inside;
     }
   if (p.type() == "principled") return like_principled(p, refusal);
   Bsdf b;

@@ -698,6 +698,15 @@ TEST_CASE("the nearest supported BSDF is the one inside, or one of the same colo
   CHECK(first("<bsdf type=\"coating\"><float name=\"thickness\" value=\"1\"/><bsdf "
               "type=\"roughconductor\"/></bsdf>")
             .kind == BsdfKind::kRoughConductor);
+  const Bsdf coated = first(
+      "<bsdf type=\"coating\"><float name=\"intIOR\" value=\"1.7\"/><float name=\"extIOR\" "
+      "value=\"1\"/><bsdf type=\"diffuse\"/></bsdf>");
+  CHECK(coated.kind == BsdfKind::kPlastic);
+  CHECK(coated.ior == 1.7);
+  CHECK(coated.diffuse == Rgb(0.5));
+  CHECK(first("<bsdf type=\"roughcoating\"><float name=\"alpha\" value=\"0.3\"/><bsdf "
+              "type=\"diffuse\"/></bsdf>")
+            .alpha_u == 0.3);
   CHECK(first("<bsdf type=\"principled\"><rgb name=\"base_color\" value=\"0.1 0.2 0.3\"/></bsdf>")
             .diffuse == Rgb(0.1, 0.2, 0.3));
   // Of Mitsuba's principled BSDF the parts that there are.
