@@ -116,7 +116,7 @@ TEST_CASE("derivatives of positions: by differences of texture coordinates, on e
   for (const int n : seen) CHECK(n > 20);
 }
 
-TEST_CASE("a bumped and a mapped floor: photons bring what paths see, within 3 %") {
+TEST_CASE("a bumped and a mapped floor: photons bring what paths see, within 3 %", "[slow]") {
   // Indirect light: a lamp shines on a wall, the wall on the floor.
   for (const bool bump : {true, false}) {
     Scene s;
