@@ -31,7 +31,9 @@ bool meets(const Ray& ray, const Vec3& lower, const Vec3& upper) {
 
 DeltaBoxes::DeltaBoxes(const World& world) {
   uint32_t last_shape = ~0u;
-  for (const Primitive& p : world.primitives()) {
+  const World::Range own = world.world_primitives();
+  for (uint32_t i = own.begin; i < own.end; ++i) {
+    const Primitive& p = world.primitives()[i];
     if (!has_delta_part(world.scene(), world.bsdf(p.shape, true)) &&
         !has_delta_part(world.scene(), world.bsdf(p.shape, false)))
       continue;
@@ -41,6 +43,17 @@ DeltaBoxes::DeltaBoxes(const World& world) {
     boxes_.back().first = glm::min(boxes_.back().first, lower);
     boxes_.back().second = glm::max(boxes_.back().second, upper);
     last_shape = p.shape;
+  }
+  for (const PlacedGroup& g : world.instances()) {
+    const World::Range range = world.groups()[g.group];
+    for (uint32_t i = range.begin; i < range.end; ++i) {
+      const uint32_t shape = world.primitives()[i].shape;
+      if (!has_delta_part(world.scene(), world.bsdf(shape, true)) &&
+          !has_delta_part(world.scene(), world.bsdf(shape, false)))
+        continue;
+      boxes_.push_back({g.lower, g.upper});
+      break;
+    }
   }
   // Flat boxes get some thickness, far above rounding and far below anything seen.
   const Vec3 margin(world.cube_extent() * 0x1p-30);
