@@ -28,7 +28,7 @@ struct BenchPlan {
 
 // What was checked so far.
 struct BenchTotals {
-  uint64_t runs = 0, compared = 0, cycles = 0;
+  uint64_t runs = 0, restarts = 0, compared = 0, cycles = 0;
 };
 
 // A case makes its stimulus, runs it beside golden and adds to the totals; a difference throws.
@@ -43,6 +43,7 @@ struct Bench {
   std::string module;  // of RTL that runs
   std::vector<BenchPlan> plans;
   std::vector<BenchCase> cases;
+  bool restarts = true;  // policies that reset it in the middle do so
 };
 int bench_main(int argc, char** argv, const Bench& bench);
 

@@ -33,7 +33,7 @@ std::vector<BenchPlan> plans() {
   fine.cache_angle_bits = 30;
   fine.cache_weight_bits = 12;
   // No turn of the normal at all.
-  Plan flat = plan_of("", 33, 2);
+  Plan flat = plan_of("", 33, 8);
   flat.cache_angle_bits = 0;
   flat.lut_ram_words = 64;
   return {{"usual", usual}, {"one", one}, {"coarse", coarse}, {"fine", fine}, {"flat", flat}};
@@ -157,6 +157,23 @@ std::vector<StreamCase<CacheLookup>> cases() {
            for (uint32_t& n : l.normal) n = random.chance(0.9) ? normal : 0;
            return l;
          });
+       }},
+      // Records at the corners of a cube just too far apart to cover one another, all of which
+      // cover its middle.
+      {"cube",
+       [](const Plan& plan, BenchRandom& random) -> In {
+         In in;
+         for (int tile = 0; tile < 40; ++tile) {
+           const auto half = static_cast<uint32_t>(8 + random.below(3));  // 31 fits in 5 bits
+           for (uint32_t i = 0; i < 12; ++i) {
+             CacheLookup l = lookup(plan, random, 1, 1, 2 * half - 2);
+             for (uint32_t axis = 0; axis < 3; ++axis)
+               l.position[axis] += i < 8 ? (i >> axis & 1) * 2 * half : half;
+             l.clear = i == 0;
+             in.push_back(l);
+           }
+         }
+         return in;
        }},
       // Nothing but a new tile each time, and tiles that only look.
       {"clears",

@@ -1,0 +1,45 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The units, their benches and what a bench runs."""
+import re
+from pathlib import Path
+
+from flow.shell import ROOT, Failure, read_text, run
+
+LIST = Path("golden/plan/units.hpp")
+
+
+def names() -> list[str]:
+    """In the order of the list of units."""
+    found = re.findall(r"^ *UNIT\(\w+, (\w+),", read_text(ROOT / LIST), re.MULTILINE)
+    if not found:
+        raise Failure(f"{LIST}: expected lines UNIT(Interface, name, ...), found none")
+    return found
+
+
+def chosen(named: list[str]) -> list[str]:
+    """Those named, all where none is."""
+    every = names()
+    for name in named:
+        if name not in every:
+            raise Failure(f"{name}: no such unit, expected one of {', '.join(every)}")
+    return named or every
+
+
+def bench(benches: Path, unit: str) -> Path:
+    program = benches / f"bench_{unit}"
+    if not program.is_file():
+        raise Failure(f"{program}: is not built (cmake --build build --target benches)")
+    return program
+
+
+def plans(program: Path) -> list[str]:
+    """The plans that a bench lists, all of which the tests rtl.UNIT.* run."""
+    return re.findall(r"^plan (\S+)$", run([str(program), "--list"]), re.MULTILINE)
+
+
+def source(module: str) -> Path:
+    """The file of a module, below the project's root."""
+    found = sorted((ROOT / "rtl").glob(f"*/{module}.sv"))
+    if len(found) != 1:
+        raise Failure(f"rtl/*/{module}.sv: expected one such file, found {len(found)}")
+    return found[0].relative_to(ROOT)
