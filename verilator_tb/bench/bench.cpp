@@ -172,6 +172,33 @@ void run_plan(const std::string& program, const Bench& bench, const BenchPlan& p
 
 }  // namespace
 
+void check_counters(const std::string& unit, const Counters& golden, const Counters& hardware,
+                    uint64_t cycles) {
+  const auto expect = [&](const std::string& name, uint64_t due, const char* whose) {
+    const auto counted = hardware.find(name);
+    if (counted != hardware.end() && counted->second != (due & 0xffffffff))
+      throw std::runtime_error(fmt::format("unit {}: counts {} {}, expected {} as {}", unit,
+                                           counted->second, name, due, whose));
+  };
+  for (const auto& [name, count] : golden) expect(name, count, "golden");
+  const auto seen = [&](const std::string& name) {
+    const auto at = hardware.find(name);
+    return at == hardware.end() ? 0 : at->second;
+  };
+  // Cycles of some kind are some of all cycles.
+  for (const auto& [name, count] : hardware)
+    if ((name.rfind("cycles ", 0) == 0 || name == "busy" || name == "choice waits" ||
+         name.rfind("stalled ", 0) == 0) &&
+        count > cycles)
+      throw std::runtime_error(fmt::format(
+          "unit {}: counts {} {}, expected no more than the {} cycles", unit, count, name, cycles));
+  // Of a unit with two outputs the rig adds up both.
+  if (!hardware.contains("stalled in")) return;
+  expect("stalled in", seen("stalls in"), "the rig");
+  expect("cache misses", seen("line requests"), "the rig");
+  expect("stalled results", seen("stalls out") - seen("stalled photons"), "the rig");
+}
+
 int bench_main(int argc, char** argv, const Bench& bench) {
   const std::string& unit = bench.module;
   CLI::App app{"The hardware of " + unit + " beside golden, packet by packet."};

@@ -287,7 +287,8 @@ void verilate(const ModelInput& in, const std::vector<std::string>& files, const
 void build_verilator(const ModelInput& in) {
   std::string flags = "-Wall --assert --x-initial unique --x-assign unique";
   for (const std::string& p : in.parameters) flags += " " + quoted("-G" + p);
-  verilate(in, in.files, flags, 2);
+  // What counts runs once or twice: it has to be compiled soon.
+  verilate(in, in.files, flags, with_coverage() ? 1 : 2);
 }
 
 }  // namespace photonloom::model_tools

@@ -117,10 +117,11 @@ def grouped(points: list[Point]) -> list[str]:
             groups.setdefault((point.module, name), []).append(bit)
         else:
             groups.setdefault((point.module, point.what), []).append(point.line)
+    whole = {point.what for point in points}  # a signal of one bit has no index
     phrases = []
     for (_, name), numbers in groups.items():
         if points[0].kind == "toggle":
-            phrases.append(f"`{name}`" if numbers == [0] else f"`{name}` {ranges(numbers)}")
+            phrases.append(f"`{name}`" if name in whole else f"`{name}` {ranges(numbers)}")
         else:
             phrases.append(f"{name + ' of ' if name else ''}line {ranges(numbers)}")
     return phrases

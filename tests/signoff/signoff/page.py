@@ -82,14 +82,14 @@ def section(unit: str, evidence: Evidence) -> str:
     return "\n".join(text) + "\n"
 
 
-def write(page: Path, text: str) -> None:
+def write(page: Path, text: str, begin: str = BEGIN, end: str = END, heading: str = "## Sign-off") -> None:
     """Puts a section between its marks, or behind all else with a heading of its own."""
     old = read_text(page)
-    if BEGIN not in old:
-        old += f"\n## Sign-off\n\n{BEGIN}\n{END}\n"
+    if begin not in old:
+        old += f"\n{heading}\n\n{begin}\n{end}\n"
     try:
-        before, rest = old.split(BEGIN)
-        _, after = rest.split(END)
+        before, rest = old.split(begin)
+        _, after = rest.split(end)
     except ValueError as error:
-        raise Failure(f"{page}: expected the lines {BEGIN} and {END}, once each") from error
-    page.write_text(f"{before}{BEGIN}\n\n{text}{END}{after}")
+        raise Failure(f"{page}: expected the lines {begin} and {end}, once each") from error
+    page.write_text(f"{before}{begin}\n\n{text}{end}{after}")

@@ -43,3 +43,18 @@ def source(module: str) -> Path:
     if len(found) != 1:
         raise Failure(f"rtl/*/{module}.sv: expected one such file, found {len(found)}")
     return found[0].relative_to(ROOT)
+
+
+def modules(unit: str) -> list[str]:
+    """The unit's module and all that it instantiates, directly or not."""
+    every = {file.stem for file in (ROOT / "rtl").glob("*/*.sv")}
+    found: list[str] = []
+    ahead = [unit]
+    while ahead:
+        module = ahead.pop()
+        if module in found:
+            continue
+        found.append(module)
+        text = re.sub(r"//[^\n]*|/\*.*?\*/", "", read_text(ROOT / source(module)), flags=re.DOTALL)
+        ahead += sorted(every & set(re.findall(r"\b[a-z]\w*\b", text)) - set(found))
+    return sorted(found)
