@@ -22,11 +22,11 @@ class Coverage(unittest.TestCase):
             files = [Path(folder) / f"{number}.dat" for number in range(len(texts))]
             for file, text in zip(files, texts, strict=True):
                 file.write_text("# SystemC::Coverage-3\n" + text)
-            return coverage.read(files, frozenset({"lut_ram"}))
+            return coverage.read(files, coverage.Without(frozenset({"lut_ram"}), frozenset({("fifo", 12)})))
 
     def test_an_arm_counts_for_its_lines(self) -> None:
         found = self.read(entry("v_branch", 7, "if", 3, "7-9,12") + entry("v_branch", 7, "else", 0))
-        self.assertEqual([point.line for point in found.of("line")], [7, 8, 9, 12])
+        self.assertEqual([point.line for point in found.of("line")], [7, 8, 9])
         self.assertEqual(found.holes("line"), [])
         self.assertEqual(found.holes("branch"), [Point("fifo", "branch", 7, "else")])
 

@@ -43,7 +43,7 @@ struct BenchCommand {
   bool own_policy = false;
 };
 
-// The cycle into its first packets in which a run is reset: any of the first 400.
+// How many cycles after its first packet a run is reset: any of 400.
 uint64_t restart_cycle(uint64_t seed, const std::string& unit, const std::string& name,
                        int policy) {
   return 1 + BenchRandom(seed, fmt::format("{}/{}/restart {}", unit, name, policy)).below(400);

@@ -344,6 +344,15 @@ void Rig::reset() {
 bool Rig::restart(const std::function<void()>& give) {
   if (options_.restart_after == 0 || std::exchange(restarted_, true)) return false;
   give();
+  // A unit may make itself ready first.
+  const auto started = [&] {
+    return std::any_of(sources_.begin(), sources_.end(),
+                       [](const auto& s) { return s->accepted() > 0; });
+  };
+  run_until([&] {
+    return started() ||
+           std::all_of(sources_.begin(), sources_.end(), [](const auto& s) { return s->empty(); });
+  });
   for (uint64_t i = 0; i < options_.restart_after; ++i) cycle();
   for (auto& s : sources_) s->restart();
   for (auto& t : takers_) t->restart();

@@ -28,7 +28,7 @@ struct RunOptions {
   bool random_latency = false;  // uniform in [1, 2 * latency], replies out of order
   int banks = 8;                // of the line memory, by line number
   int bank_cycles = 0;          // a bank takes one request in so many cycles; 0: no limit
-  uint64_t restart_after = 0;   // cycles into its first packets: reset, and all of it anew; 0: not
+  uint64_t restart_after = 0;   // cycles from its first packet: reset, and all of it anew; 0: not
   uint64_t photon_pause = 0;    // so long nobody takes stream "photon", then a quarter of it
   double sdram_period = 1;      // of a board's SDRAM clock, in cycles
   uint64_t watchdog = 500000;   // cycles without any handshake while something is owed
@@ -179,7 +179,8 @@ class Rig {
 
   void reset();
   // Once, and where RunOptions::restart_after asks for it: has the unit given packets, clocks so
-  // long, then resets it and empties streams and memory. True where it did.
+  // long from the first that goes in, then resets it and empties streams and memory. True where it
+  // did.
   bool restart(const std::function<void()>& give);
   void cycle();
   // Clocks until done(); a RigError naming every stream's state when nothing moves for the

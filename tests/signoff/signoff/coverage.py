@@ -51,12 +51,19 @@ def _lines(text: str) -> Iterator[int]:
         yield from range(int(first), int(last or first) + 1)
 
 
-def points(keys: dict[str, str], memories: frozenset[str]) -> Iterator[Point]:
+@dataclass(frozen=True)
+class Without:
+    """What is no point: words of modules that are memories, lines that elaboration alone runs."""
+    memories: frozenset[str] = frozenset()
+    elaborated: frozenset[tuple[str, int]] = frozenset()  # module and line
+
+
+def points(keys: dict[str, str], without: Without) -> Iterator[Point]:
     """The points that one counter is of: an arm's counter is also that of its lines."""
     kind = keys["page"].split("/")[0]
     module, line, what = Path(keys["f"]).stem, int(keys["l"]), keys.get("o", "")
     if kind == "v_toggle":
-        if not (module in memories and _STORED.search(what)):
+        if not (module in without.memories and _STORED.search(what)):
             yield Point(module, "toggle", line, what)
         return
     if kind == "v_user":
@@ -65,14 +72,15 @@ def points(keys: dict[str, str], memories: frozenset[str]) -> Iterator[Point]:
     if kind not in ("v_line", "v_branch"):
         raise Failure(f"a counter of a kind that is not known: {keys['page']}")
     for number in _lines(keys["S"]) if "S" in keys else ():
-        yield Point(module, "line", number)
+        if (module, number) not in without.elaborated:
+            yield Point(module, "line", number)
     # An item of a case is an arm, counted as a line's.
-    if kind == "v_branch" or what == "case":
+    if (kind == "v_branch" or what == "case") and (module, line) not in without.elaborated:
         yield Point(module, "branch", line, what)
 
 
-def read(files: Iterable[Path], memories: frozenset[str] = frozenset()) -> Coverage:
-    """All files of a run; a word of one of these memories is no point."""
+def read(files: Iterable[Path], without: Without = Without()) -> Coverage:
+    """All files of a run."""
     found = Coverage()
     known: dict[str, list[Point]] = {}
     for file in files:
@@ -85,7 +93,7 @@ def read(files: Iterable[Path], memories: frozenset[str] = frozenset()) -> Cover
             # The instance, last in a counter's name, makes no difference to the point.
             name = re.sub(r"\x01h\x02[^\x01]*", "", entry[1])
             if name not in known:
-                known[name] = list(points(dict(_FIELD.findall(name)), memories))
+                known[name] = list(points(dict(_FIELD.findall(name)), without))
             for point in known[name]:
                 found.add(point, int(entry[2]))
     return found

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from flow.shell import ROOT, Failure, read_json, run, say, warn, write_json
 
-from . import coverage, evidence, holes, page, units
+from . import coverage, evidence, holes, mutators, page, units
 
 # Modules that are nothing but a memory: their words are no points.
 MEMORIES = frozenset({"block_ram", "block_ram_two_reads", "lut_ram", "pool_ram"})
@@ -51,7 +51,10 @@ def _unit(unit: str, benches: Path, work: Path, again: bool) -> tuple[page.Evide
     plans = units.plans(program)
     runs = [_run_plan(program, plan, work / unit / plan, work / "models", again) for plan in plans]
     packets, resets, cycles = (sum(numbers) for numbers in zip(*runs, strict=True))
-    found = coverage.read([file for plan in plans for file in sorted((work / unit / plan).glob("*.dat"))], MEMORIES)
+    elaborated = frozenset((module, line) for module in units.modules(unit) for line in mutators.elaborated(
+        (ROOT / units.source(module)).read_text(), str(units.source(module))))
+    found = coverage.read([file for plan in plans for file in sorted((work / unit / plan).glob("*.dat"))],
+                          coverage.Without(MEMORIES, elaborated))
     modules = {point.module for point in found.counts}
     every = [point for kind in coverage.KINDS for point in found.holes(kind)]
     explained, bare = holes.explain(every, holes.reasons(unit))

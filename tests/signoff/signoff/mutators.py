@@ -76,6 +76,7 @@ class Reader:
         self.tokens = tokens_of(text, file)
         self.regions: list[Region] = []
         self.header = 0  # where the module's header ends in the text
+        self.elaborated: set[int] = set()  # lines of such functions
         # Names of functions that parameters are made with, and so may not depend on what is chosen at run time.
         self.constant = {name for line in re.findall(r"(?:localparam|parameter)[^;]*", text) for name in re.findall(r"(\w+)\(", line)}
         self._module()
@@ -122,6 +123,7 @@ class Reader:
     def _item(self, place: int) -> int:
         word = self.at(place)
         if word == "function":
+            begin = place
             name_at = self.until(place, {"(", ";"}) - 1
             constant = self.at(name_at) in self.constant
             place = self.until(place, {";"}) + 1
@@ -130,6 +132,8 @@ class Reader:
                 place = self._statement(place)
             if constant:
                 del self.regions[kept:]
+                first, last = (self.text.count("\n", 0, self.tokens[at].start) + 1 for at in (begin, place))
+                self.elaborated.update(range(first, last + 1))
             return place + 1
         if word in ("always_ff", "always_comb", "always_latch", "always"):
             place += 1
@@ -334,6 +338,11 @@ def mutants_of(text: str, file: str) -> list[Mutant]:
             found.append(Mutant(file, at if at > line else line, start, end, text[start:end],
                                 text[start:first] + by + text[last:end], what))
     return found
+
+
+def elaborated(text: str, file: str) -> set[int]:
+    """The lines of functions that parameters are made with: none of them is left in the hardware."""
+    return Reader(text, file).elaborated
 
 
 SELECTOR = "chosen_mutant"
