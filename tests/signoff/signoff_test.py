@@ -109,7 +109,7 @@ class Mutants(unittest.TestCase):
         tried[0].killed_by = "plan p"
         tried[1].equivalent = True
         self.assertEqual(len(mutate.explain("none", tried)), 1)
-        self.assertIn("killed of those not proved equivalent | 50.00 %", mutate.section("u", tried, 9, 1))
+        self.assertIn("killed of those not proved equivalent | 50.00 %", mutate.section("u", tried, ["p"], 9, 1))
 
 
 class Evidence(unittest.TestCase):

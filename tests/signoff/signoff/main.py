@@ -46,9 +46,9 @@ def _run_plan(program: Path, plan: str, folder: Path, models: Path, again: bool)
     return tuple(numbers)
 
 
-def _unit(unit: str, benches: Path, work: Path, again: bool) -> tuple[page.Evidence, list[coverage.Point]]:
+def _unit(unit: str, named: list[str], benches: Path, work: Path, again: bool) -> tuple[page.Evidence, list[coverage.Point]]:
     program = units.bench(benches, unit)
-    plans = units.plans(program)
+    plans = units.plans_of(program, named)
     runs = [_run_plan(program, plan, work / unit / plan, work / "models", again) for plan in plans]
     packets, resets, cycles = (sum(numbers) for numbers in zip(*runs, strict=True))
     elaborated = frozenset((module, line) for module in units.modules(unit) for line in mutators.elaborated(
@@ -58,12 +58,13 @@ def _unit(unit: str, benches: Path, work: Path, again: bool) -> tuple[page.Evide
     modules = {point.module for point in found.counts}
     every = [point for kind in coverage.KINDS for point in found.holes(kind)]
     explained, bare = holes.explain(every, holes.reasons(unit))
-    return page.Evidence(plans, packets, resets, cycles, found, explained, evidence.proofs(modules), evidence.hand_mutants(unit)), bare
+    return page.Evidence(plans, len(units.plans(program)), packets, resets, cycles, found, explained, evidence.proofs(modules), evidence.hand_mutants(unit)), bare
 
 
 def main() -> int:
     parser = argparse.ArgumentParser(prog="signoff", description=__doc__)
     parser.add_argument("units", nargs="*", metavar="UNIT", help="units by name, all without one")
+    parser.add_argument("--plan", action="append", default=[], metavar="PLAN", help="only this plan of the bench; may be repeated (default all)")
     parser.add_argument("--update", action="store_true", help="write the section of docs/UNIT.md; without, print it")
     parser.add_argument("--again", action="store_true", help="run also what was run with this bench and RTL before")
     parser.add_argument("--benches", type=Path, default=ROOT / "build" / "verilator_tb", help="where the benches are (default build/verilator_tb)")
@@ -73,7 +74,7 @@ def main() -> int:
     work = arguments.work.resolve()
     faults = 0
     for unit in units.chosen(arguments.units):
-        found, bare = _unit(unit, arguments.benches.resolve(), work, arguments.again)
+        found, bare = _unit(unit, arguments.plan, arguments.benches.resolve(), work, arguments.again)
         said = {figure.kind: f"{page.NAMES[figure.kind]} {figure.percent:.2f} %{'' if figure.met else ' MISSED'}"
                 for figure in page.figures(found.coverage) if figure.of}
         say(f"{unit}: {', '.join(said.values())}; {sum(len(hole.points) for hole in found.holes)} holes with a reason, {len(bare)} without")

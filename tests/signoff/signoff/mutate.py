@@ -144,13 +144,13 @@ def brief(mutant: Mutant) -> str:
     return f"{mutant.what}: {' '.join(mutant.now.split())}"
 
 
-def section(unit: str, tried: list[Tried], population: int, seed: int) -> str:
+def section(unit: str, tried: list[Tried], plans: list[str], population: int, seed: int) -> str:
     killed = sum(bool(entry.killed_by) for entry in tried)
     equivalent = sum(entry.equivalent for entry in tried)
     of = len(tried) - equivalent
     percent = int(10000 * killed / of) / 100 if of else 100.0
     text = [f"`make mutate-auto` writes this section: {len(tried)} of the {population:,} mutants of this unit's modules, drawn with seed {seed}, "
-            f"one at a time under `bench_{unit}`.", "", "| mutants | |", "|---|---|", f"| killed | {killed} |",
+            f"one at a time under `bench_{unit}` with the plans {', '.join(plans)}.", "", "| mutants | |", "|---|---|", f"| killed | {killed} |",
             f"| proved equivalent | {equivalent} |", f"| survived | {of - killed} |",
             f"| killed of those not proved equivalent | {percent:.2f} %, goal {GOAL:g} %: {'met' if percent >= GOAL else '**MISSED**'} |", ""]
     left = [entry for entry in tried if not entry.killed_by]
@@ -162,20 +162,20 @@ def section(unit: str, tried: list[Tried], population: int, seed: int) -> str:
     return "\n".join(text) + "\n"
 
 
-def _keep(tried: list[Tried]) -> list[dict[str, Any]]:
-    return [dataclasses.asdict(entry) for entry in tried]
+def _keep(tried: list[Tried], plans: list[str]) -> dict[str, Any]:
+    return {"plans": plans, "mutants": [dataclasses.asdict(entry) for entry in tried]}
 
 
-def _kept(file: Path, tried: list[Tried]) -> bool:
-    """Takes over the results of a run of the very same mutants; whether there is one."""
+def _kept(file: Path, tried: list[Tried]) -> list[str] | None:
+    """Takes over the results of a run of the very same mutants; its plans, or none where there was no such run."""
     if not file.is_file():
-        return False
+        return None
     before = read_json(file)
-    if [entry["mutant"] for entry in before] != [dataclasses.asdict(entry.mutant) for entry in tried]:
-        return False
-    for entry, kept in zip(tried, before, strict=True):
+    if [entry["mutant"] for entry in before["mutants"]] != [dataclasses.asdict(entry.mutant) for entry in tried]:
+        return None
+    for entry, kept in zip(tried, before["mutants"], strict=True):
         entry.killed_by, entry.equivalent = kept["killed_by"], kept["equivalent"]
-    return True
+    return [str(plan) for plan in before["plans"]]
 
 
 def main() -> int:
@@ -201,27 +201,26 @@ def main() -> int:
         work = arguments.work.resolve() / unit
         results = work / "results.json"
         if arguments.read:
-            if not _kept(results, tried):
+            kept = _kept(results, tried)
+            if kept is None:
                 raise Failure(f"{unit}: these mutants were not run yet (no results of them in {results})")
+            plans = kept
         else:
             program = units.bench(arguments.benches.resolve(), unit)
-            every = units.plans(program)
-            for plan in arguments.plan:
-                if plan not in every:
-                    raise Failure(f"--plan {plan}: {unit} has none of this name, expected one of {', '.join(every)}")
+            plans = units.plans_of(program, arguments.plan)
             models = work / "models"
             shutil.rmtree(models, ignore_errors=True)
             plant_all(tried, work / "rtl")
-            try_all(Bench(program, work / "rtl", models), arguments.plan or every, tried)
+            try_all(Bench(program, work / "rtl", models), plans, tried)
             prove_left(unit, tried, models, work / "equivalence", arguments.yosys)
-            write_json(results, _keep(tried))
+            write_json(results, _keep(tried, plans))
         amiss = explain(unit, tried)
         for sentence in amiss:
             warn(f"{unit}: {sentence}")
         killed, of = sum(bool(entry.killed_by) for entry in tried), sum(not entry.equivalent for entry in tried)
         say(f"{unit}: {killed} killed, {len(tried) - of} proved equivalent, {of - killed} survived")
         faults += len(amiss) + (100.0 * killed < GOAL * of)
-        text = section(unit, tried, population, arguments.seed)
+        text = section(unit, tried, plans, population, arguments.seed)
         if arguments.update:
             page.write(ROOT / "docs" / f"{unit}.md", text, BEGIN, END, "### Mutants")
             say(f"wrote docs/{unit}.md")

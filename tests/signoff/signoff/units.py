@@ -37,6 +37,15 @@ def plans(program: Path) -> list[str]:
     return re.findall(r"^plan (\S+)$", run([str(program), "--list"]), re.MULTILINE)
 
 
+def plans_of(program: Path, named: list[str]) -> list[str]:
+    """Those named, all where none is."""
+    every = plans(program)
+    for plan in named:
+        if plan not in every:
+            raise Failure(f"--plan {plan}: {program.name} has none of this name, expected one of {', '.join(every)}")
+    return [plan for plan in every if plan in named] or every
+
+
 def source(module: str) -> Path:
     """The file of a module, below the project's root."""
     found = sorted((ROOT / "rtl").glob(f"*/{module}.sv"))
