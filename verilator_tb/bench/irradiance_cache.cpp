@@ -158,20 +158,34 @@ std::vector<StreamCase<CacheLookup>> cases() {
            return l;
          });
        }},
-      // Records at the corners of a cube just too far apart to cover one another, all of which
-      // cover its middle.
-      {"cube",
+      // Records at the corners of a cube or an octahedron, just too far apart to cover one another,
+      // all of which cover its middle; before them others of no reach, so that their numbers vary.
+      {"around",
        [](const Plan& plan, BenchRandom& random) -> In {
          In in;
+         const uint32_t middle = edge_of(plan), all = 2 * middle;
          for (int tile = 0; tile < 40; ++tile) {
-           const auto half = static_cast<uint32_t>(8 + random.below(3));  // 31 fits in 5 bits
-           for (uint32_t i = 0; i < 12; ++i) {
-             CacheLookup l = lookup(plan, random, 1, 1, 2 * half - 2);
+           const auto half = static_cast<uint32_t>(8 + random.below(middle - 9));
+           const bool cube = tile % 2 == 0;
+           const size_t first = in.size();
+           const int others = std::max(0, plan.cache_records - 8);
+           for (uint64_t i = random.below(static_cast<uint64_t>(others) + 1); i > 0; --i)
+             in.push_back(lookup(plan, random, 0, all, 1));
+           for (uint32_t i = 0; i < (cube ? 8u : 6u); ++i) {
+             // Neighbours are 2 or 1.414 halves apart.
+             CacheLookup l = lookup(plan, random, middle, 1, cube ? 2 * half - 2 : half * 7 / 5);
              for (uint32_t axis = 0; axis < 3; ++axis)
-               l.position[axis] += i < 8 ? (i >> axis & 1) * 2 * half : half;
-             l.clear = i == 0;
+               if (cube || axis == i / 2) {
+                 const bool up = (cube ? i >> axis & 1 : i & 1) != 0;
+                 l.position[axis] = up ? middle + half : middle - half;
+               }
              in.push_back(l);
            }
+           for (int i = 0; i < 4; ++i) {
+             in.push_back(lookup(plan, random, middle - i / 2, 1 + static_cast<uint32_t>(i), 1));
+             in.back().insert = 0;
+           }
+           for (size_t i = first; i < in.size(); ++i) in[i].clear = i == first;
          }
          return in;
        }},

@@ -10,7 +10,7 @@ from pathlib import Path
 from flow.shell import read_json
 
 # Seconds of a version.
-LIMIT = 60
+LIMIT = 30
 
 
 def _yosys(yosys: str, script: str, log: Path) -> bool:
