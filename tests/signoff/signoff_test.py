@@ -39,6 +39,10 @@ class Coverage(unittest.TestCase):
         found = self.read(entry("v_toggle", 4, "memory[3][1]", 0, module="lut_ram") + entry("v_toggle", 5, "read_data_o[1]", 0, module="lut_ram"))
         self.assertEqual([point.what for point in found.of("toggle")], ["read_data_o[1]"])
 
+    def test_bundles_are_no_points(self) -> None:
+        found = self.read(entry("v_toggle", 4, "all[256]", 0) + entry("v_toggle", 4, "all[1]", 0) + entry("v_toggle", 5, "part[255]", 0))
+        self.assertEqual([point.what for point in found.of("toggle")], ["part[255]"])
+
     def test_what_is_no_counter_is_refused(self) -> None:
         with self.assertRaisesRegex(Failure, "line 2: is no counter"):
             self.read("nonsense\n")

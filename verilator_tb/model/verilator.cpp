@@ -163,9 +163,9 @@ constexpr const char* kVerilatorCompile =
     "-std=gnu++17 -w -fPIC -fvisibility=hidden -faligned-new -DVERILATOR=1 "
     "-DVM_SC=0 -DVM_TRACE_VCD=0 -DVM_TIMING=0";
 
-// Wider signals are not watched; among them are most memories, whose ports are.
+// Wider signals are not watched: bundles of others, and memories, which are at their ports.
 constexpr const char* kVerilatorCoverage =
-    " --coverage --coverage-underscore --coverage-max-width 1024";
+    " --coverage --coverage-underscore --coverage-max-width 256";
 
 // Whether models count what of them was reached: PHOTONLOOM_COVERAGE of the environment.
 bool with_coverage() { return std::getenv("PHOTONLOOM_COVERAGE") != nullptr; }

@@ -79,6 +79,25 @@ def points(keys: dict[str, str], without: Without) -> Iterator[Point]:
         yield Point(module, "branch", line, what)
 
 
+# Wider signals are bundles of others, which are watched where they are made.
+WIDEST = 256
+_BIT = re.compile(r"(.*)\[(\d+)\]")
+
+
+def _without_bundles(found: Coverage) -> Coverage:
+    widths: dict[tuple[str, str], int] = {}
+    for point in found.counts:
+        bit = _BIT.fullmatch(point.what) if point.kind == "toggle" else None
+        if bit:
+            widths[point.module, bit[1]] = max(int(bit[2]) + 1, widths.get((point.module, bit[1]), 0))
+    kept = {}
+    for point, count in found.counts.items():
+        bit = _BIT.fullmatch(point.what) if point.kind == "toggle" else None
+        if not bit or widths[point.module, bit[1]] <= WIDEST:
+            kept[point] = count
+    return Coverage(kept)
+
+
 def read(files: Iterable[Path], without: Without = Without()) -> Coverage:
     """All files of a run."""
     found = Coverage()
@@ -96,4 +115,4 @@ def read(files: Iterable[Path], without: Without = Without()) -> Coverage:
                 known[name] = list(points(dict(_FIELD.findall(name)), without))
             for point in known[name]:
                 found.add(point, int(entry[2]))
-    return found
+    return _without_bundles(found)

@@ -70,7 +70,7 @@ def section(unit: str, evidence: Evidence) -> str:
             "| coverage | reached | | goal | |", "|---|---|---|---|---|"]
     text += [row(figure) for figure in figures(evidence.coverage)]
     text += ["", "Counted are all modules of the unit, those of `rtl/common` too, whatever their parameters. A bit counts once one instance saw it change "
-             "twice after reset in one run. Signals up to 1,024 bits are watched, a memory's words at its ports; functions that only parameters are made with are "
+             "twice after reset in one run. Signals up to 256 bits are watched, a memory's words at its ports; functions that only parameters are made with are "
              "no lines.", ""]
     text += ["| evidence | |", "|---|---|"]
     unbounded = len(evidence.proofs) - len(bounded)
