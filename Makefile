@@ -3,7 +3,7 @@
 JOBS := $(shell nproc)
 PREFIX ?= /usr/local
 .DEFAULT_GOAL := build
-.PHONY: help build install demo test test-full gallery precision mutate bench bench-rtl asan tsan fuzz extremes soak format clean references mutate-golden fpga-tools fpga board-sim headline fpga-plans area-check tradeoffs studies plan-promise sweep-search slurm-test cycle-fit report-bundle mutate-hls test-hls formal
+.PHONY: help build install demo test test-full gallery precision mutate bench bench-rtl asan tsan fuzz extremes soak format clean references mutate-golden fpga-tools fpga board-sim headline fpga-plans area-check tradeoffs studies plan-promise sweep-search slurm-test cycle-fit report-bundle mutate-hls test-hls formal signoff mutate-auto faults
 
 help: ## this list
 	@sed -n 's/^\([a-z-]*\):[^#]*## \(.*\)/  make \1\t\2/p' Makefile | expand -t 24
@@ -55,6 +55,24 @@ formal: ## proofs of the RTL, each beside a planted bug that must be refuted (15
 	@scripts/setup formal
 	@scripts/fpga-tools
 	@scripts/formal $(FORMAL_FLAGS)
+
+signoff: ## what of the units' RTL their benches reach, and every hole with its reason, into each unit's page (UNITS=...; half an hour)
+	@scripts/setup signoff
+	@cmake --preset release
+	@cmake --build build --target benches
+	@scripts/signoff $(UNITS) --update
+
+faults: ## faults of link, board, memory port and units, and what becomes of results: docs/faults.md
+	@scripts/setup faults
+	@cmake --preset release -DBUILD_TESTING=ON
+	@cmake --build build --target benches test_units test_rtl_slow
+	@scripts/faults --update
+
+mutate-auto: ## COUNT (200) mutants of each unit's RTL, of operators, constants and conditions, each caught by its bench (UNITS=..., SEED=1; hours)
+	@scripts/setup mutate-auto
+	@cmake --preset release
+	@cmake --build build --target benches
+	@scripts/mutate-auto $(UNITS) --count $(or $(COUNT),200) --seed $(or $(SEED),1) --update
 
 references: build ## scenes/references: path traced, two seeds, with their own error
 	@scripts/references

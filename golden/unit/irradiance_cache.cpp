@@ -69,13 +69,18 @@ class GoldenIrradianceCache final : public IrradianceCache {
   }
 
   Counters counters() const override {
-    return {{"lookups", lookups_}, {"hits", hits_}, {"records", records_made_}, {"full", full_}};
+    return {{"lookups", lookups_},
+            {"hits", hits_},
+            {"records made", records_made_},
+            {"records read", records_read_},
+            {"full", full_}};
   }
 
  private:
   CacheResult look_up(const CacheLookup& lookup) {
     ++lookups_;
     if (lookup.clear) records_.clear();
+    records_read_ += records_.size();
     CacheResult result{};
     result.pixel = lookup.pixel;
     result.sample = lookup.sample;
@@ -114,7 +119,7 @@ class GoldenIrradianceCache final : public IrradianceCache {
 
   const Plan plan_;
   std::vector<CacheRecord> records_;  // of the tile
-  uint64_t lookups_ = 0, hits_ = 0, records_made_ = 0, full_ = 0;
+  uint64_t lookups_ = 0, hits_ = 0, records_made_ = 0, records_read_ = 0, full_ = 0;
 };
 
 }  // namespace

@@ -303,6 +303,12 @@ class FaultyLink final : public ByteLink {
       : board_(board), faults_(faults), seed_(seed), left_(bytes_until_lost) {}
 
   uint64_t reset_board_at = ~0ull;  // bytes to the board until somebody presses its button
+  // What happened on it, kept by whoever made it.
+  struct Log {
+    uint64_t harmed = 0;  // bytes
+    double seconds = 0;   // of the wire's own time
+  };
+  Log* log = nullptr;
 
   const std::string& name() const override { return name_; }
   double now() const override { return now_; }
@@ -314,6 +320,7 @@ class FaultyLink final : public ByteLink {
       if (bytes_++ == reset_board_at) board_.reset();
       // A board that has not yet room for what comes loses it.
       to_board_ = std::max(to_board_, now_) + kByte;
+      if (log) log->seconds = std::max(log->seconds, to_board_);
       for (const uint8_t b : harmed(byte))
         for (const uint8_t answer : board_.take(b))
           for (const uint8_t a : harmed(answer)) {
@@ -346,7 +353,9 @@ class FaultyLink final : public ByteLink {
   };
   Bytes harm(uint8_t byte) {
     const auto hit = [this](uint64_t one_in) {
-      return one_in && hash_bits(seed_, ++number_, 0, 0) % one_in == 0;
+      const bool hits = one_in && hash_bits(seed_, ++number_, 0, 0) % one_in == 0;
+      if (hits && log) ++log->harmed;
+      return hits;
     };
     if (hit(faults_.drop)) return {};
     if (hit(faults_.duplicate)) return {byte, byte};

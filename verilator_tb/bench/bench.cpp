@@ -17,18 +17,20 @@ namespace photonloom {
 namespace {
 
 // One way to run a case. Together they hold every policy on every side, short, long and random
-// latencies, and two initial register values.
+// latencies, and two initial register values; some reset the unit in the middle of its first
+// packets.
 struct Policy {
   const char *in, *out, *memory, *latency;
   uint64_t initial_seed;
+  bool restarts;
 };
 constexpr Policy kPolicies[] = {
-    {"none", "none", "none", "1", 1},
-    {"none", "none", "none", "60", 2},
-    {"bernoulli:0.5", "none", "bernoulli:0.3", "random:30", 1},
-    {"none", "bernoulli:0.5", "none", "20", 2},
-    {"bursts", "bursts", "bursts", "random:60", 1},
-    {"adversary", "adversary", "adversary", "3", 2},
+    {"none", "none", "none", "1", 1, false},
+    {"none", "none", "none", "60", 2, true},
+    {"bernoulli:0.5", "none", "bernoulli:0.3", "random:30", 1, false},
+    {"none", "bernoulli:0.5", "none", "20", 2, false},
+    {"bursts", "bursts", "bursts", "random:60", 1, true},
+    {"adversary", "adversary", "adversary", "3", 2, true},
 };
 
 struct BenchCommand {
@@ -41,10 +43,18 @@ struct BenchCommand {
   bool own_policy = false;
 };
 
+// How many cycles after its first packet a run is reset: any of 400.
+uint64_t restart_cycle(uint64_t seed, const std::string& unit, const std::string& name,
+                       int policy) {
+  return 1 + BenchRandom(seed, fmt::format("{}/{}/restart {}", unit, name, policy)).below(400);
+}
+
 // All cases and policies once, with the command's seed.
 void run_cases(const std::string& program, const Bench& bench, const BenchPlan& plan,
                const BenchCommand& command, BenchTotals& totals) {
   const std::string& unit = bench.module;
+  // The cluster's photon memory is its own, a kernel has no reset.
+  const bool restarts = bench.restarts && command.backend != "hls";
   for (const BenchCase& c : bench.cases) {
     if (!command.only_cases.empty() &&
         std::find(command.only_cases.begin(), command.only_cases.end(), c.name) ==
@@ -76,6 +86,8 @@ void run_cases(const std::string& program, const Bench& bench, const BenchPlan& 
         options.random_latency = latency.rfind("random:", 0) == 0;
         options.latency = std::stoi(options.random_latency ? latency.substr(7) : latency);
         options.initial_seed = kPolicies[p].initial_seed;
+        if (kPolicies[p].restarts && restarts)
+          options.restart_after = restart_cycle(command.seed, unit, c.name, p);
         context.rerun += fmt::format(" --policy {}", p);
       }
       if (!options.rtl_dir.empty()) context.rerun += " --rtl " + options.rtl_dir;
@@ -98,6 +110,7 @@ void run_cases(const std::string& program, const Bench& bench, const BenchPlan& 
                                              error.what(), context.rerun, unit, context.waveform));
       }
       ++totals.runs;
+      totals.restarts += options.restart_after > 0;
     }
   }
 }
@@ -149,14 +162,42 @@ void run_plan(const std::string& program, const Bench& bench, const BenchPlan& p
   if (totals.compared == 0)
     throw std::runtime_error(fmt::format("{}, plan {}: no packet was checked", unit, plan.name));
   fmt::print(
-      "{} plan {}: golden == {}: {} packets in {} runs, 0 differences, {} cycles, {:.1f} "
-      "s\n",
-      unit, plan.name, command.backend, totals.compared, totals.runs, totals.cycles,
+      "{} plan {}: golden == {}: {} packets in {} runs, {} with a reset in the middle, 0 "
+      "differences, {} cycles, {:.1f} s\n",
+      unit, plan.name, command.backend, totals.compared, totals.runs, totals.restarts,
+      totals.cycles,
       std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count());
   std::fflush(stdout);
 }
 
 }  // namespace
+
+void check_counters(const std::string& unit, const Counters& golden, const Counters& hardware,
+                    uint64_t cycles) {
+  const auto expect = [&](const std::string& name, uint64_t due, const char* whose) {
+    const auto counted = hardware.find(name);
+    if (counted != hardware.end() && counted->second != (due & 0xffffffff))
+      throw std::runtime_error(fmt::format("unit {}: counts {} {}, expected {} as {}", unit,
+                                           counted->second, name, due, whose));
+  };
+  for (const auto& [name, count] : golden) expect(name, count, "golden");
+  const auto seen = [&](const std::string& name) {
+    const auto at = hardware.find(name);
+    return at == hardware.end() ? 0 : at->second;
+  };
+  // Cycles of some kind are some of all cycles.
+  for (const auto& [name, count] : hardware)
+    if ((name.rfind("cycles ", 0) == 0 || name == "busy" || name == "choice waits" ||
+         name.rfind("stalled ", 0) == 0) &&
+        count > cycles)
+      throw std::runtime_error(fmt::format(
+          "unit {}: counts {} {}, expected no more than the {} cycles", unit, count, name, cycles));
+  // Of a unit with two outputs the rig adds up both.
+  if (!hardware.contains("stalled in")) return;
+  expect("stalled in", seen("stalls in"), "the rig");
+  expect("cache misses", seen("line requests"), "the rig");
+  expect("stalled results", seen("stalls out") - seen("stalled photons"), "the rig");
+}
 
 int bench_main(int argc, char** argv, const Bench& bench) {
   const std::string& unit = bench.module;

@@ -28,7 +28,7 @@ struct BenchPlan {
 
 // What was checked so far.
 struct BenchTotals {
-  uint64_t runs = 0, compared = 0, cycles = 0;
+  uint64_t runs = 0, restarts = 0, compared = 0, cycles = 0;
 };
 
 // A case makes its stimulus, runs it beside golden and adds to the totals; a difference throws.
@@ -43,8 +43,14 @@ struct Bench {
   std::string module;  // of RTL that runs
   std::vector<BenchPlan> plans;
   std::vector<BenchCase> cases;
+  bool restarts = true;  // policies that reset it in the middle do so
 };
 int bench_main(int argc, char** argv, const Bench& bench);
+
+// What golden counts under a name of the hardware's, and what the rig sees at its ports, the
+// hardware has counted too; an error names the counter. To be called once nothing is under way.
+void check_counters(const std::string& unit, const Counters& golden, const Counters& hardware,
+                    uint64_t cycles);
 
 // Feeds `in` in pieces of random length: how calls cut the stream must not matter.
 template <class In, class F>
@@ -69,21 +75,22 @@ int stream_bench_main(int argc, char** argv, std::vector<BenchPlan> plans,
   using In = typename Unit::In;
   Bench bench{unit_name<Unit>, std::move(plans), {}};
   for (const StreamCase<In>& c : cases)
-    bench.cases.push_back({c.name, [make = c.make](const Plan& plan, const RunOptions& options,
-                                                   const CompareContext& context,
-                                                   BenchRandom& random, BenchTotals& totals) {
-                             const std::vector<In> in = make(plan, random);
-                             const std::type_identity<Unit> unit;
-                             const auto golden = make_golden(unit, plan);
-                             const auto rtl = make_rtl(unit, plan, options);
-                             const auto both = compare_units(plan, context, *golden, *rtl);
-                             std::vector<typename Unit::FirstOut> out;
-                             feed(in, random,
-                                  [&](std::span<const In> piece) { both->process(piece, out); });
-                             rtl->finish();
-                             totals.compared += both->compared();
-                             totals.cycles += rtl->cycles();
-                           }});
+    bench.cases.push_back(
+        {c.name,
+         [make = c.make](const Plan& plan, const RunOptions& options, const CompareContext& context,
+                         BenchRandom& random, BenchTotals& totals) {
+           const std::vector<In> in = make(plan, random);
+           const std::type_identity<Unit> unit;
+           const auto golden = make_golden(unit, plan);
+           const auto rtl = make_rtl(unit, plan, options);
+           const auto both = compare_units(plan, context, *golden, *rtl);
+           std::vector<typename Unit::FirstOut> out;
+           feed(in, random, [&](std::span<const In> piece) { both->process(piece, out); });
+           rtl->finish();
+           check_counters(context.unit, golden->counters(), rtl->counters(), rtl->cycles());
+           totals.compared += both->compared();
+           totals.cycles += rtl->cycles();
+         }});
   return bench_main(argc, argv, bench);
 }
 

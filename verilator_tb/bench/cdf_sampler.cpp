@@ -165,6 +165,28 @@ std::vector<StreamCase<SamplerInput>> cases() {
          }
          return in;
        }},
+      // As much power as there can be, in all directions or in one; by turns with as many zeros
+      // below it as there can be.
+      {"largest_powers",
+       [](const Plan& plan, BenchRandom& random) {
+         In in;
+         for (uint64_t t = 0; t < tables(plan); ++t) {
+           in.push_back(header(plan, random));
+           const SamplerInput first = photon(plan, random);
+           const uint64_t mantissa =
+               t & 1 ? ones(plan.mantissa_bits) : uint64_t{1} << (plan.mantissa_bits - 1);
+           for (int i = 0; i < plan.k; ++i) {
+             in.push_back(photon(plan, random));
+             if (t & 2) in.back().direction = first.direction;
+             for (int c = 0; c < plan.channels; ++c)
+               in.back().mantissa[static_cast<size_t>(c)] =
+                   t & 1 || c == 0 ? static_cast<uint32_t>(mantissa) : 0;
+             in.back().exponent = static_cast<uint32_t>(ones(plan.exponent_bits));
+           }
+           add_requests(in, plan, random, 40);
+         }
+         return in;
+       }},
       {"two_cells_by_turns",
        [](const Plan& plan, BenchRandom& random) {
          In in;

@@ -145,7 +145,7 @@ void run_case(const ClusterCase& c, const Plan& bench_plan, const RunOptions& op
 }
 
 Bench bench() {
-  Bench bench{"gather_engine", plans(), {}};
+  Bench bench{"gather_engine", plans(), {}, false};
   for (const ClusterCase& c : cases())
     bench.cases.push_back({c.name, [c](auto&... run) { run_case(c, run...); }});
   return bench;

@@ -33,7 +33,7 @@ std::vector<BenchPlan> plans() {
   fine.cache_angle_bits = 30;
   fine.cache_weight_bits = 12;
   // No turn of the normal at all.
-  Plan flat = plan_of("", 33, 2);
+  Plan flat = plan_of("", 33, 8);
   flat.cache_angle_bits = 0;
   flat.lut_ram_words = 64;
   return {{"usual", usual}, {"one", one}, {"coarse", coarse}, {"fine", fine}, {"flat", flat}};
@@ -157,6 +157,37 @@ std::vector<StreamCase<CacheLookup>> cases() {
            for (uint32_t& n : l.normal) n = random.chance(0.9) ? normal : 0;
            return l;
          });
+       }},
+      // Records at the corners of a cube or an octahedron, just too far apart to cover one another,
+      // all of which cover its middle; before them others of no reach, so that their numbers vary.
+      {"around",
+       [](const Plan& plan, BenchRandom& random) -> In {
+         In in;
+         const uint32_t middle = edge_of(plan), all = 2 * middle;
+         for (int tile = 0; tile < 40; ++tile) {
+           const auto half = static_cast<uint32_t>(8 + random.below(middle - 9));
+           const bool cube = tile % 2 == 0;
+           const size_t first = in.size();
+           const int others = std::max(0, plan.cache_records - 8);
+           for (uint64_t i = random.below(static_cast<uint64_t>(others) + 1); i > 0; --i)
+             in.push_back(lookup(plan, random, 0, all, 1));
+           for (uint32_t i = 0; i < (cube ? 8u : 6u); ++i) {
+             // Neighbours are 2 or 1.414 halves apart.
+             CacheLookup l = lookup(plan, random, middle, 1, cube ? 2 * half - 2 : half * 7 / 5);
+             for (uint32_t axis = 0; axis < 3; ++axis)
+               if (cube || axis == i / 2) {
+                 const bool up = (cube ? i >> axis & 1 : i & 1) != 0;
+                 l.position[axis] = up ? middle + half : middle - half;
+               }
+             in.push_back(l);
+           }
+           for (int i = 0; i < 4; ++i) {
+             in.push_back(lookup(plan, random, middle - i / 2, 1 + static_cast<uint32_t>(i), 1));
+             in.back().insert = 0;
+           }
+           for (size_t i = first; i < in.size(); ++i) in[i].clear = i == first;
+         }
+         return in;
        }},
       // Nothing but a new tile each time, and tiles that only look.
       {"clears",

@@ -128,6 +128,7 @@ void run_case(const GatherCase& c, const Plan& bench_plan, const RunOptions& opt
     ask();
   }
   rtl->finish();
+  check_counters(context.unit, golden->counters(), rtl->counters(), rtl->cycles());
   totals.compared += both->compared();
   totals.cycles += rtl->cycles();
 }

@@ -2,6 +2,8 @@
 // Verilog to a library by Verilator.
 #include <fmt/core.h>
 
+#include <algorithm>
+#include <cstdlib>
 #include <filesystem>
 #include <sstream>
 #include <stdexcept>
@@ -16,12 +18,26 @@ namespace fs = std::filesystem;
 namespace {
 
 // The C++ side of a library. Port storage is handed out as addresses, so nothing here depends on a
-// width. @PORTS@ is a line a port.
+// width. @PORTS@ is a line a port. PHOTONLOOM_PLUSARGS of the environment, words such as +name=1,
+// are those of the simulation. With coverage each counter's most in one run, by instance in the
+// design, is written at the process's end into the folder PHOTONLOOM_COVERAGE: a bit that changed
+// twice in one run went both ways, which a sum of runs would not show.
 constexpr const char* kVerilatorShim = R"shim(// Generated.
 #include "Vmodel.h"
 #include "verilated.h"
 #if VM_TRACE
 #include "verilated_fst_c.h"
+#endif
+#include <cstdlib>
+#include <sstream>
+#include <string>
+#include <vector>
+#if VM_COVERAGE
+#include <unistd.h>
+
+#include "Vmodel___024root.h"
+#include "Vmodel__Syms.h"
+#include "verilated_cov.h"
 #endif
 namespace {
 struct Port { const char* name; int output; void* data; unsigned long bytes; };
@@ -32,7 +48,28 @@ struct Instance {
 #if VM_TRACE
   VerilatedFstC* trace = nullptr;
 #endif
+#if VM_COVERAGE
+  std::vector<uint32_t> in_reset;  // counts at the first reset's end, where counting starts anew
+  bool resetting = false;
+#endif
 };
+#if VM_COVERAGE
+auto& counters(Instance* i) { return i->model->rootp->vlSymsp->__Vcoverage; }
+// A bit that leaves its random initial value in reset has not been used; an arm has been reached.
+void watch_reset(Instance* i, bool reset) {
+  if (i->resetting && !reset && i->in_reset.empty())
+    for (auto& count : counters(i)) i->in_reset.push_back(count.exchange(0));
+  i->resetting = reset;
+}
+Instance* counted = nullptr;  // holds the most that each counter came to in one run
+void write_coverage() {
+  const char* folder = std::getenv("PHOTONLOOM_COVERAGE");
+  if (!folder || !counted) return;
+  counted->context.coveragep()->forcePerInstance(true);
+  counted->context.coveragep()->write(
+      (std::string(folder) + "/@NAME@-" + std::to_string(getpid()) + ".dat").c_str());
+}
+#endif
 }
 #define EXPORT extern "C" __attribute__((visibility("default")))
 EXPORT void* model_create(int seed, int waveform) {
@@ -40,6 +77,14 @@ EXPORT void* model_create(int seed, int waveform) {
   i->context.randReset(2);
   i->context.randSeed(seed);
   i->context.fatalOnError(false);
+  if (const char* text = std::getenv("PHOTONLOOM_PLUSARGS")) {
+    std::istringstream in(text);
+    std::vector<std::string> words{"model"};
+    for (std::string word; in >> word;) words.push_back(word);
+    std::vector<const char*> arguments;
+    for (const std::string& word : words) arguments.push_back(word.c_str());
+    i->context.commandArgs(static_cast<int>(arguments.size()), arguments.data());
+  }
 #if VM_TRACE
   i->context.traceEverOn(waveform != 0);
 #endif
@@ -54,12 +99,31 @@ EXPORT void* model_create(int seed, int waveform) {
 EXPORT void model_destroy(void* p) {
   Instance* i = static_cast<Instance*>(p);
   i->model->final();
+#if VM_COVERAGE
+  auto& most = counters(i);
+  for (size_t n = 0; n < i->in_reset.size(); ++n)
+    if (most[n] == 0 && i->in_reset[n] > 0) most[n].store(1);
+  if (counted) {
+    const auto& before = counters(counted);
+    for (size_t n = 0; n < sizeof most / sizeof most[0]; ++n)
+      if (most[n] < before[n]) most[n].store(before[n]);
+    delete counted->model;
+    delete counted;
+  } else {
+    std::atexit(write_coverage);
+  }
+  counted = i;
+#else
   delete i->model;
   delete i;
+#endif
 }
 EXPORT const Port* model_ports(void* p) { return static_cast<Instance*>(p)->ports; }
 EXPORT int model_eval(void* p) {
   Instance* i = static_cast<Instance*>(p);
+#if VM_COVERAGE
+  watch_reset(i, @RESET@);
+#endif
   i->model->eval();
   return i->context.gotFinish() ? 1 : 0;
 }
@@ -96,8 +160,21 @@ EXPORT void model_trace_close(void* p) {
 
 // The compiler's warnings are about generated code: all off.
 constexpr const char* kVerilatorCompile =
-    "-std=gnu++17 -w -fPIC -fvisibility=hidden -faligned-new -DVERILATOR=1 -DVM_COVERAGE=0 "
+    "-std=gnu++17 -w -fPIC -fvisibility=hidden -faligned-new -DVERILATOR=1 "
     "-DVM_SC=0 -DVM_TRACE_VCD=0 -DVM_TIMING=0";
+
+// Wider signals are not watched: bundles of others, and memories, which are at their ports.
+constexpr const char* kVerilatorCoverage =
+    " --coverage --coverage-underscore --coverage-max-width 256";
+
+// Whether models count what of them was reached: PHOTONLOOM_COVERAGE of the environment.
+bool with_coverage() { return std::getenv("PHOTONLOOM_COVERAGE") != nullptr; }
+
+// The compiler's flags for all that depends on how the model was made.
+std::string compile_flags(bool waveform) {
+  return fmt::format("{0} -DVM_TRACE={1} -DVM_TRACE_FST={1} -DVM_COVERAGE={2}", kVerilatorCompile,
+                     waveform ? 1 : 0, with_coverage() ? 1 : 0);
+}
 
 struct Verilator {
   std::string version, root;
@@ -131,21 +208,18 @@ std::string build_runtime(const std::string& work, const std::vector<std::string
                           bool waveform) {
   const Compiler& c = compiler();
   const std::string include = verilator().root + "/include";
-  std::string all = verilator().version + c.command + c.version + kVerilatorCompile;
+  std::string all = verilator().version + c.command + c.version + compile_flags(waveform);
   for (const std::string& name : classes) all += ' ' + name;
-  const std::string base =
-      fmt::format("{}/runtime-{:016x}", work, text_hash(all, waveform ? 3 : 2));
+  const std::string base = fmt::format("{}/runtime-{:016x}", work, text_hash(all, 2));
   const Lock lock(base + ".lock");
   const std::string archive = base + "/runtime.a";
   if (fs::exists(archive)) return archive;
   OutputFolder folder(base);
   std::string objects, commands;
   for (const std::string& name : classes) {
-    commands += fmt::format(
-        "{0} {1} -O2 -DVM_TRACE={2} -DVM_TRACE_FST={2} -I{3} -I{4} -c {5} "
-        "-o {6}.o && ",
-        c.command, kVerilatorCompile, waveform ? 1 : 0, quoted(include),
-        quoted(include + "/vltstd"), quoted(include + "/" + name + ".cpp"), name);
+    commands += fmt::format("{0} {1} -O2 -I{2} -I{3} -c {4} -o {5}.o && ", c.command,
+                            compile_flags(waveform), quoted(include), quoted(include + "/vltstd"),
+                            quoted(include + "/" + name + ".cpp"), name);
     objects += " " + name + ".o";
   }
   run_tool(
@@ -160,7 +234,8 @@ std::string build_runtime(const std::string& work, const std::vector<std::string
 std::string verilator_version() { return verilator().version; }
 
 std::string verilator_key() {
-  return verilator().version + compiler().version + kVerilatorCompile + kVerilatorShim;
+  return verilator().version + compiler().version + kVerilatorCompile + kVerilatorShim +
+         (with_coverage() ? kVerilatorCoverage : "");
 }
 
 void verilate(const ModelInput& in, const std::vector<std::string>& files, const std::string& flags,
@@ -168,8 +243,9 @@ void verilate(const ModelInput& in, const std::vector<std::string>& files, const
   std::string list;
   for (const std::string& file : files) list += " " + file;
   run_tool(fmt::format("cd {} && verilator --cc -O3 {} --prefix Vmodel --Mdir obj --top-module "
-                       "{}{}{}",
-                       quoted(in.dir), flags, in.unit, in.waveform ? " --trace-fst" : "", list),
+                       "{}{}{}{}",
+                       quoted(in.dir), flags, in.unit, in.waveform ? " --trace-fst" : "",
+                       with_coverage() ? kVerilatorCoverage : "", list),
            in.dir + "/verilator.log",
            fmt::format("verilator on {} (build folder {})", in.unit, in.base));
 
@@ -179,6 +255,10 @@ void verilate(const ModelInput& in, const std::vector<std::string>& files, const
                          p.name, p.output ? 1 : 0);
   std::string shim = replace_all(kVerilatorShim, "@PORTS@\n", ports);
   shim = replace_all(shim, "@COUNT@", fmt::format("{}", in.ports.size()));
+  const bool resets = std::any_of(in.ports.begin(), in.ports.end(),
+                                  [](const ModulePort& p) { return p.name == "rst_i"; });
+  shim = replace_all(shim, "@RESET@", resets ? "i->model->rst_i" : "false");
+  shim = replace_all(shim, "@NAME@", fs::path(in.base).filename().string());
   write_file(in.dir + "/obj/shim.cpp", replace_all(shim, "@UNIT@", in.unit));
 
   const std::string classes = read_file(in.dir + "/obj/Vmodel_classes.mk");
@@ -193,10 +273,9 @@ void verilate(const ModelInput& in, const std::vector<std::string>& files, const
   write_file(in.dir + "/obj/slow.cpp", slow);
   const std::string runtime =
       build_runtime(in.work, make_list(classes, "VM_GLOBAL_FAST"), in.waveform);
-  const std::string compile =
-      fmt::format("{0} {1} -DVM_TRACE={2} -DVM_TRACE_FST={2} -I. -I{3} -I{4}", compiler().command,
-                  kVerilatorCompile, in.waveform ? 1 : 0, quoted(verilator().root + "/include"),
-                  quoted(verilator().root + "/include/vltstd"));
+  const std::string compile = fmt::format(
+      "{} {} -I. -I{} -I{}", compiler().command, compile_flags(in.waveform),
+      quoted(verilator().root + "/include"), quoted(verilator().root + "/include/vltstd"));
   run_tool(
       fmt::format("cd {0}/obj && ( {1} -O0 -c slow.cpp -o slow.o & s=$!; {1} -O{4} -c fast.cpp "
                   "-o fast.o && wait $s ) && {1} -shared -o ../model.so fast.o slow.o {2} "
@@ -208,7 +287,8 @@ void verilate(const ModelInput& in, const std::vector<std::string>& files, const
 void build_verilator(const ModelInput& in) {
   std::string flags = "-Wall --assert --x-initial unique --x-assign unique";
   for (const std::string& p : in.parameters) flags += " " + quoted("-G" + p);
-  verilate(in, in.files, flags, 2);
+  // What counts runs once or twice: it has to be compiled soon.
+  verilate(in, in.files, flags, with_coverage() ? 1 : 2);
 }
 
 }  // namespace photonloom::model_tools

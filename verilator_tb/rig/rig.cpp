@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <utility>
 
 namespace photonloom {
 
@@ -94,6 +95,16 @@ void Source::after_edge() {
   scramble();
 }
 
+void Source::restart() {
+  queue_.clear();
+  next_ = 0;
+  offering_ = was_ready_ = false;
+  accepted_ = stalled_ = 0;
+  cycles_.clear();
+  *valid_.data = 0;
+  scramble();
+}
+
 std::vector<uint64_t> Source::take_cycles() {
   std::vector<uint64_t> taken;
   taken.swap(cycles_);
@@ -159,6 +170,15 @@ bool Taker::sample(uint64_t cycle) {
 }
 
 void Taker::pop() { ++first_; }
+
+void Taker::restart() {
+  words_.clear();
+  cycles_.clear();
+  first_ = 0;
+  was_valid_ = holding_ = false;
+  taken_ = stalled_ = 0;
+  *ready_.data = 0;
+}
 
 std::string Taker::state() const {
   return fmt::format("{}: valid {} ready {}, {} taken", name_, was_valid_ ? 1 : 0,
@@ -251,6 +271,16 @@ bool LineMemory::sample(uint64_t cycle) {
   return moved;
 }
 
+void LineMemory::restart() {
+  pending_.clear();
+  bank_free_.assign(bank_free_.size(), 0);
+  beat_ = sending_ = 0;
+  in_line_ = beat_now_ = was_valid_ = false;
+  requests_ = bytes_ = 0;
+  *req_ready_.data = 0;
+  *rsp_valid_.data = 0;
+}
+
 std::string LineMemory::state() const {
   return fmt::format("line port: request valid {} ready {}, {} requests, {} unanswered",
                      was_valid_ ? 1 : 0, *req_ready_.data ? 1 : 0, requests_, pending_.size());
@@ -309,6 +339,26 @@ void Rig::reset() {
     model_.eval();
   }
   *reset_ = 0;
+}
+
+bool Rig::restart(const std::function<void()>& give) {
+  if (options_.restart_after == 0 || std::exchange(restarted_, true)) return false;
+  give();
+  // A unit may make itself ready first.
+  const auto started = [&] {
+    return std::any_of(sources_.begin(), sources_.end(),
+                       [](const auto& s) { return s->accepted() > 0; });
+  };
+  run_until([&] {
+    return started() ||
+           std::all_of(sources_.begin(), sources_.end(), [](const auto& s) { return s->empty(); });
+  });
+  for (uint64_t i = 0; i < options_.restart_after; ++i) cycle();
+  for (auto& s : sources_) s->restart();
+  for (auto& t : takers_) t->restart();
+  if (memory_) memory_->restart();
+  reset();
+  return true;
 }
 
 void Rig::cycle() {

@@ -28,6 +28,7 @@ struct RunOptions {
   bool random_latency = false;  // uniform in [1, 2 * latency], replies out of order
   int banks = 8;                // of the line memory, by line number
   int bank_cycles = 0;          // a bank takes one request in so many cycles; 0: no limit
+  uint64_t restart_after = 0;   // cycles from its first packet: reset, and all of it anew; 0: not
   uint64_t photon_pause = 0;    // so long nobody takes stream "photon", then a quarter of it
   double sdram_period = 1;      // of a board's SDRAM clock, in cycles
   uint64_t watchdog = 500000;   // cycles without any handshake while something is owed
@@ -65,6 +66,7 @@ class Source {
   void drive();
   bool sample(uint64_t cycle);  // whether a packet was taken
   void after_edge();
+  void restart();  // forgets what waits and what went in
 
  private:
   void scramble();
@@ -98,6 +100,7 @@ class Taker {
 
   void drive();
   bool sample(uint64_t cycle);
+  void restart();  // forgets what came
 
  private:
   std::string name_, unit_;
@@ -126,6 +129,7 @@ class LineMemory {
 
   void drive(uint64_t cycle);
   bool sample(uint64_t cycle);  // whether a request or a beat went through
+  void restart();               // what is not yet answered never will be
 
  private:
   struct Request {
@@ -174,6 +178,10 @@ class Rig {
   void add_clock(const std::string& name, double period, std::function<void(uint64_t)> pins);
 
   void reset();
+  // Once, and where RunOptions::restart_after asks for it: has the unit given packets, clocks so
+  // long from the first that goes in, then resets it and empties streams and memory. True where it
+  // did.
+  bool restart(const std::function<void()>& give);
   void cycle();
   // Clocks until done(); a RigError naming every stream's state when nothing moves for the
   // watchdog's cycles.
@@ -195,6 +203,7 @@ class Rig {
   uint64_t cycle_ = 0;
   uint64_t quiet_ = 0;
   bool waveform_open_ = false;
+  bool restarted_ = false;
 };
 
 }  // namespace photonloom

@@ -34,6 +34,10 @@ class GathererUnit : public ClockedPhotonGatherer {
                std::vector<GatherPhoton>& photons) final {
     result_cycles_.clear();
     photon_cycles_.clear();
+    if (rig_.restart([&] {
+          for (const GatherQuery& q : in) in_.push(q);
+        }))
+      configure_again();
     const std::vector<GatherQuery> due = take_due(in);
     for (const GatherQuery& q : in) in_.push(q);
     size_t got = 0;
@@ -76,6 +80,10 @@ class GathererUnit : public ClockedPhotonGatherer {
  protected:
   // Puts lines and configuration where the unit finds them.
   virtual void load_lines(PhotonGathererImage image) = 0;
+  // After a reset; the lines are still there.
+  virtual void configure_again() {
+    throw RigError(unit_, ", cannot be restarted: its photon memory is its own");
+  }
   // The queries whose results come, in their order, once those of `in` have gone in.
   virtual std::vector<GatherQuery> take_due(std::span<const GatherQuery> in) {
     return {in.begin(), in.end()};

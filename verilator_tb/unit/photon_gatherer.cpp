@@ -24,6 +24,10 @@ class RtlPhotonGatherer final : public GathererUnit {
     rig_.cycle();
     memory_.load(image_.lines);
   }
+  void configure_again() override {
+    configure(image_.cfg);
+    rig_.cycle();
+  }
   void add_own_counters(Counters& c) const override {
     c["line requests"] = memory_.requests();
     c["bytes read"] = memory_.bytes();

@@ -27,6 +27,9 @@ class StreamUnit : public ClockedUnit<Unit> {
 
   void process(std::span<const In> in, std::vector<Out>& out) final {
     out_cycles_.clear();
+    rig_.restart([&] {
+      for (const In& packet : in) in_.push(packet);
+    });
     uint64_t until = out_.stream().taken();
     for (const In& packet : in) {
       in_.push(packet);

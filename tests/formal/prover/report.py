@@ -53,16 +53,32 @@ def heading() -> str:
     return f"{'property':<32} {'module':<24} {'method':<10} {'depth':<10} {'':>4}time    verdict"
 
 
-def write_page(page: Path, results: list[Result]) -> None:
-    """Puts the table between its marks in the page."""
+def _row(result: Result) -> str:
+    at = ", ".join(f"{name} {value}" for name, value in result.proved.parameters.items())
+    return (f"| `{result.proved.module}` | {result.proved.says} | {at} | {result.proved.method} | {result.depth} | "
+            f"{max(1, round(result.seconds))} s | `{result.proved.bug}` | {result.verdict} |")
+
+
+def write_page(page: Path, results: list[Result], whole: bool = True) -> None:
+    """Puts the table between its marks in the page; of some results their rows alone, in place of those of the same module and
+    words."""
     try:
         before, rest = page.read_text().split(BEGIN)
-        _, after = rest.split(END)
+        table, after = rest.split(END)
     except (OSError, ValueError) as error:
         raise Failure(f"{page}: expected the lines {BEGIN} and {END}, once each") from error
-    rows = ["| module | property | at | method | depth | time | planted bug | verdict |", "|---|---|---|---|---|---|---|---|"]
-    for result in sorted(results, key=lambda result: (result.proved.module, result.proved.name)):
-        at = ", ".join(f"{name} {value}" for name, value in result.proved.parameters.items())
-        rows.append(f"| `{result.proved.module}` | {result.proved.says} | {at} | {result.proved.method} | {result.depth} | "
-                    f"{max(1, round(result.seconds))} s | `{result.proved.bug}` | {result.verdict} |")
+    made = [_row(result) for result in sorted(results, key=lambda result: (result.proved.module, result.proved.name))]
+    if whole:
+        rows = ["| module | property | at | method | depth | time | planted bug | verdict |", "|---|---|---|---|---|---|---|---|", *made]
+    else:
+        rows = table.strip().splitlines()
+        for row in made:
+            same = [place for place, old in enumerate(rows) if old.split("|")[1:3] == row.split("|")[1:3]]
+            if len(same) > 1:
+                raise Failure(f"{page}: has {len(same)} rows of {row.split('|')[1].strip()} with these words, expected one at most")
+            if same:
+                rows[same[0]] = row
+            else:
+                # Behind the rows of modules up to its own.
+                rows.insert(max([2, *(place + 1 for place, old in enumerate(rows[2:], 2) if old.split("|")[1] <= row.split("|")[1])]), row)
     page.write_text(before + BEGIN + "\n" + "\n".join(rows) + "\n" + END + after)

@@ -1,0 +1,96 @@
+# SPDX-License-Identifier: Apache-2.0
+"""signoff [UNIT...]: what of each unit's RTL its bench reaches, what is proved of it, and every hole with its reason. Status 1 where
+a hole has no reason in tests/signoff/holes/UNIT.toml, a reason no hole, or a run a difference; a goal that is missed is said."""
+import argparse
+import hashlib
+import os
+import re
+from pathlib import Path
+
+from flow.shell import ROOT, Failure, read_json, run, say, warn, write_json
+
+from . import coverage, evidence, holes, mutators, page, units
+
+# Modules that are nothing but a memory: their words are no points.
+MEMORIES = frozenset({"block_ram", "block_ram_two_reads", "lut_ram", "pool_ram"})
+_TOTALS = re.compile(r": golden == rtl: (\d+) packets in \d+ runs, (\d+) with a reset in the middle, 0 differences, (\d+) cycles")
+
+
+def _made_from(program: Path) -> str:
+    """A hash of the bench and of all RTL."""
+    made_from = hashlib.sha256(program.read_bytes())
+    for file in sorted((ROOT / "rtl").glob("*/*.sv")):
+        made_from.update(file.read_bytes())
+    return made_from.hexdigest()
+
+
+def _run_plan(program: Path, plan: str, folder: Path, models: Path, again: bool) -> tuple[int, ...]:
+    """Packets, resets in the middle and cycles of a plan, its counts in the folder; kept while bench and RTL are the same."""
+    done = folder / "done.json"
+    made_from = _made_from(program)
+    if done.is_file() and not again:
+        kept = read_json(done)
+        if kept["made_from"] == made_from:
+            return tuple(kept["totals"])
+    folder.mkdir(parents=True, exist_ok=True)
+    for old in folder.iterdir():
+        old.unlink()
+    os.environ["PHOTONLOOM_COVERAGE"] = str(folder)
+    said = run([str(program), "--plan", plan, "--work", str(models)], folder / "log", ROOT)
+    totals = _TOTALS.search(said)
+    if not totals or not list(folder.glob("*.dat")):
+        raise Failure(f"{program.name} --plan {plan}: left no counts (log: {folder / 'log'})")
+    numbers = [int(number) for number in totals.groups()]
+    write_json(done, {"made_from": made_from, "totals": numbers})
+    say(f"{program.name} --plan {plan}: {numbers[0]} packets, {numbers[2]} cycles")
+    return tuple(numbers)
+
+
+def _unit(unit: str, named: list[str], benches: Path, work: Path, again: bool) -> tuple[page.Evidence, list[coverage.Point]]:
+    program = units.bench(benches, unit)
+    plans = units.plans_of(program, named)
+    runs = [_run_plan(program, plan, work / unit / plan, work / "models", again) for plan in plans]
+    packets, resets, cycles = (sum(numbers) for numbers in zip(*runs, strict=True))
+    elaborated = frozenset((module, line) for module in units.modules(unit) for line in mutators.elaborated(
+        (ROOT / units.source(module)).read_text(), str(units.source(module))))
+    found = coverage.read([file for plan in plans for file in sorted((work / unit / plan).glob("*.dat"))],
+                          coverage.Without(MEMORIES, elaborated))
+    modules = {point.module for point in found.counts}
+    every = [point for kind in coverage.KINDS for point in found.holes(kind)]
+    explained, bare = holes.explain(every, holes.reasons(unit))
+    return page.Evidence(plans, len(units.plans(program)), packets, resets, cycles, found, explained, evidence.proofs(modules), evidence.hand_mutants(unit)), bare
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(prog="signoff", description=__doc__)
+    parser.add_argument("units", nargs="*", metavar="UNIT", help="units by name, all without one")
+    parser.add_argument("--plan", action="append", default=[], metavar="PLAN", help="only this plan of the bench; may be repeated (default all)")
+    parser.add_argument("--update", action="store_true", help="write the section of docs/UNIT.md; without, print it")
+    parser.add_argument("--again", action="store_true", help="run also what was run with this bench and RTL before")
+    parser.add_argument("--benches", type=Path, default=ROOT / "build" / "verilator_tb", help="where the benches are (default build/verilator_tb)")
+    parser.add_argument("--work", type=Path, default=ROOT / "build" / "signoff", help="where models and counts go (default build/signoff)")
+    arguments = parser.parse_args()
+
+    work = arguments.work.resolve()
+    faults = 0
+    for unit in units.chosen(arguments.units):
+        found, bare = _unit(unit, arguments.plan, arguments.benches.resolve(), work, arguments.again)
+        said = {figure.kind: f"{page.NAMES[figure.kind]} {figure.percent:.2f} %{'' if figure.met else ' MISSED'}"
+                for figure in page.figures(found.coverage) if figure.of}
+        say(f"{unit}: {', '.join(said.values())}; {sum(len(hole.points) for hole in found.holes)} holes with a reason, {len(bare)} without")
+        for kind in coverage.KINDS:
+            for module in sorted({point.module for point in bare if point.kind == kind}):
+                at = [point for point in bare if (point.kind, point.module) == (kind, module)]
+                for phrase in holes.grouped(at):
+                    warn(f"{unit}: {units.source(module)}: {kind}: {phrase}: was not reached, and tests/signoff/holes/{unit}.toml does not say why")
+        for hole in found.holes:
+            if not hole.points:
+                warn(f"tests/signoff/holes/{unit}.toml: {hole.reason.kind} of {hole.reason.module}, {', '.join(hole.reason.of)}: has no hole to explain")
+        faults += len(bare) + sum(not hole.points for hole in found.holes)
+        text = page.section(unit, found)
+        if not arguments.update:
+            print(text)
+        elif not bare:
+            page.write(ROOT / "docs" / f"{unit}.md", text)
+            say(f"wrote docs/{unit}.md")
+    return 1 if faults else 0

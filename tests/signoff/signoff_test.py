@@ -1,0 +1,131 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the sign-off reads and plants: counters, holes, mutants."""
+import tempfile
+import unittest
+from pathlib import Path
+
+from flow.shell import Failure
+from signoff import coverage, evidence, holes, mutate, mutators, page, units
+from signoff.coverage import Point
+
+
+def entry(kind: str, line: int, what: str, count: int, lines: str = "", module: str = "fifo", instance: str = "a") -> str:
+    keys = {"f": f"{module}.sv", "l": str(line), "n": "3", "page": f"{kind}/{module}__W3", "o": what}
+    if lines:
+        keys["S"] = lines
+    return "C '" + "".join(f"\x01{key}\x02{value}" for key, value in {**keys, "h": instance}.items()) + f"' {count}\n"
+
+
+class Coverage(unittest.TestCase):
+    def read(self, *texts: str) -> coverage.Coverage:
+        with tempfile.TemporaryDirectory() as folder:
+            files = [Path(folder) / f"{number}.dat" for number in range(len(texts))]
+            for file, text in zip(files, texts, strict=True):
+                file.write_text("# SystemC::Coverage-3\n" + text)
+            return coverage.read(files, coverage.Without(frozenset({"lut_ram"}), frozenset({("fifo", 12)})))
+
+    def test_an_arm_counts_for_its_lines(self) -> None:
+        found = self.read(entry("v_branch", 7, "if", 3, "7-9,12") + entry("v_branch", 7, "else", 0))
+        self.assertEqual([point.line for point in found.of("line")], [7, 8, 9])
+        self.assertEqual(found.holes("line"), [])
+        self.assertEqual(found.holes("branch"), [Point("fifo", "branch", 7, "else")])
+
+    def test_a_bit_has_to_change_twice_in_one_instance(self) -> None:
+        once = entry("v_toggle", 4, "data[1]", 1)
+        self.assertEqual(len(self.read(once, entry("v_toggle", 4, "data[1]", 1, instance="b")).holes("toggle")), 1)
+        self.assertEqual(self.read(once, entry("v_toggle", 4, "data[1]", 2, instance="b")).holes("toggle"), [])
+
+    def test_words_of_a_memory_are_no_points(self) -> None:
+        found = self.read(entry("v_toggle", 4, "memory[3][1]", 0, module="lut_ram") + entry("v_toggle", 5, "read_data_o[1]", 0, module="lut_ram"))
+        self.assertEqual([point.what for point in found.of("toggle")], ["read_data_o[1]"])
+
+    def test_bundles_are_no_points(self) -> None:
+        found = self.read(entry("v_toggle", 4, "all[256]", 0) + entry("v_toggle", 4, "all[1]", 0) + entry("v_toggle", 5, "part[255]", 0))
+        self.assertEqual([point.what for point in found.of("toggle")], ["part[255]"])
+
+    def test_what_is_no_counter_is_refused(self) -> None:
+        with self.assertRaisesRegex(Failure, "line 2: is no counter"):
+            self.read("nonsense\n")
+
+
+class Holes(unittest.TestCase):
+    points = [Point("fifo", "toggle", 4, f"data[{bit}]") for bit in (0, 1, 2, 7)] + [Point("fifo", "toggle", 4, "put[0][3]"), Point("fifo", "toggle", 5, "full")]
+
+    def test_a_reason_is_of_its_bits_alone(self) -> None:
+        explained, bare = holes.explain(self.points, [holes.Reason("fifo", "toggle", ("data",), 1, 7, "because")])
+        self.assertEqual(holes.grouped(explained[0].points), ["`data` 1-2, 7"])
+        self.assertEqual(holes.grouped(bare), ["`data` 0", "`put[0]` 3", "`full`"])
+
+    def test_an_index_is_no_pattern(self) -> None:
+        explained, _ = holes.explain(self.points, [holes.Reason("fifo", "toggle", ("put[0]", "fu*"), 0, 99, "because")])
+        self.assertEqual(len(explained[0].points), 2)
+
+    def test_reasons_of_all_units_are_read(self) -> None:
+        for unit in units.names():
+            for reason in holes.reasons(unit):
+                self.assertIn(reason.module, units.modules(unit), f"{unit}: {reason.module} is no module of it")
+
+
+MODULE = """// a + b in a comment
+module m #(parameter int unsigned W = 3 + 1) (input logic clk_i, input logic rst_i, input logic [W-1:0] a_i, output logic [W-1:0] b_o);
+  localparam int unsigned Two = W - 2;
+  logic [W-1:0] sum;
+  assign sum = a_i[Two-1] ? a_i + W'(1) : {2{a_i[1:0]}};
+  for (genvar i = 0; i < 2; i++) begin : gen_i
+    always_ff @(posedge clk_i) begin
+      if (a_i == 4'd3 && !rst_i) b_o <= sum;
+      if (rst_i) b_o <= '0;
+    end
+  end
+  fifo #(.Depth(2 * W)) queue (.clk_i(clk_i), .in_i(sum | a_i), .out_o(b_o));
+endmodule
+"""
+
+
+class Mutants(unittest.TestCase):
+    def test_what_is_mutated(self) -> None:
+        found = [(mutant.line, mutant.what) for mutant in mutators.mutants_of(MODULE, "m.sv")]
+        self.assertEqual(found, [
+            (5, "choice turned round"), (5, "+ becomes -"), (5, "1 becomes 0"),
+            (8, "condition negated"), (8, "condition always true"), (8, "condition never true"),
+            (8, "== becomes !="), (8, "4'd3 becomes 4'd2"), (8, "&& becomes ||"), (8, "! left out"),
+            (9, "'0 becomes '1"), (12, "| becomes &")])
+
+    def test_without_a_choice_the_source_stays(self) -> None:
+        mutants = mutators.mutants_of(MODULE, "m.sv")
+        self.assertIn("a_i[Two-1] ? a_i - W'(1) :", mutators.alone(MODULE, mutants[1]))
+        text = mutators.planted(MODULE, "m.sv", list(enumerate(mutants, 1)))
+        self.assertEqual(text.count("chosen_mutant =="), len(mutants))
+        self.assertIn("(a_i == 4'd3 && !rst_i)", text)
+
+    def test_constants(self) -> None:
+        self.assertEqual([mutators._constant(text) for text in ("0", "1", "12", "'0", "8'hff", "2'b10", "'x")],
+                         ["1", "0", "11", "'1", "8'hfe", "2'b11", None])
+
+    def test_all_sources_are_read(self) -> None:
+        for unit in units.names():
+            tried = mutate.draw(unit, 200, 1)
+            self.assertEqual(len(tried), 200)
+            self.assertEqual([entry.mutant for entry in tried], [entry.mutant for entry in mutate.draw(unit, 200, 1)])
+
+    def test_a_survivor_without_a_reason_is_told(self) -> None:
+        tried = mutate.draw(units.names()[0], 3, 1)
+        tried[0].killed_by = "plan p"
+        tried[1].equivalent = True
+        self.assertEqual(len(mutate.explain("none", tried)), 1)
+        self.assertIn("killed of those not proved equivalent | 50.00 %", mutate.section("u", tried, ["p"], 9, 1))
+
+
+class Evidence(unittest.TestCase):
+    def test_proofs_and_planted_bugs_are_found(self) -> None:
+        for unit in units.names():
+            self.assertTrue(evidence.proofs(set(units.modules(unit))))
+            self.assertTrue(evidence.hand_mutants(unit))
+
+    def test_figures_are_rounded_down(self) -> None:
+        self.assertIn("99.99 %", page.row(page.Figure("line", 99999, 100000)))
+        self.assertIn("MISSED", page.row(page.Figure("toggle", 89, 100)))
+
+
+if __name__ == "__main__":
+    unittest.main()
