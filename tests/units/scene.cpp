@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "golden/numeric/elementary.hpp"
+#include "golden/transport/emitters.hpp"
 #include "tests/catch.hpp"
 #include "tests/scene_files.hpp"
 
@@ -861,6 +862,20 @@ TEST_CASE("groups and instances: meshes once, round shapes copied; merge as if o
   CHECK_THAT(
       body_error(group + instance("<transform name=\"toWorld\"><scale x=\"2\"/></transform>")),
       ContainsSubstring("its group has a sphere"));
+}
+
+TEST_CASE("a collimated beam is refused; a narrow spot of its power stands for it") {
+  const std::string beam =
+      "<emitter type=\"collimated\"><spectrum name=\"power\" value=\"3\"/><transform "
+      "name=\"toWorld\"><translate x=\"1\"/></transform></emitter>";
+  CHECK_THAT(body_error(beam), ContainsSubstring("scene.xml:2") && ContainsSubstring("collimated"));
+  const TestFolder folder;
+  const Scene s = load_scene(folder.write("s.xml", scene_text(beam + kSensor + kLamp)), {},
+                             Unsupported::kSubstitute);
+  CHECK(s.substitutions.size() == 1);
+  REQUIRE(s.lights.size() == 1);
+  CHECK(s.lights[0].position == Vec3(1, 0, 0));
+  CHECK(light_power(s.lights[0], 1).x == Approx(3).epsilon(1e-9));
 }
 
 TEST_CASE("meshes are read at once: a file of several shapes, errors in the file's order") {
