@@ -56,16 +56,9 @@ class CacheInTime {
     uint64_t until = kNever;
   };
   struct Miss {
-    std::vector<uint32_t> clients;  // who wait for it
-    uint32_t place = kNowhere;
+    uint32_t client = 0, place = kNowhere;
     uint64_t filled = kNever;
   };
-
-  // The miss whose clients are read next, among those whose lines have come.
-  std::vector<Miss>::iterator served() {
-    return std::find_if(misses_.begin(), misses_.end(),
-                        [&](const Miss& m) { return m.place != kNowhere && m.filled <= now_; });
-  }
 
   void look_up() {
     const auto request = std::find_if(again_.begin(), again_.end(),
@@ -80,14 +73,9 @@ class CacheInTime {
     const uint32_t set = r.line % shape_.sets * shape_.ways;
     for (uint32_t place = set; place < set + shape_.ways; ++place) {
       if (tags_[place] != r.line) continue;
-      const auto comes = std::find_if(misses_.begin(), misses_.end(),
-                                      [&](const Miss& m) { return m.place == place; });
-      if (comes != misses_.end()) {
-        if (comes == served()) return false;  // it takes no more
-        comes->clients.push_back(r.client);
-        return true;
-      }
-      if (hit_.place != kNowhere) return false;
+      const bool comes = std::any_of(misses_.begin(), misses_.end(),
+                                     [&](const Miss& m) { return m.place == place; });
+      if (comes || hit_.place != kNowhere) return false;
       hit_ = {r.client, place, kNever};
       ++holders_[place];
       return true;
@@ -102,7 +90,7 @@ class CacheInTime {
       tags_[place] = r.line;
       ++holders_[place];
       port_free_ = std::max(port_free_, now_) + times_.beats;
-      *entry = {{r.client}, place, port_free_ + times_.memory};
+      *entry = {r.client, place, port_free_ + times_.memory};
       turn_ = turn_ + 1 == shape_.ways ? 0 : turn_ + 1;
       ++fetched_;
       ++busy_;
@@ -114,14 +102,10 @@ class CacheInTime {
   // Lines that have come go before hits.
   void start_reading() {
     if (reading_.until != kNever) return;
-    if (const auto m = served(); m != misses_.end()) {
-      reading_ = {m->clients.front(), m->place, now_ + times_.read};
-      m->clients.erase(m->clients.begin());
-      if (!m->clients.empty()) {
-        ++holders_[m->place];
-        return;
-      }
-      *m = {};
+    for (Miss& m : misses_) {
+      if (m.place == kNowhere || m.filled > now_) continue;
+      reading_ = {m.client, m.place, now_ + times_.read};
+      m = {};
       --busy_;
       return;
     }
