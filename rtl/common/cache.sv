@@ -3,11 +3,10 @@
 // low ItemBits of each are kept. It is delivered in Parts parts, the first items first, one a cycle.
 //
 // Each of Clients clients has at most one request in flight, which is always taken; answers come by client, in any
-// order. A miss takes one of Misses entries. Requests for a line that is on its way join its entry, which holds the way until
-// the last of them begins to read. Whatever cannot be served at once (the reader is busy, no entry is free, every way of the
-// set is held, tags that are just being changed) goes to a queue and is looked up again when no new request comes. A
-// request that misses is served by its own entry, so each is served after finitely many rounds. The victim is the next
-// way in turn that is not held.
+// order. A miss takes one of Misses entries, which holds its way until its client begins to read. Whatever cannot be
+// served at once (the line is on its way, no entry is free, every way of the set is held, tags that are just being
+// changed) goes to a queue and is looked up again when no new request comes. A request that misses is served by its own
+// entry, so each is served after finitely many rounds. The victim is the next way in turn that is not held.
 //
 //   stage 0  choose a request    1  tag memory    2  held ways    3  compare, decide    hit: wait for the reader
 //
@@ -126,7 +125,7 @@ module cache #(
   end
 
   // ---- stage 3: decide ----
-  logic hit_valid_q, reader_valid_q, hit_take, hit_room, joins, retry;
+  logic hit_valid_q, reader_valid_q, hit_take, hit_room, retry;
   logic [PlaceBits-1:0] hit_place_q, hit_place, reader_place_q;
   logic [ClientBits-1:0] hit_client_q, hit_client, reader_client_q;
   logic [Ways-1:0] match, held;
@@ -154,8 +153,8 @@ module cache #(
   assign hit_client = hit_valid_q ? hit_client_q : client_3_q;
   assign hits = valid_3_q && !stale_3_q && (match & ~pending_3_q) != '0 && hit_room;
   assign allocate = valid_3_q && !stale_3_q && !found && free_q && held != '1 && !line_req_valid_o;
-  assign retry = valid_3_q && !hits && !allocate && !joins;
-  assign hit_o = hits || joins;
+  assign retry = valid_3_q && !hits && !allocate;
+  assign hit_o = hits;
   assign miss_o = allocate;
 
   /* verilator lint_off UNUSEDSIGNAL */  // the queue holds every client
@@ -200,21 +199,13 @@ module cache #(
   logic filled;  // the last part of a line is being written
   logic [MissBits-1:0] fill_entry;
   logic [PlaceBits-1:0] fill_place, serve_place;
-  logic [ClientBits-1:0] serve_client, serve_last, serve_next;
-  logic serves_last;
-  logic [Ways*MissBits-1:0] pending_entry_2, pending_entry_3_q;
-  logic [MissBits-1:0] join_entry;
-  logic [ClientBits-1:0] join_last;
+  logic [ClientBits-1:0] serve_client;
 
   always_comb begin
-    pending_entry_2 = '0;
     for (int unsigned w = 0; w < Ways; w++) begin
       pending_2[w] = 1'b0;
       for (int unsigned m = 0; m < Misses; m++)
-        if (busy_q[m] && miss_place_q[m] == {set_2, WayBits'(w)}) begin
-          pending_2[w] = 1'b1;
-          pending_entry_2[MissBits*w+:MissBits] = pending_entry_2[MissBits*w+:MissBits] | MissBits'(m);
-        end
+        if (busy_q[m] && miss_place_q[m] == {set_2, WayBits'(w)}) pending_2[w] = 1'b1;
     end
     any_filled = filled_q != '0;
     serve_entry = '0;
@@ -226,7 +217,7 @@ module cache #(
     for (int unsigned m = Misses; m > 0; m--) if (!busy_q[m-1]) entry_q <= MissBits'(m - 1);
     for (int unsigned m = 0; m < Misses; m++) begin
       if (filled && fill_entry == MissBits'(m)) filled_q[m] <= 1'b1;
-      if (serve && serves_last && serve_entry == MissBits'(m)) begin
+      if (serve && serve_entry == MissBits'(m)) begin
         busy_q[m] <= 1'b0;
         filled_q[m] <= 1'b0;
       end
@@ -250,34 +241,6 @@ module cache #(
     end
   end
 
-  // ---- who waits for an entry: a list, its first with the entry, the others each behind the one before ----
-  // The entry that is served next takes no more, so that its last one is known.
-  logic [Misses-1:0] advanced_q;  // its first has been served
-  logic [Ways-1:0] open;  // a way's line is on its way, and its entry takes one more
-  logic [ClientBits-1:0] first_client, next_client;
-
-  always_comb begin
-    join_entry = '0;
-    for (int unsigned w = 0; w < Ways; w++) begin
-      open[w] = 1'b0;
-      for (int unsigned m = 0; m < Misses; m++)
-        if (pending_entry_3_q[MissBits*w+:MissBits] == MissBits'(m))
-          open[w] = pending_3_q[w] && busy_q[m] && !(any_filled && serve_entry == MissBits'(m));
-      if (match[w]) join_entry = join_entry | pending_entry_3_q[MissBits*w+:MissBits];
-    end
-  end
-  assign joins = valid_3_q && !stale_3_q && (match & open) != '0;
-  assign serve_client = advanced_q[serve_entry] ? next_client : first_client;
-  assign serves_last = serve_client == serve_last;
-
-  always_ff @(posedge clk_i) begin
-    pending_entry_3_q <= pending_entry_2;
-    for (int unsigned m = 0; m < Misses; m++) begin
-      if (serve && serve_entry == MissBits'(m)) advanced_q[m] <= 1'b1;
-      if (allocate && entry_q == MissBits'(m)) advanced_q[m] <= 1'b0;
-    end
-  end
-
   lut_ram #(
       .Width(PlaceBits + ClientBits),
       .Depth(Misses > 1 ? Misses : 2)
@@ -287,51 +250,7 @@ module cache #(
       .write_address_i(entry_q),
       .write_data_i({set_3_q, victim, client_3_q}),
       .read_address_i(serve_entry),
-      .read_data_o({serve_place, first_client})
-  );
-  lut_ram #(
-      .Width(ClientBits),
-      .Depth(Misses > 1 ? Misses : 2)
-  ) nexts (
-      .clk_i(clk_i),
-      .write_i(serve),
-      .write_address_i(serve_entry),
-      .write_data_i(serve_next),
-      .read_address_i(serve_entry),
-      .read_data_o(next_client)
-  );
-  lut_ram #(
-      .Width(ClientBits),
-      .Depth(Misses > 1 ? Misses : 2)
-  ) lasts_to_serve (
-      .clk_i(clk_i),
-      .write_i(allocate || joins),
-      .write_address_i(allocate ? entry_q : join_entry),
-      .write_data_i(client_3_q),
-      .read_address_i(serve_entry),
-      .read_data_o(serve_last)
-  );
-  lut_ram #(
-      .Width(ClientBits),
-      .Depth(Misses > 1 ? Misses : 2)
-  ) lasts_to_join (
-      .clk_i(clk_i),
-      .write_i(allocate || joins),
-      .write_address_i(allocate ? entry_q : join_entry),
-      .write_data_i(client_3_q),
-      .read_address_i(join_entry),
-      .read_data_o(join_last)
-  );
-  lut_ram #(
-      .Width(ClientBits),
-      .Depth(Clients > 1 ? Clients : 2)
-  ) behind (
-      .clk_i(clk_i),
-      .write_i(joins),
-      .write_address_i(join_last),
-      .write_data_i(client_3_q),
-      .read_address_i(serve_client),
-      .read_data_o(serve_next)
+      .read_data_o({serve_place, serve_client})
   );
   lut_ram #(
       .Width(PlaceBits),
