@@ -798,11 +798,21 @@ class Loader {
       p.ignore_all();
       add_environment(e, l);
       return;
+    } else if (p.type() == "collimated") {
+      // No path meets a beam without width.
+      constexpr double kDegrees = 0.5;
+      unknown_type(e, "point, spot, directional, constant, envmap, or area in a shape",
+                   "a spot of its power with a cutoff of half a degree stands for it");
+      l.kind = LightKind::kSpot;
+      key = "power";
+      l.cutoff_angle = l.beam_angle = kDegrees * kPi / 180;
+      l.cutoff_cos = l.beam_cos = cos_sin_turns(kDegrees / 360).x;
     } else {
       unknown_type(e, "point, spot, directional, constant, envmap, or area in a shape",
                    "it is left out");
       return;
     }
+    const bool beam = p.type() == "collimated";
     const Mat4 to_world = p.transform("to_world");
     if (p.has("to_world") || l.kind == LightKind::kSpot) {
       l.position = Vec3(to_world[3]);
@@ -811,6 +821,7 @@ class Loader {
     if (l.kind == LightKind::kDirectional && p.has("direction"))
       l.direction = unit(p.element("direction"), p.vector("direction", Vec3(0)));
     l.intensity = color_emitted(p, key);
+    if (beam) l.intensity /= 2 * kPi * (1 - l.cutoff_cos);
     p.finish(findings_);
     no_children(p);
     scene_.lights.push_back(l);

@@ -192,21 +192,55 @@ void World::add_primitives() {
 
 namespace {
 
-// The vertices of a group's triangles, each once.
-std::vector<Vec3> vertices_of(const Scene& scene, uint32_t group) {
-  std::vector<Vec3> out;
+Vec3 carried(const Mat4& m, const Vec3& p) { return Vec3(m * glm::dvec4(p, 1)); }
+
+// The vertices of a group's triangles, each once, in blocks with a box each: for bounds of the
+// group wherever it stands, without a look at every vertex.
+class GroupVertices {
+ public:
+  GroupVertices(const Scene& scene, uint32_t group);
+
+  // Calls see(vertex in the world) for all vertices but those of blocks that settled(middle, half)
+  // accepts: their vertices lie within `half` of `middle` along each axis.
+  template <class Settled, class See>
+  void visit(const Mat4& to_world, Settled&& settled, See&& see) const {
+    const glm::dmat3 m(to_world);
+    for (size_t b = 0; b < boxes_.size(); ++b) {
+      const auto& [lower, upper] = boxes_[b];
+      const Vec3 middle = carried(to_world, (lower + upper) * 0.5), edge = (upper - lower) * 0.5;
+      const Vec3 half = glm::abs(m[0]) * edge.x + glm::abs(m[1]) * edge.y + glm::abs(m[2]) * edge.z;
+      // Far above the rounding of the way there.
+      const Vec3 rounding = (glm::abs(middle) + half + glm::abs(Vec3(to_world[3]))) * 0x1p-40;
+      if (settled(middle, half + rounding)) continue;
+      const size_t end = std::min(vertices_.size(), (b + 1) * kBlock);
+      for (size_t i = b * kBlock; i < end; ++i) see(carried(to_world, vertices_[i]));
+    }
+  }
+
+ private:
+  static constexpr size_t kBlock = 256;
+  std::vector<Vec3> vertices_;
+  std::vector<std::pair<Vec3, Vec3>> boxes_;
+};
+
+GroupVertices::GroupVertices(const Scene& scene, uint32_t group) {
   for (const Shape& s : scene.shapes) {
     if (s.group != static_cast<int>(group)) continue;
     std::vector<char> used(s.mesh.positions.size(), 0);
     for (const auto& t : s.mesh.triangles)
       for (const uint32_t v : t) used[v] = 1;
     for (size_t i = 0; i < used.size(); ++i)
-      if (used[i]) out.push_back(s.mesh.positions[i]);
+      if (used[i]) vertices_.push_back(s.mesh.positions[i]);
   }
-  return out;
+  for (size_t first = 0; first < vertices_.size(); first += kBlock) {
+    std::pair<Vec3, Vec3> box(vertices_[first], vertices_[first]);
+    for (size_t i = first; i < std::min(vertices_.size(), first + kBlock); ++i) {
+      box.first = glm::min(box.first, vertices_[i]);
+      box.second = glm::max(box.second, vertices_[i]);
+    }
+    boxes_.push_back(box);
+  }
 }
-
-Vec3 carried(const Mat4& m, const Vec3& p) { return Vec3(m * glm::dvec4(p, 1)); }
 
 }  // namespace
 
@@ -233,17 +267,22 @@ void World::add_instances() {
     instances_.push_back(g);
   }
   for (uint32_t group = 0; group < groups_.size(); ++group) {
-    const std::vector<Vec3> vertices = vertices_of(scene_, group);
+    const GroupVertices vertices(scene_, group);
     tbb::parallel_for(size_t{0}, instances_.size(), [&](size_t i) {
       PlacedGroup& g = instances_[i];
       if (g.group != group) return;
       g.lower = Vec3(HUGE_VAL);
       g.upper = Vec3(-HUGE_VAL);
-      for (const Vec3& v : vertices) {
-        const Vec3 p = carried(g.to_world, v);
-        g.lower = glm::min(g.lower, p);
-        g.upper = glm::max(g.upper, p);
-      }
+      vertices.visit(
+          g.to_world,
+          [&](const Vec3& middle, const Vec3& half) {
+            return glm::all(glm::greaterThan(middle - half, g.lower)) &&
+                   glm::all(glm::lessThan(middle + half, g.upper));
+          },
+          [&](const Vec3& p) {
+            g.lower = glm::min(g.lower, p);
+            g.upper = glm::max(g.upper, p);
+          });
     });
   }
 }
@@ -266,17 +305,33 @@ void World::measure() {
     lower_ = glm::min(lower_, lo);
     upper_ = glm::max(upper_, hi);
   }
+  // Area, and that which can hold photons, of a group whose area vectors go by these cofactors.
+  const auto areas = [&](uint32_t group, const glm::dmat3& cofactors) {
+    Vec2 sum(0);
+    for (uint32_t i = groups_[group].begin; i < groups_[group].end; ++i) {
+      const Primitive& p = primitives_[i];
+      const double area = glm::length(cofactors * p.normal) * p.area;
+      sum += Vec2(area, diffuse_sides[p.shape] * area);
+    }
+    return sum;
+  };
+  std::vector<Vec2> own_areas;
+  for (uint32_t group = 0; group < groups_.size(); ++group)
+    own_areas.push_back(areas(group, glm::dmat3(1)));
   for (const PlacedGroup& g : instances_) {
     lower_ = glm::min(lower_, g.lower);
     upper_ = glm::max(upper_, g.upper);
-    // A triangle's area vector goes by the cofactors.
     const glm::dmat3 cofactors = g.normals * glm::determinant(glm::dmat3(g.to_world));
-    for (uint32_t i = groups_[g.group].begin; i < groups_[g.group].end; ++i) {
-      const Primitive& p = primitives_[i];
-      const double area = glm::length(cofactors * p.normal) * p.area;
-      surface_area_ += area;
-      diffuse_area_ += diffuse_sides[p.shape] * area;
-    }
+    // Even scales make all triangles larger alike.
+    const double scale2 = glm::length(cofactors[0]);
+    bool even = true;
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j)
+        even = even && std::fabs(glm::dot(cofactors[i], cofactors[j]) -
+                                 (i == j ? scale2 * scale2 : 0)) <= 1e-12 * scale2 * scale2;
+    const Vec2 sum = even ? own_areas[g.group] * scale2 : areas(g.group, cofactors);
+    surface_area_ += sum.x;
+    diffuse_area_ += sum.y;
   }
   // Squares and products of lengths, some in single precision, stay far from its limits.
   constexpr double kSmallest = 1e-12, kLargest = 1e12;
@@ -304,12 +359,15 @@ void World::measure() {
     return glm::length(glm::max(glm::abs(g.lower - centre_), glm::abs(g.upper - centre_)));
   };
   for (uint32_t group = 0; group < groups_.size(); ++group) {
-    std::vector<Vec3> vertices;
+    const GroupVertices vertices(scene_, group);
     for (const PlacedGroup& g : instances_) {
       if (g.group != group || furthest_corner(g) <= radius_) continue;
-      if (vertices.empty()) vertices = vertices_of(scene_, group);
-      for (const Vec3& v : vertices)
-        radius_ = std::max(radius_, glm::length(carried(g.to_world, v) - centre_));
+      vertices.visit(
+          g.to_world,
+          [&](const Vec3& middle, const Vec3& half) {
+            return glm::length(glm::abs(middle - centre_) + half) < radius_;
+          },
+          [&](const Vec3& p) { radius_ = std::max(radius_, glm::length(p - centre_)); });
     }
   }
   radius_ = std::min(radius_, glm::length(upper_ - lower_) * 0.5);

@@ -77,6 +77,11 @@ module m #(parameter int unsigned W = 3 + 1) (input logic clk_i, input logic rst
       if (rst_i) b_o <= '0;
     end
   end
+`ifdef SYNTHESIS
+  assign b_o = a_i + sum;
+`else
+  assign b_o = '0;
+`endif
   fifo #(.Depth(2 * W)) queue (.clk_i(clk_i), .in_i(sum | a_i), .out_o(b_o));
 endmodule
 """
@@ -89,7 +94,7 @@ class Mutants(unittest.TestCase):
             (5, "choice turned round"), (5, "+ becomes -"), (5, "1 becomes 0"),
             (8, "condition negated"), (8, "condition always true"), (8, "condition never true"),
             (8, "== becomes !="), (8, "4'd3 becomes 4'd2"), (8, "&& becomes ||"), (8, "! left out"),
-            (9, "'0 becomes '1"), (12, "| becomes &")])
+            (9, "'0 becomes '1"), (15, "'0 becomes '1"), (17, "| becomes &")])
 
     def test_without_a_choice_the_source_stays(self) -> None:
         mutants = mutators.mutants_of(MODULE, "m.sv")

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "golden/numeric/elementary.hpp"
+#include "golden/transport/emitters.hpp"
 #include "tests/catch.hpp"
 #include "tests/scene_files.hpp"
 
@@ -861,4 +862,42 @@ TEST_CASE("groups and instances: meshes once, round shapes copied; merge as if o
   CHECK_THAT(
       body_error(group + instance("<transform name=\"toWorld\"><scale x=\"2\"/></transform>")),
       ContainsSubstring("its group has a sphere"));
+}
+
+TEST_CASE("a collimated beam is refused; a narrow spot of its power stands for it") {
+  const std::string beam =
+      "<emitter type=\"collimated\"><spectrum name=\"power\" value=\"3\"/><transform "
+      "name=\"toWorld\"><translate x=\"1\"/></transform></emitter>";
+  CHECK_THAT(body_error(beam), ContainsSubstring("scene.xml:2") && ContainsSubstring("collimated"));
+  const TestFolder folder;
+  const Scene s = load_scene(folder.write("s.xml", scene_text(beam + kSensor + kLamp)), {},
+                             Unsupported::kSubstitute);
+  CHECK(s.substitutions.size() == 1);
+  REQUIRE(s.lights.size() == 1);
+  CHECK(s.lights[0].position == Vec3(1, 0, 0));
+  CHECK(light_power(s.lights[0], 1).x == Approx(3).epsilon(1e-9));
+}
+
+TEST_CASE("meshes are read at once: a file of several shapes, errors in the file's order") {
+  const TestFolder folder;
+  folder.write("a.obj", kTriangle);
+  const auto mesh = [](const std::string& file, const std::string& steps) {
+    return "<shape type=\"obj\"><string name=\"filename\" value=\"" + file +
+           "\"/><transform name=\"toWorld\">" + steps + "</transform></shape>\n";
+  };
+  const Scene s = load_scene(folder.write(
+      "scene.xml", scene_text(mesh("a.obj", "") + mesh("a.obj", "<translate z=\"2\"/>") +
+                              mesh("a.obj", "<scale value=\"3\"/>") + kSensor + kLamp)));
+  const Vec3 corner = s.shapes[0].mesh.positions[1];
+  CHECK(s.shapes[1].mesh.positions[1] == corner + Vec3(0, 0, 2));
+  CHECK(s.shapes[2].mesh.positions[1] == corner * 3.0);
+  folder.write("bad.obj", "v 1 2\n");
+  // Line 3 is read before line 4, whatever its mesh needs.
+  const std::string file = folder.write(
+      "scene.xml",
+      scene_text(mesh("a.obj", "") + mesh("bad.obj", "") + mesh("none.obj", "") + kSensor + kLamp));
+  CHECK_THROWS_WITH(load_scene(file), ContainsSubstring("bad.obj:1: 'v' has 2 numbers"));
+  folder.write("bad.obj", kTriangle);
+  CHECK_THROWS_WITH(load_scene(file),
+                    ContainsSubstring("scene.xml:4") && ContainsSubstring("none.obj"));
 }

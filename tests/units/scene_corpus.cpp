@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Some fifty small scenes in the style of public ones. Each renders by path tracing and by photons,
+// Sixty small scenes in the style of public ones. Each renders by path tracing and by photons,
 // or is refused in one message that names every element that is not supported, with its line.
 // Spellings are those of the plugin documentation: Mitsuba 0.5/0.6 (documentation.pdf, chapter 8)
 // in the files of version 0.x, Mitsuba 3 (mitsuba.readthedocs.io, plugin reference) in the others.
@@ -21,6 +21,9 @@ struct File {
   const char* version;
   const char* body;     // lines from 4 on; line 3 is the camera
   const char* refused;  // "LINE WORD, LINE WORD": elements that the message must name; "": renders
+  const char* sensor = "perspective";          // its type
+  const char* lens = "";                       // its properties
+  const char* film = "<rfilter type='box'/>";  // what stands in the film, but for its size
 };
 
 constexpr File kFiles[] = {
@@ -277,6 +280,26 @@ constexpr File kFiles[] = {
      "name='intensity' "
      "value='1'/></luminaire>",
      ""},
+    // Cameras and films.
+    {"thinlens", "0.6.0", "<shape type='cube'/>", "", "thinlens",
+     "<float name='apertureRadius' value='0.1'/><float name='focusDistance' value='3'/><float "
+     "name='fov' value='35'/><float name='shutterOpen' value='0'/>"},
+    {"thinlens 3", "3.0.0", "<shape type='cube'/>", "", "thinlens",
+     "<float name='aperture_radius' value='0.1'/><float name='focus_distance' value='3'/><float "
+     "name='fov' value='35'/><string name='fov_axis' value='smaller'/>"},
+    {"orthographic", "0.6.0", "<shape type='cube'/>", "", "orthographic"},
+    {"no filter", "0.6.0", "<shape type='cube'/>", "", "perspective", "", ""},
+    {"mitchell", "0.6.0", "<shape type='cube'/>", "", "perspective", "",
+     "<rfilter type='mitchell'><float name='B' value='0.2'/></rfilter><boolean name='banner' "
+     "value='false'/><string name='pixelFormat' value='rgb'/>"},
+    {"crop", "0.6.0", "<shape type='cube'/>", "", "perspective", "",
+     "<integer name='cropOffsetX' value='1'/><integer name='cropWidth' value='2'/><rfilter "
+     "type='lanczos'><integer name='lobes' value='2'/></rfilter>"},
+    {"crop 3", "3.0.0", "<shape type='cube'/>", "", "perspective",
+     "<float name='principal_point_offset_x' value='0.1'/>",
+     "<integer name='crop_offset_y' value='1'/><integer name='crop_height' value='3'/><rfilter "
+     "type='gaussian'><float name='stddev' value='0.4'/></rfilter>"},
+    {"spherical", "0.6.0", "<shape type='cube'/>", "3 spherical", "spherical"},
     // What stays outside.
     {"fog", "0.6.0",
      "<medium type='homogeneous' id='fog'><spectrum name='sigmaT' value='1'/></medium>\n<shape "
@@ -333,7 +356,7 @@ void write_pictures(const TestFolder& folder) {
 }  // namespace
 
 TEST_CASE("small files in the style of public scenes render, or are refused whole") {
-  static_assert(std::size(kFiles) == 52);
+  static_assert(std::size(kFiles) == 60);
   const TestFolder folder;
   write_pictures(folder);
   for (const File& f : kFiles) {
@@ -344,11 +367,11 @@ TEST_CASE("small files in the style of public scenes render, or are refused whol
         "scene.xml",
         "<scene version=\"" + std::string(f.version) + "\">\n\n" +
             with_double_quotes(
-                "<" + sensor +
-                " type='perspective'><transform name='toWorld'><translate z='-4'/>"
-                "</transform><film type='hdrfilm'><integer name='width' value='4'/><integer "
-                "name='height' value='4'/><rfilter type='box'/></film></" +
-                sensor + ">\n" + f.body) +
+                "<" + sensor + " type='" + f.sensor + "'>" + f.lens +
+                "<transform name='toWorld'><translate z='-4'/></transform><film "
+                "type='hdrfilm'><integer name='width' value='4'/><integer name='height' "
+                "value='4'/>" +
+                f.film + "</film></" + sensor + ">\n" + f.body) +
             "\n<" + (old ? "luminaire" : "emitter") + " type=\"point\"/></scene>");
     if (*f.refused) {
       std::string message;

@@ -2,7 +2,8 @@
 """Mutations of SystemVerilog source: another operator, another constant, another condition.
 
 What is mutated is what the hardware computes: right sides of assignments, conditions of if, expressions at the ports of instances.
-Parameters, ranges, indices, loops, generate blocks, assertions and what is read from constants alone stay as they are."""
+Parameters, ranges, indices, loops, generate blocks, assertions, what is read from constants alone and what only synthesis reads stay as
+they are."""
 import re
 from dataclasses import dataclass
 
@@ -160,10 +161,16 @@ class Reader:
             return place + 1
         if self.at(place + 1) == ":" and self.tokens[place].kind in ("name", "number"):
             return place + 2
-        if word in ("`else", "`endif"):
-            return place + 1
-        if word in ("`ifdef", "`ifndef"):
-            return place + 2
+        if word in ("`else", "`endif", "`ifndef"):
+            return place + (2 if word == "`ifndef" else 1)
+        if word == "`ifdef":
+            # What synthesis alone reads is not simulated here; netlists are (docs/netlist.md).
+            kept = len(self.regions)
+            place += 2
+            while self.at(place) not in ("`else", "`endif"):
+                place = self._item(place)
+            del self.regions[kept:]
+            return place
         if word in _TYPES or "::" in word:
             return self.until(place, {";"}) + 1
         if word in ("assert", "assume", "cover"):
