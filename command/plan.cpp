@@ -33,7 +33,8 @@ std::vector<std::pair<std::string, uint64_t>> memory_bits(const Plan& plan) {
     const MapPlan& m = plan.map(is_caustic);
     if (!m.present) continue;
     const std::string name = is_caustic ? "caustic map" : "global map";
-    rows.emplace_back(name + ", leaf lines (external)", plan.lines(m) * n(plan.line_bytes()) * 8);
+    rows.emplace_back(name + ", leaf lines (external)",
+                      plan.memory_lines(m) * n(plan.line_bytes()) * 8);
     rows.emplace_back(name + ", inner nodes", (plan.lines(m) - 1) * n(2 + plan.position_bits));
   }
   for_each_unit([&](auto unit) {

@@ -115,7 +115,8 @@ void Board::load(const Plan& plan, const PhotonGathererImage& image) {
     std::vector<uint32_t> words((bytes.size() + 3) / 4);
     for (size_t i = 0; i < bytes.size(); ++i) words[i / 4] |= uint32_t{bytes[i]} << (8 * (i % 4));
     const uint64_t base =
-        map == 0 ? 0 : plan.lines(plan.global) * static_cast<uint64_t>(plan.line_bytes()) / 4;
+        map == 0 ? 0
+                 : plan.memory_lines(plan.global) * static_cast<uint64_t>(plan.line_bytes()) / 4;
     connection_.write(link_address(LinkSpace::kPhotonLines, base), words);
   }
   connection_.drain();

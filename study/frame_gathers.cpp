@@ -12,6 +12,7 @@
 #include "golden/numeric/hilbert.hpp"
 #include "golden/plan/plan_file.hpp"
 #include "golden/unit/photon_gatherer.hpp"
+#include "golden/unit/photon_lines.hpp"
 #include "golden/unit/reorder_buffer.hpp"
 
 namespace photonloom {
@@ -86,11 +87,12 @@ std::shared_ptr<const FrameGathers> frame_gathers(PointRun& run) {
     FrameGathers made;
     made.queries = made_by(run, plan);
     std::vector<Neighbour> found;
-    std::vector<uint32_t> lines;
+    std::vector<uint32_t> leaves;
+    const FurtherLines further = further_lines(plan, run.map(false), false);
     for (const GatherQuery& query : made.queries) {
-      lines.clear();
-      search_gather(plan, run.map(false), query, found, &lines);
-      made.visits.add_query(lines);
+      leaves.clear();
+      search_gather(plan, run.map(false), query, found, &leaves);
+      made.visits.add_query(lines_of(further, leaves));
     }
     return made;
   });

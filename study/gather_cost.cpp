@@ -11,6 +11,7 @@
 #include "golden/numeric/sha256.hpp"
 #include "golden/plan/plan_file.hpp"
 #include "golden/unit/photon_gatherer.hpp"
+#include "golden/unit/photon_lines.hpp"
 #include "study/cache_model.hpp"
 #include "study/cycle_fit.hpp"
 #include "verilator_tb/unit/backends.hpp"
@@ -83,13 +84,16 @@ GatherSearches searched(const Plan& plan, const PhotonMap& global, const PhotonM
                         std::span<const GatherQuery> queries) {
   GatherSearches s;
   std::vector<Neighbour> found;
-  std::vector<uint32_t> lines;
+  std::vector<uint32_t> leaves;
+  const FurtherLines further[] = {further_lines(plan, global, false),
+                                  further_lines(plan, caustic, true)};
   for (const GatherQuery& query : queries) {
-    lines.clear();
+    leaves.clear();
     const SearchCounts counts =
-        search_gather(plan, query.map ? caustic : global, query, found, &lines);
+        search_gather(plan, query.map ? caustic : global, query, found, &leaves);
+    std::vector<uint32_t> lines = lines_of(further[query.map ? 1 : 0], leaves);
     if (query.map)
-      for (uint32_t& line : lines) line += 1u << plan.line_bits();
+      for (uint32_t& line : lines) line += 1u << plan.line_address_bits();
     s.visits.add_query(lines);
     s.load.nodes += counts.nodes;
     s.load.leaves += counts.leaves;

@@ -53,7 +53,7 @@ std::vector<Column> layout_columns() {
           {"textbook", "bytes", "a gather, a kd-tree of a photon a node"},
           {"grid", "bytes", "a gather, a hash grid"},
           {"compressed", "bytes", "a gather, compressed lines of 8 photons in 80 bytes"},
-          {"overflow", "", "part of the compressed lines that take two"},
+          {"further", "", "further lines of compressed leaves over leaves"},
           {"to_plain", "", "compressed over plain"},
           {"to_textbook", "", "compressed over textbook"},
           {"different", "", "gathers whose photons differ between layouts, of one in 64"}};

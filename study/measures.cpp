@@ -405,7 +405,8 @@ Measurement measure_resources(PointRun& run) {
     if (unit == kGatherer) gatherer = r;
   }
   const double bytes =
-      static_cast<double>(plan.lines(plan.global) + plan.lines(plan.caustic)) * plan.line_bytes();
+      static_cast<double>(plan.memory_lines(plan.global) + plan.memory_lines(plan.caustic)) *
+      plan.line_bytes();
   Measurement m;
   m.values = {gatherer.lut,
               gatherer.ff,

@@ -7,8 +7,10 @@
 #include <numeric>
 #include <stdexcept>
 
+#include "golden/plan/plan_file.hpp"
+#include "golden/unit/photon_lines.hpp"
+
 #include "golden/numeric/octahedral.hpp"
-#include "study/compressed_lines.hpp"
 
 namespace photonloom {
 namespace {
@@ -75,41 +77,46 @@ class PlainLines : public PhotonLayout {
   int line_bytes_;
 };
 
+// The plan with compressed lines of so many bytes and room for any number of further ones.
+Plan with_compressed_lines(Plan plan, int line_bytes) {
+  plan.photon_lines = PhotonLines::kCompressed;
+  plan.photon_bytes = line_bytes / plan.bucket;
+  plan.further_percent = 100 * (plan.bucket - 1);
+  return plan;
+}
+
 class CompressedLines final : public PhotonLayout {
  public:
   CompressedLines(const Plan& plan, const PhotonMap& map, int line_bytes)
-      : plan_(plan), decoded_(map), line_bytes_(line_bytes), second_(map.lines, 0) {
-    const LineFormat format = choose_line_format(plan, map, line_bytes);
+      : plan_(with_compressed_lines(plan, line_bytes)), decoded_(map), line_bytes_(line_bytes) {
+    if (const auto problem = find_problem(plan_); problem && problem->line == "photon.photon_bytes")
+      throw std::invalid_argument("compressed lines: photon_bytes " + problem->what);
+    const std::vector<uint8_t> bytes = photon_lines(plan_, map, false);
+    lines_ = bytes.size() / static_cast<size_t>(line_bytes);
     const auto bucket = static_cast<size_t>(plan.bucket);
-    for (uint32_t line = 0; line < map.lines; ++line) {
-      const std::span<const PackedPhoton> photons =
-          std::span(map.slots).subspan(line * bucket, bucket);
-      const std::vector<uint8_t> bytes = encode_line(plan, format, photons);
-      if (bytes.size() > static_cast<size_t>(line_bytes)) second_[line] = map.lines + overflown_++;
-      const std::vector<PackedPhoton> decoded = decode_line(plan, format, bytes);
-      std::copy(decoded.begin(), decoded.end(),
-                decoded_.slots.begin() + static_cast<std::ptrdiff_t>(line * bucket));
+    for (uint32_t leaf = 0; leaf < map.lines; ++leaf) {
+      const StoredLeaf stored = read_leaf(plan_, bytes, leaf);
+      std::copy(stored.slots.begin(), stored.slots.end(),
+                decoded_.slots.begin() + static_cast<std::ptrdiff_t>(leaf * bucket));
     }
+    further_ = further_lines(plan_, map, false);
   }
   int line_bytes() const override { return line_bytes_; }
-  uint64_t map_bytes() const override {
-    return (uint64_t{decoded_.lines} + overflown_) * static_cast<uint64_t>(line_bytes_);
-  }
+  uint64_t map_bytes() const override { return lines_ * static_cast<uint64_t>(line_bytes_); }
   void gather(const GatherQuery& query, std::vector<Neighbour>& found,
               std::vector<uint32_t>& lines) const override {
-    const size_t first = lines.size();
-    search_gather(plan_, decoded_, query, found, &lines);
-    for (size_t i = first; i < lines.size(); ++i)
-      if (const uint32_t second = second_[lines[i]])
-        lines.insert(lines.begin() + static_cast<std::ptrdiff_t>(++i), second);
+    std::vector<uint32_t> leaves;
+    search_gather(plan_, decoded_, query, found, &leaves);
+    const std::vector<uint32_t> read = lines_of(further_, leaves);
+    lines.insert(lines.end(), read.begin(), read.end());
   }
 
  private:
   const Plan plan_;
   PhotonMap decoded_;  // what the lines hold
   int line_bytes_;
-  uint32_t overflown_ = 0;
-  std::vector<uint32_t> second_;  // behind the first lines; 0: there is none
+  uint64_t lines_;
+  FurtherLines further_;
 };
 
 class TextbookTree final : public PhotonLayout {

@@ -27,7 +27,7 @@ class PhotonLayout {
 // photon.
 std::unique_ptr<PhotonLayout> make_plain_lines(const Plan& plan, const PhotonMap& map,
                                                int photon_bytes);
-// The same with compressed lines of `line_bytes`, of which a line that overflows takes two.
+// The same with compressed lines of `line_bytes`; a leaf that does not fit takes further ones.
 std::unique_ptr<PhotonLayout> make_compressed_lines(const Plan& plan, const PhotonMap& map,
                                                     int line_bytes);
 // A left-balanced kd-tree of one photon a node, in heap order, as many whole nodes in a line of 128

@@ -21,7 +21,8 @@ enum class TablePhotons { kAll, kIndirect };
 // direction bin within a tile.
 enum class FrameOrder { kPixel, kTile, kDirectionBins };
 enum class PhotonMemory { kBlockRam, kSdram };  // of a board
-enum class CacheRadius { kPhotons, kProbe };    // what an irradiance record's radius comes from
+enum class PhotonLines { kPlain, kCompressed };
+enum class CacheRadius { kPhotons, kProbe };  // what an irradiance record's radius comes from
 
 // One photon map as the hardware sees it.
 struct MapPlan {
@@ -63,6 +64,8 @@ struct Plan {
   std::array<double, 3> channel_color{1, 1, 1};  // with one channel: RGB = value * this
   int bucket = 8;                                // photons per line
   int photon_bytes = 16;                         // stride of a photon in a line
+  PhotonLines photon_lines = PhotonLines::kPlain;
+  int further_percent = 25;  // lines behind the leaves', for those that need more than one
   MapPlan global, caustic;
   // [gather]
   int k = 50;
@@ -174,6 +177,30 @@ struct Plan {
     return extent / static_cast<double>(uint64_t{1} << position_bits);
   }
   int line_bytes() const { return bucket * photon_bytes; }
+  // Compressed lines (docs/photon_memory.md): a slot has its record, then its part of the header.
+  static constexpr int kCornerBits = 10;
+  bool compressed() const { return photon_lines == PhotonLines::kCompressed; }
+  int corner_bits() const { return std::min(position_bits, kCornerBits); }
+  int line_header_bits() const { return 5 + exponent_bits + 3 * corner_bits(); }
+  int slot_header_bits() const {
+    return compressed() ? (line_header_bits() + bucket - 1) / bucket : 0;
+  }
+  int record_bits() const {
+    return compressed() ? 8 * photon_bytes - slot_header_bits() : photon_bits();
+  }
+  // Bits of a record for what is relative to its line.
+  int offset_bits() const { return record_bits() - 2 * direction_bits - channels * mantissa_bits; }
+  // Bits of an offset that every layout has: along the line's own axis, along the other two.
+  int other_offset_bits() const { return (offset_bits() - 1) / 3; }
+  int axis_offset_bits() const { return offset_bits() - 6 - 2 * other_offset_bits(); }
+  // Lines of a map in memory: its leaves' and those further ones that there is room for.
+  uint64_t memory_lines(const MapPlan& m) const {
+    const uint64_t percent = compressed() ? static_cast<uint64_t>(further_percent) : 0;
+    return lines(m) + (lines(m) * percent + 99) / 100;
+  }
+  int line_address_bits() const {
+    return std::max(1, clog2(std::max(memory_lines(global), memory_lines(caustic))));
+  }
   int cache_record_bits() const { return std::max(1, clog2(static_cast<uint64_t>(cache_records))); }
   int cache_hit_bits() const { return clog2(static_cast<uint64_t>(cache_hits) + 1); }
   // W of the reciprocal of a record's squared reach.
@@ -209,6 +236,10 @@ struct Plan {
     v("photon", "channel_color", p.channel_color, 0, 0, "with one channel, RGB = value * this");
     v("photon", "bucket", p.bucket, 2, 16, "photons per line, a power of two");
     v("photon", "photon_bytes", p.photon_bytes, 4, 32, "stride of a photon in a line");
+    v("photon", "lines", p.photon_lines, 0, 0,
+      "plain, or compressed: positions relative to the line's box");
+    v("photon", "further_percent", p.further_percent, 0, 1500,
+      "room for further lines of leaves whose photons do not fit in one, of the leaves");
     MapPlan::visit(p.global, in_section("global", v));
     MapPlan::visit(p.caustic, in_section("caustic", v));
     v("gather", "k", p.k, 1, 256, "photons in an estimate");

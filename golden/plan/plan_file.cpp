@@ -26,6 +26,7 @@ constexpr std::array<const char*, 5> kCombineNames{"sum", "product", "weighted",
 constexpr std::array<const char*, 2> kTablePhotonsNames{"all", "indirect"};
 constexpr std::array<const char*, 3> kOrderNames{"pixel", "tile", "direction_bins"};
 constexpr std::array<const char*, 2> kPhotonMemoryNames{"block_ram", "sdram"};
+constexpr std::array<const char*, 2> kPhotonLinesNames{"plain", "compressed"};
 constexpr std::array<const char*, 2> kCacheRadiusNames{"photons", "probe"};
 constexpr uint64_t kSdramBytes = uint64_t{32} << 20;  // 256 Mbit
 constexpr const auto& names_of(ReorderKey) { return kKeyNames; }
@@ -34,6 +35,7 @@ constexpr const auto& names_of(TableCombine) { return kCombineNames; }
 constexpr const auto& names_of(TablePhotons) { return kTablePhotonsNames; }
 constexpr const auto& names_of(FrameOrder) { return kOrderNames; }
 constexpr const auto& names_of(PhotonMemory) { return kPhotonMemoryNames; }
+constexpr const auto& names_of(PhotonLines) { return kPhotonLinesNames; }
 constexpr const auto& names_of(CacheRadius) { return kCacheRadiusNames; }
 
 template <class T>
@@ -213,6 +215,32 @@ double radius_for_r2_max(const Plan& plan, uint64_t r2_max) {
   return radius;
 }
 
+namespace {
+
+// What a compressed line's record has no room for.
+std::optional<PlanProblem> cramped_record(const Plan& plan) {
+  const int corner = plan.position_bits - plan.corner_bits();  // bits that it leaves out
+  if (plan.axis_offset_bits() < std::max(1, corner))
+    return PlanProblem{
+        "photon.photon_bytes",
+        fmt::format("is {}, so a compressed slot has {} bits of header, {} of directions and "
+                    "mantissas, and {} for offsets, of which {} along the line's axis; expected at "
+                    "least {} along it, as many as the corner leaves out",
+                    plan.photon_bytes, plan.slot_header_bits(),
+                    2 * plan.direction_bits + plan.channels * plan.mantissa_bits,
+                    plan.offset_bits(), plan.axis_offset_bits(), std::max(1, corner))};
+  const int address = plan.line_address_bits() + 1;
+  const int room = plan.offset_bits() - 2 + 2 * plan.direction_bits;
+  if (room < address)
+    return PlanProblem{
+        "photon.photon_bytes",
+        fmt::format("is {}, so a compressed slot has {} bits for a line's address, which has {}",
+                    plan.photon_bytes, room, address)};
+  return std::nullopt;
+}
+
+}  // namespace
+
 std::optional<PlanProblem> find_problem(const Plan& plan) {
   std::optional<PlanProblem> problem;
   Plan::visit(plan, [&](const char* section, const char* key, const auto& value, auto smallest,
@@ -232,13 +260,16 @@ std::optional<PlanProblem> find_problem(const Plan& plan) {
     return fail("scene.extent", "must lie between 1e-140 and 1e150 so that squares stay finite");
   if (!power_of_two(plan.bucket))
     return fail("photon.bucket", fmt::format("is {}, expected a power of two", plan.bucket));
-  if (plan.photon_bits() > 8 * plan.photon_bytes)
+  if (plan.compressed()) {
+    if (auto cramped = cramped_record(plan)) return cramped;
+  } else if (plan.photon_bits() > 8 * plan.photon_bytes) {
     return fail("photon.photon_bytes",
                 fmt::format("is {}, but a photon has 3 * {} + 2 * {} + {} * {} + {} = {} bits and "
                             "needs at least {} bytes",
                             plan.photon_bytes, plan.position_bits, plan.direction_bits,
                             plan.channels, plan.mantissa_bits, plan.exponent_bits,
                             plan.photon_bits(), (plan.photon_bits() + 7) / 8));
+  }
   if (plan.line_bytes() % 16 != 0)
     return fail("photon.photon_bytes",
                 fmt::format("is {}, so a line of {} photons has {} bytes, expected a multiple of "
@@ -324,7 +355,8 @@ std::optional<PlanProblem> find_problem(const Plan& plan) {
       return fail("board.cache_bytes", fmt::format("is {}, expected at least 4 lines of {} bytes",
                                                    plan.board_cache_bytes, plan.line_bytes()));
     const uint64_t stride = uint64_t{1} << clog2(static_cast<uint64_t>(plan.line_bytes()));
-    const uint64_t bytes = (plan.lines(plan.global) + plan.lines(plan.caustic)) * stride;
+    const uint64_t bytes =
+        (plan.memory_lines(plan.global) + plan.memory_lines(plan.caustic)) * stride;
     if (bytes > kSdramBytes)
       return fail("board.photon_memory",
                   fmt::format("is sdram, which holds {} bytes; the maps' lines take {}",
@@ -455,6 +487,8 @@ bool may_be_left_out(const std::string& line) {
                                             "cache.angle_bits",
                                             "cache.weight_bits",
                                             "cache.glossy",
+                                            "photon.lines",
+                                            "photon.further_percent",
                                             "gatherer.nodes_per_cycle",
                                             "gatherer.candidates_per_cycle",
                                             "gatherer.powers_per_cycle",

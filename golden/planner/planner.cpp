@@ -233,6 +233,16 @@ void choose_pixel(Plan& plan, const World& world, const PlanRequest& request, Pl
       "the largest k * power / (pi r2_floor) * weight, so that nothing overflows";
 }
 
+// The shortest compressed slot whose offsets have two thirds of a position's bits: leaves of most
+// maps then fit in a line.
+int compressed_photon_bytes(Plan plan) {
+  for (plan.photon_bytes = 4; plan.photon_bytes < 32; ++plan.photon_bytes)
+    if (plan.line_bytes() % 16 == 0 && plan.offset_bits() >= 2 * plan.position_bits &&
+        plan.axis_offset_bits() >= std::max(1, plan.position_bits - plan.corner_bits()))
+      break;
+  return plan.photon_bytes;
+}
+
 }  // namespace
 
 MapsNeeded maps_needed(const World& world, int gather_rays) {
@@ -338,9 +348,21 @@ PlannedFrame make_plan(const World& world, const PlanRequest& request, const Pho
     set_by_hand();
     choose_maps(plan, world, request, global, caustic, why);  // power units follow from mantissas
   }
-  if (plan.photon_bits() > 8 * plan.photon_bytes) plan.photon_bytes = 32;
-  why["photon.photon_bytes"] =
-      fmt::format("{} of {} bits used", plan.photon_bits(), 8 * plan.photon_bytes);
+  if (plan.compressed()) {
+    plan.photon_bytes = compressed_photon_bytes(plan);
+    // A part of a line is a beat.
+    plan.beat_bits = 8 * plan.photon_bytes * std::min(plan.lanes, plan.bucket);
+    set_by_hand();
+    why["photon.photon_bytes"] =
+        fmt::format("{} bits relative to the line for the {} of a position and an exponent",
+                    plan.offset_bits(), 3 * plan.position_bits + plan.exponent_bits);
+  } else {
+    if (plan.photon_bits() > 8 * plan.photon_bytes) plan.photon_bytes = 32;
+    why["photon.photon_bytes"] =
+        fmt::format("{} of {} bits used", plan.photon_bits(), 8 * plan.photon_bytes);
+  }
+  why["photon.lines"] = "plain unless it is asked for";
+  why["photon.further_percent"] = "used where photon.lines is compressed";
   why["photon.bucket"] = fmt::format("a line of {} bytes", plan.line_bytes());
 
   // The gather.
@@ -352,7 +374,7 @@ PlannedFrame make_plan(const World& world, const PlanRequest& request, const Pho
   why["gatherer.lanes"] = fmt::format("a line of {} photons in {} cycles", plan.bucket,
                                       plan.bucket / std::max(1, plan.lanes));
   const int way = plan.line_bytes() * plan.cache_ways;
-  const uint64_t map_bytes = (plan.lines(plan.global) + plan.lines(plan.caustic)) *
+  const uint64_t map_bytes = (plan.memory_lines(plan.global) + plan.memory_lines(plan.caustic)) *
                              static_cast<uint64_t>(plan.line_bytes());
   if (map_bytes <= kCachedMapBytes) plan.cache_bytes = static_cast<int>(std::bit_ceil(map_bytes));
   set_by_hand();
@@ -369,7 +391,7 @@ PlannedFrame make_plan(const World& world, const PlanRequest& request, const Pho
       why["gatherer.powers_per_cycle"] = "the smallest gatherer; more make it faster";
   why["gatherer.cache_ways"] = "fewer conflicts for little area";
   why["gatherer.cache_misses"] = "keeps the memory port busy";
-  why["gatherer.beat_bits"] = "a 128-bit memory port";
+  why["gatherer.beat_bits"] = plan.compressed() ? "a part of a line" : "a 128-bit memory port";
 
   // Reordering and the sampler.
   if (!plan.global.present || cache_holds_maps) plan.reorder_key = ReorderKey::kNone;

@@ -93,13 +93,15 @@ class Memories {
   uint64_t lut_words_;
 };
 
-// Data of a cache of `lines` photon lines, which are read in `parts` parts and written in beats.
-void add_cached_lines(Memories& m, const Plan& p, uint64_t lines, uint64_t parts, int beat_bits) {
+// Data of a cache of `lines` photon lines, which are read in `parts` parts and written in beats;
+// so many bits of each slot are kept.
+void add_cached_lines(Memories& m, const Plan& p, int slot_bits, uint64_t lines, uint64_t parts,
+                      int beat_bits) {
   const bool narrow = 8 * p.line_bytes() / static_cast<int>(parts) % beat_bits == 0;
   if (narrow && parts > 1)
-    m.add(p.bucket / static_cast<int>(parts) * p.photon_bits(), lines * parts);
+    m.add(p.bucket / static_cast<int>(parts) * slot_bits, lines * parts);
   else
-    m.add(p.bucket * p.photon_bits(), lines);
+    m.add(p.bucket * slot_bits, lines);
 }
 
 Memories gatherer_memories(const Plan& p) {
@@ -107,8 +109,9 @@ Memories gatherer_memories(const Plan& p) {
   const auto sets = static_cast<uint64_t>(p.cache_bytes / (p.line_bytes() * p.cache_ways));
   const uint64_t lines = sets * power_of_two(p.cache_ways);
   const auto parts = static_cast<uint64_t>(p.bucket / p.lanes);  // a line is read in as many cycles
-  add_cached_lines(m, p, lines, parts, p.beat_bits);
-  m.add(p.line_bits() + 2, sets, p.cache_ways);
+  add_cached_lines(m, p, p.record_bits(), lines, parts, p.beat_bits);
+  if (p.compressed()) m.add(p.bucket * p.slot_header_bits(), lines);
+  m.add(p.line_address_bits() + 2, sets, p.cache_ways);
 
   // Nodes are in slices as deep as they all are.
   const uint64_t nodes = std::max<uint64_t>(2, p.lines(p.global) + p.lines(p.caustic));
@@ -301,22 +304,24 @@ MemoryBits memory_bits_of(Sampler, const Plan& p) {
   if (!p.global.present) return {};
   return {{"two tables", 2 * (uint64_t{1} << (2 * p.cell_bits)) * u64(p.total_bits())}};
 }
+// Bits of a slot that a board keeps.
+int kept_bits(const Plan& p) { return p.record_bits() + p.slot_header_bits(); }
+
 // As photon_ram and photon_sdram keep them.
 int photon_memory_blocks(const Plan& p) {
   const int beats = 8 * p.line_bytes() / p.beat_bits;
   if (p.photon_memory == PhotonMemory::kBlockRam) {
     const int stride = 8 * p.photon_bytes;
-    const int width =
-        p.beat_bits % stride == 0 ? p.beat_bits / stride * p.photon_bits() : p.beat_bits;
-    const uint64_t lines = p.lines(p.global) + p.lines(p.caustic);
+    const int width = p.beat_bits % stride == 0 ? p.beat_bits / stride * kept_bits(p) : p.beat_bits;
+    const uint64_t lines = p.memory_lines(p.global) + p.memory_lines(p.caustic);
     return fewest(kTwoReads, width, std::max<uint64_t>(1, lines) * static_cast<uint64_t>(beats));
   }
   constexpr int kWays = 4;
   const uint64_t sets =
       std::bit_floor(static_cast<uint64_t>(p.board_cache_bytes / (p.line_bytes() * kWays)));
   Memories m(p);
-  add_cached_lines(m, p, sets * kWays, static_cast<uint64_t>(beats), 64);
-  m.add(p.line_bits() + 2, sets, kWays);
+  add_cached_lines(m, p, kept_bits(p), sets * kWays, static_cast<uint64_t>(beats), 64);
+  m.add(p.line_address_bits() + 2, sets, kWays);
   return m.blocks;
 }
 

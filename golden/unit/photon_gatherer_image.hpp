@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Photon maps as the hardware gatherer takes them: words for its configuration port and the bytes
-// of its line memory. Address map and line layout: docs/photon_gatherer.md.
+// of its line memory. Address map: docs/photon_gatherer.md, lines: docs/photon_memory.md.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -18,7 +18,7 @@ struct CfgWrite {
 
 struct PhotonGathererImage {
   std::vector<CfgWrite> cfg;                  // to be written in this order while idle
-  std::array<std::vector<uint8_t>, 2> lines;  // by map; line l at byte l * bucket * photon_bytes
+  std::array<std::vector<uint8_t>, 2> lines;  // by map, as photon_lines gives them
 };
 
 PhotonGathererImage photon_gatherer_image(const Plan& plan, const PhotonMap& global,

@@ -29,7 +29,7 @@ class GathererShell final : public Shell {
 
   void load_lines(int map, const uint8_t* bytes, size_t size) override {
     const size_t beat_bytes = kLineBeatBits / 8;
-    const size_t first = map == 0 ? 0 : size_t{Kernel::kGlobalLines} * Kernel::kBeats;
+    const size_t first = map == 0 ? 0 : size_t{kGlobalMemoryLines} * Kernel::kBeats;
     const size_t beats = size / beat_bytes;
     if (lines_.size() < first + beats) lines_.resize(first + beats);
     for (size_t i = 0; i < beats; ++i)

@@ -17,7 +17,8 @@
 //   store_ and keys_        of a query whose photons leave: its next step is kFreeTurns turns later
 //
 // A power that falls out of the list is taken off the sum, so a query has its sum with its last
-// insertion. A result is written before its photons; whoever reads both has to take a query's
+// insertion. The slots of a leaf of several compressed lines are gathered from all of them before
+// its first step. A result is written before its photons; whoever reads both has to take a query's
 // photons before he waits for the next result, or to have room for k of them.
 #pragma once
 #include "hls_kernels/photon_gatherer/timing.hpp"
@@ -59,8 +60,8 @@ class PhotonGatherer {
   static constexpr int kGlobalLines = (kGlobalPhotons + kBucket - 1) / kBucket;
   static constexpr int kCausticLines = (kCausticPhotons + kBucket - 1) / kBucket;
   static constexpr int kNodeWords = at_least(2, kGlobalLines + kCausticLines);
-  // Line memory: the beats of each line one after the other, the caustic map's behind the global
-  // one's.
+  // Line memory: the beats of each line one after the other, the caustic map's kGlobalMemoryLines
+  // behind the global one's.
   static constexpr int kLineBytes = kBucket * kPhotonBytes;
   static constexpr int kBeats = 8 * kLineBytes / kLineBeatBits;
   using Beat = typename T::template bits<kLineBeatBits>;
@@ -86,14 +87,15 @@ class PhotonGatherer {
   static constexpr int kContextBits = clog2(kContexts);
   static constexpr int kSlots = 1 << (kContextBits + 1);  // results that wait for older ones
   static constexpr int kParts = kBucket / kLanes;
-  static constexpr int kPlaces = 2;  // of raw_results
+  static constexpr int kMostLines = kLinesCompressed == 1 ? kBucket : 1;  // of a leaf
+  static constexpr int kPlaces = 2;                                       // of raw_results
 
   using Context = uint<kContextBits>;
   using Ticket = uint<32>;
   using Coordinate = uint<kPositionBits>;
   using Distance = uint<kR2Bits>;
   using Index = uint<kIndexBits>;
-  using Line = uint<kLineBits>;
+  using Line = uint<kLineAddressBits>;
   using Place = uint<at_least(1, clog2(kK))>;
   using Count = uint<kCountBits>;
   using Flux = uint<kFluxBits>;
@@ -159,7 +161,8 @@ class PhotonGatherer {
     HLS_PARTITION(buffer_, 2);
     // A query visits each line once at most, a stack entry and an inner node each.
     constexpr unsigned long long kMostSteps =
-        (kGlobalLines + kCausticLines + 1ull) * (3 + kBucket + kBeats * kContexts + kLineTurns) +
+        (kGlobalLines + kCausticLines + 1ull) *
+            (3 + kBucket + (kBeats * kContexts + kLineTurns) * kMostLines) +
         kK + kFreeTurns + 8;
     Ticket started = 0, given = 0;
     uint<kSlots> ready = 0;  // results, by slot
@@ -171,6 +174,7 @@ class PhotonGatherer {
     Context queue_first = 0;
     uint<at_least(1, clog2(kBeats + 1))> beat = 0;
     typename T::template bits<8 * kLineBytes> line_bits;
+    bool further = false;  // not the first line of its leaf
     Delay<Token, kLineTurns> arriving;
     Delay<Token, kFreeTurns> freeing;
     arriving.fill(Token{false, 0});
@@ -231,15 +235,20 @@ class PhotonGatherer {
       if (queued != 0) {
         const LineRequest& request = queue[index(queue_first)];
         unsigned line = index(request.line);
-        if (request.map == 1) line += kGlobalLines;
+        if (request.map == 1) line += kGlobalMemoryLines;
         T::set_slice(line_bits, index(beat) * kLineBeatBits, lines[line * kBeats + index(beat)]);
         beat += 1;
         if (beat == kBeats) {
-          unpack_line(line_bits, buffer_[index(request.context)]);
-          arrived = Token{true, request.context};
+          Line next = 0;
+          further = unpack_line(line_bits, further, buffer_[index(request.context)], next);
           beat = 0;
-          queued -= 1;
-          queue_first += 1;
+          if (further) {
+            queue[index(queue_first)].line = next;
+          } else {
+            arrived = Token{true, request.context};
+            queued -= 1;
+            queue_first += 1;
+          }
         }
       }
       const Token here = arriving.push(arrived);
@@ -514,8 +523,105 @@ class PhotonGatherer {
   }
 
   // Fields from bit 0: position, direction, mantissas, exponent; slots kPhotonBytes apart.
-  static void unpack_line(const typename T::template bits<8 * kLineBytes>& line,
-                          StoredPhoton (&photons)[kBucket]) {
+  // The slots of a line; whether its leaf has another one, `next`.
+  static bool unpack_line(const typename T::template bits<8 * kLineBytes>& line, bool further,
+                          StoredPhoton (&photons)[kBucket], Line& next) {
+    if constexpr (kLinesCompressed == 1) {
+      return unpack_compressed(line, further, photons, next);
+    } else {
+      unpack_plain(line, photons);
+      return false;
+    }
+  }
+
+  // A slot that none of the leaf's lines has is marked by the largest exponent.
+  static bool unpack_compressed(const typename T::template bits<8 * kLineBytes>& line, bool further,
+                                StoredPhoton (&photons)[kBucket], Line& next) {
+    constexpr unsigned kSlot = 8u * kPhotonBytes;
+    constexpr unsigned kSharedAt = 2 * kOtherOffsetBits + kAxisOffsetBits;
+    constexpr unsigned kExponentAt = kSharedAt + 4 + 2 * kDirectionBits;
+    typename T::template bits<kBucket * kSlotHeaderBits> header;
+    for (unsigned slot = 0; slot < kBucket; ++slot) {
+      HLS_UNROLL
+      T::set_slice(header, kSlotHeaderBits * slot,
+                   T::template slice<kSlotHeaderBits>(line, kSlot * slot + kRecordBits));
+    }
+    const uint<2> split = T::template slice<2>(header, 0), axis = T::template slice<2>(header, 2);
+    const uint<1> more = T::template slice<1>(header, 4);
+    const uint<kExponentBits> base = T::template slice<kExponentBits>(header, 5);
+    next = T::template slice<kLineAddressBits>(line, kSlot * (kBucket - 1));
+
+    for (unsigned slot = 0; slot < kBucket; ++slot) {
+      HLS_UNROLL
+      const unsigned at = kSlot * slot;
+      uint<kOtherOffsetBits + 2> first = T::template slice<kOtherOffsetBits>(line, at);
+      uint<kOtherOffsetBits + 2> second =
+          T::template slice<kOtherOffsetBits>(line, at + kOtherOffsetBits);
+      uint<kAxisOffsetBits + 4> own =
+          T::template slice<kAxisOffsetBits>(line, at + 2 * kOtherOffsetBits);
+      const uint<4> shared = T::template slice<4>(line, at + kSharedAt);
+      uint<4> exponent = T::template slice<2>(line, at + kExponentAt);
+      StoredPhoton photon;
+      bool dark = true;
+      for (int channel = 0; channel < kChannels; ++channel) {
+        HLS_UNROLL
+        photon.load.mantissa[channel] =
+            T::template slice<kMantissaBits>(line, at + kExponentAt + 2 + kMantissaBits * channel);
+        if (photon.load.mantissa[channel] != 0) dark = false;
+      }
+      const bool used = !(dark && exponent == 3);
+      for (int i = 0; i < 2; ++i) {
+        HLS_UNROLL
+        photon.load.direction[i] =
+            T::template slice<kDirectionBits>(line, at + kSharedAt + 4 + kDirectionBits * i);
+      }
+      // What the shared bits are, by split.
+      const bool bits[4] = {shared[0], shared[1], shared[2], shared[3]};
+      const bool even = axis == 3;
+      for (int i = 0; i < 3; ++i) {
+        HLS_UNROLL
+        if (split == 0 || even) own = with_bit(own, kAxisOffsetBits + i, bits[i]);
+      }
+      if (even) {
+        if (split == 1)
+          first = with_bit(first, kOtherOffsetBits, bits[3]);
+        else if (split == 2)
+          second = with_bit(second, kOtherOffsetBits, bits[3]);
+        else
+          own = with_bit(own, kAxisOffsetBits + 3, bits[3]);
+      } else {
+        if (split == 1) own = with_bit(own, kAxisOffsetBits, bits[0]);
+        if (split == 2) exponent = with_bit(exponent, 3, bits[0]);
+        if (split != 3) exponent = with_bit(exponent, 2, bits[3]);
+        if (split == 3) first = with_bit(first, kOtherOffsetBits + 1, bits[0]);
+        if (split == 3) second = with_bit(second, kOtherOffsetBits + 1, bits[3]);
+        if (split != 0) first = with_bit(first, kOtherOffsetBits, bits[1]);
+        if (split != 0) second = with_bit(second, kOtherOffsetBits, bits[2]);
+      }
+      Coordinate offset[3] = {Coordinate(first), Coordinate(second), Coordinate(own)};
+      if (axis == 0) {
+        offset[0] = own;
+        offset[1] = first;
+        offset[2] = second;
+      } else if (axis == 1) {
+        offset[1] = own;
+        offset[2] = second;
+      }
+      for (int c = 0; c < 3; ++c) {
+        HLS_UNROLL
+        const Coordinate corner =
+            T::template slice<kCornerBits>(header, 5 + kExponentBits + kCornerBits * c);
+        photon.position[c] = (corner << (kPositionBits - kCornerBits)) + offset[c];
+      }
+      photon.load.exponent = base + exponent;
+      if (!used) photon.load.exponent = (1 << kExponentBits) - 1;
+      if (used || !further) photons[slot] = photon;
+    }
+    return more == 1;
+  }
+
+  static void unpack_plain(const typename T::template bits<8 * kLineBytes>& line,
+                           StoredPhoton (&photons)[kBucket]) {
     for (int slot = 0; slot < kBucket; ++slot) {
       HLS_UNROLL
       unsigned at = 8u * kPhotonBytes * static_cast<unsigned>(slot);

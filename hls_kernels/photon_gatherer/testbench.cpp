@@ -21,7 +21,7 @@ HLS_MAIN {
   }
   for (unsigned i = 0; i < recorded::nodes_words; ++i)
     nodes[recorded::nodes[i].address] = recorded::nodes[i].data;
-  const unsigned first[2] = {0, Gatherer::kGlobalLines * Gatherer::kBeats};
+  const unsigned first[2] = {0, kGlobalMemoryLines * Gatherer::kBeats};
   const unsigned beats[2] = {recorded::global_beats, recorded::caustic_beats};
   const uint32_t* words[2] = {recorded::global, recorded::caustic};
   for (unsigned map = 0; map < 2; ++map)

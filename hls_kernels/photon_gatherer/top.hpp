@@ -8,7 +8,7 @@
 
 namespace photonloom_hls {
 using Gatherer = PhotonGatherer<Tool>;
-constexpr int kLineBeats = (Gatherer::kGlobalLines + Gatherer::kCausticLines) * Gatherer::kBeats;
+constexpr int kLineBeats = (kGlobalMemoryLines + kCausticMemoryLines) * Gatherer::kBeats;
 }  // namespace photonloom_hls
 
 void photon_gatherer(

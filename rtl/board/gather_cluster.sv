@@ -12,7 +12,7 @@ module gather_cluster #(
     parameter int unsigned Gatherers = photonloom_pkg::Gatherers,
     parameter int unsigned BeatBits = photonloom_pkg::LineBeatBits,
     localparam int unsigned TagBits = photonloom_pkg::LineTagBits,
-    localparam int unsigned LineBits = photonloom_pkg::LineBits
+    localparam int unsigned LineBits = photonloom_pkg::LineAddressBits
 ) (
     input  logic                              clk_i,
     input  logic                              rst_i,

@@ -63,7 +63,7 @@ module gather_engine #(
 );
   localparam int unsigned TagBits = photonloom_pkg::LineTagBits;
   localparam int unsigned BeatBits = photonloom_pkg::LineBeatBits;
-  localparam int unsigned AddressBits = photonloom_pkg::LineBits + 1;
+  localparam int unsigned AddressBits = photonloom_pkg::LineAddressBits + 1;
 
   logic [Gatherers-1:0] line_req_valid, line_req_ready, line_rsp_valid;
   logic [Gatherers*AddressBits-1:0] line_req_addr;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Photon lines in block RAM, shared by Gatherers gatherers: both maps behind one another (docs/photon_memory.md). The memory
 // has two read ports, a beat a cycle each; gatherers of even number share one, those of odd number the other, in turn.
-// Where beats hold whole photons, a photon takes only its PhotonBits.
+// Where beats hold whole photons, a plain one takes only its PhotonBits.
 //
 // Line ports are those of photon_gatherer, side by side, gatherer 0 lowest: a reply is the line's beats in order, one a
 // cycle, always taken. Latency from a request to its first beat 5 cycles where nobody else asks.
@@ -13,7 +13,7 @@ module photon_ram #(
     parameter int unsigned Gatherers = photonloom_pkg::Gatherers,
     parameter int unsigned BeatBits = photonloom_pkg::LineBeatBits,
     localparam int unsigned TagBits = photonloom_pkg::LineTagBits,
-    localparam int unsigned LineBits = photonloom_pkg::LineBits
+    localparam int unsigned LineBits = photonloom_pkg::LineAddressBits
 ) (
     input  logic                              clk_i,
     input  logic                              rst_i,
@@ -41,19 +41,17 @@ module photon_ram #(
   localparam int unsigned Beats = Bucket * StrideBits / BeatBits;
   localparam int unsigned BeatNumberBits = Beats > 1 ? $clog2(Beats) : 1;
   localparam int unsigned BeatWords = BeatBits / 32;
-  localparam int unsigned GlobalLines = photonloom_pkg::GlobalPresent == 0 ? 0 :
-      (photonloom_pkg::GlobalPhotons + Bucket - 1) / Bucket;
-  localparam int unsigned CausticLines = photonloom_pkg::CausticPresent == 0 ? 0 :
-      (photonloom_pkg::CausticPhotons + Bucket - 1) / Bucket;
+  localparam int unsigned GlobalLines = photonloom_pkg::GlobalMemoryLines;
+  localparam int unsigned CausticLines = photonloom_pkg::CausticMemoryLines;
   localparam int unsigned Lines = GlobalLines + CausticLines > 1 ? GlobalLines + CausticLines : 1;
   localparam int unsigned Depth = Lines * Beats;
   localparam int unsigned AddressBits = Depth > 1 ? $clog2(Depth) : 1;
   localparam int unsigned Ports = Gatherers > 1 ? 2 : 1;
 
-  // A stored beat: PhotonBits of each photon where it holds whole ones, else all of it.
+  // A stored beat: what a slot has beside padding, it holds whole slots, else all of it.
   localparam bit Whole = BeatBits % StrideBits == 0;
   localparam int unsigned Items = Whole ? BeatBits / StrideBits : 1;
-  localparam int unsigned ItemBits = Whole ? photonloom_pkg::PhotonBits : BeatBits;
+  localparam int unsigned ItemBits = Whole ? photonloom_pkg::RecordBits + photonloom_pkg::SlotHeaderBits : BeatBits;
   localparam int unsigned ItemStride = Whole ? StrideBits : BeatBits;
   localparam int unsigned Width = Items * ItemBits;
 

@@ -16,7 +16,7 @@ module photon_sdram #(
     parameter int unsigned CacheMisses = 8,
     parameter int unsigned SdramKHz = 100000,  // frequency of clk_sdram_i at most
     localparam int unsigned TagBits = photonloom_pkg::LineTagBits,
-    localparam int unsigned LineBits = photonloom_pkg::LineBits
+    localparam int unsigned LineBits = photonloom_pkg::LineAddressBits
 ) (
     input  logic                              clk_i,
     input  logic                              rst_i,
@@ -52,7 +52,8 @@ module photon_sdram #(
     output logic [                      39:0] count_busy_o      // cycles with such a line on its way
 );
   localparam int unsigned Bucket = photonloom_pkg::Bucket;
-  localparam int unsigned PhotonBits = photonloom_pkg::PhotonBits;
+  // What is kept of a slot: a photon, or all of it where lines are compressed.
+  localparam int unsigned KeptBits = photonloom_pkg::RecordBits + photonloom_pkg::SlotHeaderBits;
   localparam int unsigned StrideBits = 8 * photonloom_pkg::PhotonBytes;
   localparam int unsigned LineHalfwords = Bucket * StrideBits / 16;
   localparam int unsigned HalfwordBits = $clog2(LineHalfwords);
@@ -62,10 +63,8 @@ module photon_sdram #(
   localparam int unsigned BeatPhotons = Bucket / Beats;
   localparam int unsigned SourceBits = Gatherers > 1 ? $clog2(Gatherers) : 1;
   localparam int unsigned ClientBits = SourceBits + TagBits;
-  localparam int unsigned GlobalLines = photonloom_pkg::GlobalPresent == 0 ? 0 :
-      (photonloom_pkg::GlobalPhotons + Bucket - 1) / Bucket;
-  localparam int unsigned CausticLines = photonloom_pkg::CausticPresent == 0 ? 0 :
-      (photonloom_pkg::CausticPhotons + Bucket - 1) / Bucket;
+  localparam int unsigned GlobalLines = photonloom_pkg::GlobalMemoryLines;
+  localparam int unsigned CausticLines = photonloom_pkg::CausticMemoryLines;
   localparam int unsigned Lines = GlobalLines + CausticLines;
 
   // The largest power of two of sets that fits.
@@ -121,7 +120,7 @@ module photon_sdram #(
 
   logic beat_valid;
   logic [ClientBits-1:0] beat_client;
-  logic [BeatPhotons*PhotonBits-1:0] beat_photons;
+  logic [BeatPhotons*KeptBits-1:0] beat_photons;
   logic line_req_valid, line_req_ready, line_rsp_valid;
   logic [LineBits:0] line_req_addr;
   logic [MissBits-1:0] line_req_tag, line_rsp_tag;
@@ -132,7 +131,7 @@ module photon_sdram #(
       .Clients(1 << ClientBits),
       .Items(Bucket),
       .ItemBytes(photonloom_pkg::PhotonBytes),
-      .ItemBits(PhotonBits),
+      .ItemBits(KeptBits),
       .Parts(Beats),
       .BeatBits(64),
       .Sets(Sets),
@@ -161,6 +160,7 @@ module photon_sdram #(
       /* verilator lint_off PINCONNECTEMPTY */
       .issue_o(),
       .out_part_o(),
+      .out_header_o(),
       .hit_o(),
       .miss_o()
       /* verilator lint_on PINCONNECTEMPTY */
@@ -169,7 +169,7 @@ module photon_sdram #(
   // ---- a beat to its gatherer ----
   logic beat_valid_q;
   logic [ClientBits-1:0] beat_client_q;
-  logic [BeatPhotons*PhotonBits-1:0] beat_photons_q;
+  logic [BeatPhotons*KeptBits-1:0] beat_photons_q;
   logic [BeatBits-1:0] beat_raw;
 
   always_ff @(posedge clk_i) begin
@@ -178,7 +178,7 @@ module photon_sdram #(
     beat_photons_q <= beat_photons;
   end
   for (genvar photon = 0; photon < BeatPhotons; photon++) begin : gen_unpack
-    assign beat_raw[StrideBits*photon+:StrideBits] = StrideBits'(beat_photons_q[PhotonBits*photon+:PhotonBits]);
+    assign beat_raw[StrideBits*photon+:StrideBits] = StrideBits'(beat_photons_q[KeptBits*photon+:KeptBits]);
   end
   for (genvar g = 0; g < Gatherers; g++) begin : gen_rsp
     assign line_rsp_valid_o[g] = beat_valid_q && beat_client_q[TagBits+:SourceBits] == SourceBits'(g);

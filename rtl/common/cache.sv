@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Set-associative read cache of lines, several misses outstanding. A line is Items items of ItemBytes bytes; only the
-// low ItemBits of each are kept. It is delivered in Parts parts, the first items first, one a cycle.
+// low ItemBits of each are kept. It is delivered in Parts parts, the first items first, one a cycle. HeaderBits of each item
+// above those are kept too; all of a line, those of its first item lowest, come with every part.
 //
 // Each of Clients clients has at most one request in flight, which is always taken; answers come by client, in any
 // order. A miss takes one of Misses entries, which holds its way until its client begins to read. Whatever cannot be
@@ -22,6 +23,7 @@ module cache #(
     parameter int unsigned Items = 8,
     parameter int unsigned ItemBytes = 16,
     parameter int unsigned ItemBits = 96,
+    parameter int unsigned HeaderBits = 0,
     parameter int unsigned Parts = 2,
     parameter int unsigned BeatBits = 128,
     parameter int unsigned Sets = 64,
@@ -31,7 +33,8 @@ module cache #(
     localparam int unsigned MissBits = Misses > 1 ? $clog2(Misses) : 1,
     localparam int unsigned SetBits = Sets > 1 ? $clog2(Sets) : 1,
     localparam int unsigned PartBits = Parts > 1 ? $clog2(Parts) : 1,
-    localparam int unsigned DataBits = Items / Parts * ItemBits
+    localparam int unsigned DataBits = Items / Parts * ItemBits,
+    localparam int unsigned LineHeaderBits = HeaderBits > 0 ? Items * HeaderBits : 1
 ) (
     input  logic                   clk_i,
     input  logic                   rst_i,
@@ -49,6 +52,7 @@ module cache #(
     output logic [ ClientBits-1:0] out_client_o,
     output logic [   PartBits-1:0] out_part_o,
     output logic [   DataBits-1:0] out_data_o,
+    output logic [LineHeaderBits-1:0] out_header_o,
     // memory
     output logic                   line_req_valid_o,
     input  logic                   line_req_ready_i,
@@ -301,6 +305,7 @@ module cache #(
       .Items(Items),
       .ItemBytes(ItemBytes),
       .ItemBits(ItemBits),
+      .HeaderBits(HeaderBits),
       .Parts(Parts),
       .BeatBits(BeatBits),
       .EntryBits(MissBits),
@@ -317,6 +322,7 @@ module cache #(
       .read_place_i(reader_place_q),
       .read_part_i(reader_part_q),
       .read_part_o(out_part_o),
-      .read_data_o(out_data_o)
+      .read_data_o(out_data_o),
+      .read_header_o(out_header_o)
   );
 endmodule

@@ -5,17 +5,20 @@
 //
 // A part is read in the cycle after its address, straight from block RAM, Items / Parts items. Where a part is whole
 // beats, the memory is one part wide; else one line, with a choice behind it. A beat and a part a cycle; a part is
-// written in the cycle after its last beat.
+// written in the cycle after its last beat. HeaderBits of each item above the ItemBits lie in a memory of their own, those
+// of a line in a word, which is written with the line's last part and read with every part.
 module cache_lines #(
     parameter int unsigned Items = 8,
     parameter int unsigned ItemBytes = 16,
     parameter int unsigned ItemBits = 96,
+    parameter int unsigned HeaderBits = 0,
     parameter int unsigned Parts = 2,
     parameter int unsigned BeatBits = 128,
     parameter int unsigned EntryBits = 3,
     parameter int unsigned PlaceBits = 7,
     localparam int unsigned PartBits = Parts > 1 ? $clog2(Parts) : 1,
-    localparam int unsigned DataBits = Items / Parts * ItemBits
+    localparam int unsigned DataBits = Items / Parts * ItemBits,
+    localparam int unsigned LineHeaderBits = HeaderBits > 0 ? Items * HeaderBits : 1
 ) (
     input  logic                 clk_i,
     input  logic                 rst_i,
@@ -31,7 +34,8 @@ module cache_lines #(
     input  logic [PlaceBits-1:0] read_place_i,
     input  logic [ PartBits-1:0] read_part_i,
     output logic [ PartBits-1:0] read_part_o,
-    output logic [ DataBits-1:0] read_data_o
+    output logic [ DataBits-1:0] read_data_o,
+    output logic [LineHeaderBits-1:0] read_header_o
 );
   localparam int unsigned LineBits = Items * ItemBytes * 8;
   localparam int unsigned Beats = (LineBits + BeatBits - 1) / BeatBits;
@@ -71,6 +75,36 @@ module cache_lines #(
   end
   assign fill_last = !Narrow || Parts == 1 || fill_part_q == PartBits'(Parts - 1);
   assign filled_o = fill_q && fill_last;
+
+  if (HeaderBits > 0) begin : gen_header
+    localparam int unsigned PartHeaderBits = RawItems * HeaderBits;
+    logic [LineHeaderBits-1:0] header;
+    logic [PartHeaderBits-1:0] fill_header;
+    for (genvar item = 0; item < RawItems; item++) begin : gen_part_of_it
+      assign fill_header[HeaderBits*item+:HeaderBits] = raw_q[ItemBytes*8*item+ItemBits+:HeaderBits];
+    end
+    if (Narrow && Parts > 1) begin : gen_gather
+      logic [LineHeaderBits-PartHeaderBits-1:0] earlier_q;  // of the parts before
+      always_ff @(posedge clk_i) if (fill_q) earlier_q <= (LineHeaderBits - PartHeaderBits)'(header >> PartHeaderBits);
+      assign header = {fill_header, earlier_q};
+    end else begin : gen_whole
+      assign header = fill_header;
+    end
+    block_ram #(
+        .Width(LineHeaderBits),
+        .Depth(1 << PlaceBits)
+    ) headers (
+        .clk_i(clk_i),
+        .write_i(filled_o),
+        .write_address_i(fill_place_i),
+        .write_data_i(header),
+        .read_i(1'b1),
+        .read_address_i(read_place_i),
+        .read_data_o(read_header_o)
+    );
+  end else begin : gen_no_header
+    assign read_header_o = '0;
+  end
 
   if (Narrow && Parts > 1) begin : gen_part_wide
     block_ram #(

@@ -38,6 +38,7 @@ std::vector<PackageConstant> package_constants(const Plan& plan) {
   LINE(channels, "colour channels of a power");
   LINE(bucket, "photons in a line");
   LINE(photon_bytes, "stride of a photon in a line");
+  number("lines_compressed", plan.compressed() ? 1 : 0, "0 plain, 1 compressed lines");
   number("global_present", plan.global.present, "1: there is a global map");
   number("global_photons", plan.global.photons, "its photons at most");
   number("caustic_present", plan.caustic.present, "1: there is a caustic map");
@@ -102,6 +103,17 @@ std::vector<PackageConstant> package_constants(const Plan& plan) {
   WIDTH(total_bits, "sum of the table's weights");
   WIDTH(sample_direction_bits, "octahedral coordinate of a sampled direction");
   WIDTH(photon_bits, "a photon without padding");
+  number("global_memory_lines", plan.memory_lines(plan.global), "lines of the global map");
+  number("caustic_memory_lines", plan.memory_lines(plan.caustic), "lines of the caustic map");
+  WIDTH(line_address_bits, "line of memory");
+  WIDTH(record_bits, "a slot of a line without its part of the header");
+  WIDTH(slot_header_bits, "a slot's part of the header");
+  WIDTH(corner_bits, "a coordinate of a compressed line's corner");
+  const auto offset = [&](const char* name, int bits, const char* meaning) {
+    number(name, plan.compressed() ? static_cast<uint64_t>(bits) : 0, meaning);
+  };
+  offset("axis_offset_bits", plan.axis_offset_bits(), "least offset along a line's axis");
+  offset("other_offset_bits", plan.other_offset_bits(), "least offset along its other two");
   WIDTH(cache_record_bits, "record of a tile");
   WIDTH(cache_hit_bits, "count of records in an answer");
   WIDTH(cache_falloff_bits, "W of the reciprocal of a record's squared reach");

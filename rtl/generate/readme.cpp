@@ -35,8 +35,9 @@ std::string budget_table(const Plan& plan, const std::vector<std::string>& units
   if (has_unit(units, unit_name<PhotonGatherer>)) {
     const uint64_t nodes = plan.lines(plan.global) + plan.lines(plan.caustic);
     const int line = plan.bucket * plan.photon_bytes;
-    row("external line memory", fmt::format("{} lines of {} bytes = {} bytes", nodes, line,
-                                            nodes * static_cast<uint64_t>(line)));
+    const uint64_t lines = plan.memory_lines(plan.global) + plan.memory_lines(plan.caustic);
+    row("external line memory", fmt::format("{} lines of {} bytes = {} bytes", lines, line,
+                                            lines * static_cast<uint64_t>(line)));
     row("node memory", fmt::format("{} x {} bits", nodes, plan.position_bits + 2));
     row("leaf cache", fmt::format("{} bytes, {} ways", plan.cache_bytes, plan.cache_ways));
     row("candidate lists", fmt::format("{} contexts x {} entries x {} bits of (d2, index)",

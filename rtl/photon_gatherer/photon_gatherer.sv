@@ -45,7 +45,7 @@ module photon_gatherer #(
     // leaf lines; the address is {map, line}
     output logic                              line_req_valid_o,  // offered
     input  logic                              line_req_ready_i,  // taken when offered
-    output logic [                LineBits:0] line_req_addr_o,  // map, then line; 1 is the caustic map
+    output logic [photonloom_pkg::LineAddressBits:0] line_req_addr_o,  // map, then line; 1 is the caustic map
     output logic [               TagBits-1:0] line_req_tag_o,  // comes back with every beat of the line
     input  logic                              line_rsp_valid_i,  // a beat is there; it is always taken
     input  logic [               TagBits-1:0] line_rsp_tag_i,  // of the request

@@ -2,10 +2,11 @@
 // From a leaf to beats of candidates: its line comes through the cache, Lanes photons a cycle, the lanes keep what
 // lies within the bound of the query, and it waits for the query's list, each of which has a queue. Wires the cache, the
 // lanes, the queues, and the positions and bounds of queries that the lanes read. List l has the contexts c with
-// c % Lists = l, as c / Lists. A line is read when each queue has room for it.
+// c % Lists = l, as c / Lists. A line is read when each queue has room for it. Compressed lines pass a decoder; a leaf's
+// further lines are looked up when no leaf is reached.
 //
 // One leaf lookup and one beat a cycle, leaves in any order. Latency of a leaf in the cache 5 cycles to its first beat
-// and 6 to the lanes' FIFO.
+// and 6 to the lanes' FIFO, 7 where lines are compressed.
 module photon_gatherer_beats #(
     parameter int unsigned Contexts = 16,
     parameter int unsigned Lists = 1,
@@ -20,7 +21,7 @@ module photon_gatherer_beats #(
     localparam int unsigned ListContextBits = ListContexts > 1 ? $clog2(ListContexts) : 1,
     localparam int unsigned PositionBits = photonloom_pkg::PositionBits,
     localparam int unsigned R2Bits = photonloom_pkg::R2Bits,
-    localparam int unsigned LineBits = photonloom_pkg::LineBits,
+    localparam int unsigned AddressBits = photonloom_pkg::LineAddressBits,
     localparam int unsigned Bucket = photonloom_pkg::Bucket,
     localparam int unsigned DirectionBits = photonloom_pkg::DirectionBits,
     localparam int unsigned MantissasBits = photonloom_pkg::Channels * photonloom_pkg::MantissaBits,
@@ -46,11 +47,21 @@ module photon_gatherer_beats #(
     // a leaf is reached
     input  logic                                   leaf_valid_i,
     input  logic [                ContextBits-1:0] leaf_context_i,
-    input  logic [                     LineBits:0] leaf_address_i,    // map, line
+    input  logic [                  AddressBits:0] leaf_address_i,    // map, line
+    // the last part of a line goes to the lanes: whether its leaf has another one
+    output logic                                   line_last_o,
+    output logic [                ContextBits-1:0] line_context_o,
+    output logic                                   line_more_o,
+    output logic [                  AddressBits:0] line_next_o,
+    // which is read
+    input  logic                                   next_valid_i,
+    output logic                                   next_ready_o,
+    input  logic [                ContextBits-1:0] next_context_i,
+    input  logic [                  AddressBits:0] next_address_i,
     // leaf lines
     output logic                                   line_req_valid_o,
     input  logic                                   line_req_ready_i,
-    output logic [                     LineBits:0] line_req_addr_o,
+    output logic [                  AddressBits:0] line_req_addr_o,
     output logic [                    TagBits-1:0] line_req_tag_o,
     input  logic                                   line_rsp_valid_i,
     input  logic [                    TagBits-1:0] line_rsp_tag_i,
@@ -80,7 +91,12 @@ module photon_gatherer_beats #(
     output logic                                   hit_o,
     output logic                                   miss_o
 );
-  if (8 * photonloom_pkg::PhotonBytes < PhotonBits) begin : gen_bad_photon
+  localparam bit Compressed = photonloom_pkg::LinesCompressed != 0;
+  localparam int unsigned RecordBits = photonloom_pkg::RecordBits;
+  localparam int unsigned SlotHeaderBits = photonloom_pkg::SlotHeaderBits;
+  localparam int unsigned HeaderBits = Compressed ? Bucket * SlotHeaderBits : 1;
+
+  if (8 * photonloom_pkg::PhotonBytes < RecordBits + SlotHeaderBits) begin : gen_bad_photon
     photon_bytes_must_hold_all_fields_of_a_photon bad_photon ();
   end
 
@@ -89,15 +105,24 @@ module photon_gatherer_beats #(
   logic [ContextBits-1:0] line_context, lane_context, lane_bound_context;
   logic [BeatBits-1:0] line_beat;
   logic [Lanes*PhotonBits-1:0] line_photons;
-  logic [3*PositionBits-1:0] lane_position;
+  logic [Lanes-1:0] line_used;
+  logic [3*PositionBits-1:0] position;
+  logic [ContextBits-1:0] position_context;
+  logic [3*(PositionBits+1)-1:0] lane_query;
+  logic read_valid;
+  logic [ContextBits-1:0] read_context;
+  logic [BeatBits-1:0] read_beat;
+  logic [Lanes*RecordBits-1:0] read_records;
+  logic [HeaderBits-1:0] read_header;
   logic [R2Bits-1:0] lane_bound;
 
   cache #(
-      .AddressBits(LineBits + 1),
+      .AddressBits(AddressBits + 1),
       .Clients(Contexts),
       .Items(Bucket),
       .ItemBytes(photonloom_pkg::PhotonBytes),
-      .ItemBits(PhotonBits),
+      .ItemBits(RecordBits),
+      .HeaderBits(SlotHeaderBits),
       .Parts(Beats),
       .BeatBits(LineBeatBits),
       .Sets(Sets),
@@ -109,15 +134,16 @@ module photon_gatherer_beats #(
       .invalidate_i(forget_i),
       .set_mask_i(set_mask_i),
       .bypass_i(bypass_i),
-      .in_valid_i(leaf_valid_i),
-      .in_client_i(leaf_context_i),
-      .in_address_i(leaf_address_i),
+      .in_valid_i(leaf_valid_i || next_valid_i),
+      .in_client_i(leaf_valid_i ? leaf_context_i : next_context_i),
+      .in_address_i(leaf_valid_i ? leaf_address_i : next_address_i),
       .ready_i(queue_ready == '1),
       .issue_o(line_issue),
-      .out_valid_o(line_valid),
-      .out_client_o(line_context),
-      .out_part_o(line_beat),
-      .out_data_o(line_photons),
+      .out_valid_o(read_valid),
+      .out_client_o(read_context),
+      .out_part_o(read_beat),
+      .out_data_o(read_records),
+      .out_header_o(read_header),
       .line_req_valid_o(line_req_valid_o),
       .line_req_ready_i(line_req_ready_i),
       .line_req_addr_o(line_req_addr_o),
@@ -137,9 +163,64 @@ module photon_gatherer_beats #(
       .write_i(start_i),
       .write_address_i(start_context_i),
       .write_data_i(start_position_i),
-      .read_address_i(lane_context),
-      .read_data_o(lane_position)
+      .read_address_i(position_context),
+      .read_data_o(position)
   );
+
+  // ---- what the lanes measure: positions and the query's, or both less the line's corner ----
+  assign next_ready_o = !leaf_valid_i;
+  assign line_context_o = line_context;
+  if (Compressed) begin : gen_decoder
+    logic [3*PositionBits-1:0] corner;
+    logic [3*(PositionBits+1)-1:0] query_q;
+
+    photon_gatherer_decoder #(
+        .Contexts(Contexts),
+        .Lanes(Lanes)
+    ) decoder (
+        .clk_i(clk_i),
+        .rst_i(rst_i),
+        .in_valid_i(read_valid),
+        .in_context_i(read_context),
+        .in_beat_i(read_beat),
+        .in_records_i(read_records),
+        .in_header_i(read_header),
+        .out_valid_o(line_valid),
+        .out_context_o(line_context),
+        .out_beat_o(line_beat),
+        .out_used_o(line_used),
+        .out_photons_o(line_photons),
+        .out_corner_o(corner),
+        .out_last_o(line_last_o),
+        .out_more_o(line_more_o),
+        .out_next_o(line_next_o)
+    );
+    assign position_context = line_context;
+    for (genvar c = 0; c < 3; c++) begin : gen_coordinate
+      always_ff @(posedge clk_i)
+        query_q[(PositionBits+1)*c+:PositionBits+1] <=
+            {1'b0, position[PositionBits*c+:PositionBits]} - {1'b0, corner[PositionBits*c+:PositionBits]};
+    end
+    assign lane_query = query_q;
+    /* verilator lint_off UNUSEDSIGNAL */
+    logic unused;
+    /* verilator lint_on UNUSEDSIGNAL */
+    assign unused = &{1'b0, lane_context};
+  end else begin : gen_plain
+    /* verilator lint_off UNUSEDSIGNAL */
+    logic unused;
+    /* verilator lint_on UNUSEDSIGNAL */
+    assign unused = read_header[0];
+    assign {line_valid, line_context, line_beat} = {read_valid, read_context, read_beat};
+    assign line_photons = read_records;
+    assign line_used = '0;
+    assign {line_last_o, line_more_o, line_next_o} = '0;
+    assign position_context = lane_context;
+    for (genvar c = 0; c < 3; c++) begin : gen_coordinate
+      assign lane_query[(PositionBits+1)*c+:PositionBits+1] = {1'b0, position[PositionBits*c+:PositionBits]};
+    end
+  end
+
   photon_gatherer_bounds #(
       .Contexts(Contexts),
       .Lists(Lists),
@@ -167,7 +248,8 @@ module photon_gatherer_beats #(
       .Lanes(Lanes),
       .LoadBits(LoadBits),
       .MantissasBits(MantissasBits),
-      .ExponentBits(ExponentBits)
+      .ExponentBits(ExponentBits),
+      .UsedGiven(Compressed)
   ) lanes (
       .clk_i(clk_i),
       .rst_i(rst_i),
@@ -175,8 +257,9 @@ module photon_gatherer_beats #(
       .in_context_i(line_context),
       .in_beat_i(line_beat),
       .in_photons_i(line_photons),
+      .in_used_i(line_used),
       .query_context_o(lane_context),
-      .query_i(lane_position),
+      .query_i(lane_query),
       .bound_context_o(lane_bound_context),
       .bound_i(lane_bound),
       .empty_valid_o(empty_valid_o),

@@ -11,6 +11,7 @@ module photon_gatherer_lanes #(
     parameter int unsigned LoadBits = 48,      // direction, mantissas, exponent of a photon
     parameter int unsigned MantissasBits = 27,
     parameter int unsigned ExponentBits = 5,
+    parameter bit UsedGiven = 1'b0,            // which slots are used is said, not in their photons
     localparam int unsigned R2Bits = 2 * PositionBits + 2,
     localparam int unsigned PhotonBits = 3 * PositionBits + LoadBits,
     localparam int unsigned ContextBits = Contexts > 1 ? $clog2(Contexts) : 1,
@@ -24,9 +25,10 @@ module photon_gatherer_lanes #(
     input  logic [             ContextBits-1:0] in_context_i,
     input  logic [                BeatBits-1:0] in_beat_i,
     input  logic [        Lanes*PhotonBits-1:0] in_photons_i,
+    input  logic [                   Lanes-1:0] in_used_i,
     // context state
     output logic [             ContextBits-1:0] query_context_o,
-    input  logic [          3*PositionBits-1:0] query_i,
+    input  logic [      3*(PositionBits+1)-1:0] query_i,          // signed, from where positions count
     output logic [             ContextBits-1:0] bound_context_o,
     input  logic [                  R2Bits-1:0] bound_i,
     // lines without candidates
@@ -56,6 +58,9 @@ module photon_gatherer_lanes #(
   logic [Lanes*LoadBits-1:0] load_q[1:Stages-1];
   logic [Lanes*PhotonBits-1:0] photons_q;
   logic [Lanes-1:0] used_q[1:Stages-2];
+  /* verilator lint_off UNUSEDSIGNAL */
+  logic [Lanes-1:0] given_q;
+  /* verilator lint_on UNUSEDSIGNAL */
   logic [Lanes-1:0] mask_q;
   logic [Lanes*R2Bits-1:0] d2, d2_q;
   logic [R2Bits-1:0] bound_q;
@@ -71,10 +76,10 @@ module photon_gatherer_lanes #(
 
     always_ff @(posedge clk_i) begin
       for (int unsigned axis = 0; axis < 3; axis++)
-        offset_q[(P+1)*axis+:P+1] <= {1'b0, photon[P*axis+:P]} - {1'b0, query_i[P*axis+:P]};
+        offset_q[(P+1)*axis+:P+1] <= {1'b0, photon[P*axis+:P]} - query_i[(P+1)*axis+:P+1];
       load_q[1][LoadBits*lane+:LoadBits] <= photon[3*P+:LoadBits];
       // The code of an unused slot: mantissas 0, exponent all ones.
-      used_q[1][lane] <= !(photon[PhotonBits-1-:ExponentBits] == '1 &&
+      used_q[1][lane] <= UsedGiven ? given_q[lane] : !(photon[PhotonBits-1-:ExponentBits] == '1 &&
                            photon[PhotonBits-1-ExponentBits-:MantissasBits] == '0);
       mask_q[lane] <= used_q[Stages-2][lane] && !beyond;
     end
@@ -102,6 +107,7 @@ module photon_gatherer_lanes #(
     context_q[0] <= in_context_i;
     beat_q[0] <= in_beat_i;
     photons_q <= in_photons_i;
+    given_q <= in_used_i;
     for (int unsigned i = 1; i < Stages; i++) begin
       context_q[i] <= context_q[i-1];
       beat_q[i] <= beat_q[i-1];

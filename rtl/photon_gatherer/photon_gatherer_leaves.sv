@@ -2,7 +2,8 @@
 // Searches leaves: from a leaf that is reached, through its line, its photons and the candidates among them, to the
 // lists of their queries and back to the tree. Wires three modules: photon_gatherer_leaf_state keeps what belongs to the
 // leaf meanwhile, photon_gatherer_beats reads the line and measures distances, photon_gatherer_candidates, of which there
-// are Lists, tests sides and holds lists. Mirrors the leaf step of search_gather in golden/unit/photon_gatherer.cpp.
+// are Lists, tests sides and holds lists. Where lines are compressed, photon_gatherer_further_lines makes one leaf of several
+// lines, searched one after the other. Mirrors the leaf step of search_gather in golden/unit/photon_gatherer.cpp.
 //
 // Trees, lists and sums each have their part of the contexts: number n of N has the contexts c with c % N = n, as c / N.
 //
@@ -31,6 +32,7 @@ module photon_gatherer_leaves #(
     localparam int unsigned NormalBits = photonloom_pkg::NormalBits,
     localparam int unsigned R2Bits = photonloom_pkg::R2Bits,
     localparam int unsigned LineBits = photonloom_pkg::LineBits,
+    localparam int unsigned AddressBits = photonloom_pkg::LineAddressBits,
     localparam int unsigned NodeBits = LineBits + 1,
     localparam int unsigned StackBits = $clog2(LineBits + 1),
     localparam int unsigned IndexBits = photonloom_pkg::IndexBits,
@@ -80,7 +82,7 @@ module photon_gatherer_leaves #(
     // leaf lines
     output logic                             line_req_valid_o,
     input  logic                             line_req_ready_i,
-    output logic [               LineBits:0] line_req_addr_o,
+    output logic [            AddressBits:0] line_req_addr_o,
     output logic [              TagBits-1:0] line_req_tag_o,
     input  logic                             line_rsp_valid_i,
     input  logic [              TagBits-1:0] line_rsp_tag_i,
@@ -124,6 +126,42 @@ module photon_gatherer_leaves #(
   logic leaf_empty;
   logic [ContextBits-1:0] leaf_empty_context;
 
+  // ---- further lines of a leaf ----
+  logic next_valid, next_ready, line_last, line_more;
+  logic [ContextBits-1:0] next_context, line_last_context;
+  logic [AddressBits:0] next_address, line_next;
+  logic [Trees-1:0] line_done, line_done_ready;
+
+  if (photonloom_pkg::LinesCompressed != 0) begin : gen_further
+    photon_gatherer_further_lines #(
+        .Contexts(Contexts),
+        .Trees(Trees)
+    ) further_lines (
+        .clk_i(clk_i),
+        .line_valid_i(line_last),
+        .line_context_i(line_last_context),
+        .line_more_i(line_more),
+        .line_next_i(line_next),
+        .line_done_valid_i(line_done),
+        .line_done_ready_o(line_done_ready),
+        .line_done_context_i(finish_context_o),
+        .leaf_done_valid_o(finish_valid_o),
+        .leaf_done_ready_i(finish_ready_i),
+        .ask_valid_o(next_valid),
+        .ask_ready_i(next_ready),
+        .ask_context_o(next_context),
+        .ask_address_o(next_address)
+    );
+  end else begin : gen_one_line
+    /* verilator lint_off UNUSEDSIGNAL */
+    logic unused;
+    /* verilator lint_on UNUSEDSIGNAL */
+    assign unused = &{1'b0, next_ready, line_last, line_last_context, line_more, line_next};
+    assign {next_valid, next_context, next_address} = '0;
+    assign finish_valid_o = line_done;
+    assign line_done_ready = finish_ready_i;
+  end
+
   photon_gatherer_leaf_state #(
       .Contexts(Contexts),
       .Trees(Trees),
@@ -144,8 +182,8 @@ module photon_gatherer_leaves #(
       .done_context_i(leaf_done_context),
       .empty_i(leaf_empty),
       .empty_context_i(leaf_empty_context),
-      .finish_valid_o(finish_valid_o),
-      .finish_ready_i(finish_ready_i),
+      .finish_valid_o(line_done),
+      .finish_ready_i(line_done_ready),
       .finish_context_o(finish_context_o),
       .finish_stack_o(finish_stack_o),
       .finish_stop_o(finish_stop_o),
@@ -184,7 +222,15 @@ module photon_gatherer_leaves #(
       .start_position_i(start_position_i),
       .leaf_valid_i(leaf_valid_i),
       .leaf_context_i(leaf_context_i),
-      .leaf_address_i({leaf_map_i, leaf_line_i}),
+      .leaf_address_i({leaf_map_i, AddressBits'(leaf_line_i)}),
+      .line_last_o(line_last),
+      .line_context_o(line_last_context),
+      .line_more_o(line_more),
+      .line_next_o(line_next),
+      .next_valid_i(next_valid),
+      .next_ready_o(next_ready),
+      .next_context_i(next_context),
+      .next_address_i(next_address),
       .line_req_valid_o(line_req_valid_o),
       .line_req_ready_i(line_req_ready_i),
       .line_req_addr_o(line_req_addr_o),

@@ -4,6 +4,7 @@ from random import Random
 from typing import Any
 
 from numeric import clog2
+from photon_map import shape_of
 from plan import Plan
 
 
@@ -12,6 +13,13 @@ def low_often(random: Random, low: int, high: int) -> int:
     if random.random() < 0.2:
         return random.choice((low, high))
     return min(high, low - 1 + random.randint(1, 1 << random.randint(0, (high - low + 1).bit_length())))
+
+
+def compressed_fits(plan: Plan) -> bool:
+    """Whether a compressed line's record has room for what it must hold (docs/photon_memory.md)."""
+    shape = shape_of(plan)
+    offsets = 6 + 2 * shape.first + shape.own
+    return shape.own >= max(1, shape.left_out) and offsets - 2 + 2 * plan["photon.direction_bits"] >= shape.address + 1
 
 
 def draw_plan(random: Random, base: Plan) -> Plan:
@@ -35,8 +43,6 @@ def draw_plan(random: Random, base: Plan) -> Plan:
     channels = line("photon.channels", random.choice((1, 3)))
     bucket = line("photon.bucket", random.choice((2, 4, 8, 16)))
     photon_bits = 3 * position_bits + 2 * direction_bits + channels * mantissa_bits + exponent_bits
-    fitting = range(max(4, (photon_bits + 7) // 8), 33)
-    stride = line("photon.photon_bytes", random.choice([bytes_ for bytes_ in fitting if bucket * bytes_ % 16 == 0]))
 
     line("scene.extent", random.choice((1.0, random.uniform(0.01, 1000))))
     for section in ("global", "caustic"):
@@ -45,6 +51,17 @@ def draw_plan(random: Random, base: Plan) -> Plan:
         line(f"{section}.power_exponent", random.randint(-40, 0) if present else 0)
         reach = random.choice((0.0, random.uniform(0, 0.3), 2.0))
         line(f"{section}.radius", plan["scene.extent"] * reach)
+
+    # Half the plans with compressed lines, from the shortest that they can have.
+    line("photon.lines", "plain")
+    line("photon.further_percent", low_often(random, 0, 1500))
+    whole = [bytes_ for bytes_ in range(4, 33) if bucket * bytes_ % 16 == 0]
+    stride = line("photon.photon_bytes", random.choice([bytes_ for bytes_ in whole if 8 * bytes_ >= photon_bits]))
+    if random.random() < 0.5:
+        line("photon.lines", "compressed")
+        line("photon.further_percent", 1500)
+        strides = [bytes_ for bytes_ in whole if compressed_fits(Plan({**plan, "photon.photon_bytes": bytes_}))]
+        stride = line("photon.photon_bytes", random.choice(strides[:3]))
 
     k = line("gather.k", random.choice((1, 2, 8, 50, low_often(random, 1, 256))) if end is None else format_bits(1, 256))
     normal_bits = line("gather.normal_bits", random.randint(2, 14))

@@ -11,7 +11,7 @@ import photon_gatherer
 import photon_map
 import reorder_buffer
 from comparing import Tally
-from drawn_plans import draw_plan
+from drawn_plans import compressed_fits, draw_plan
 from packages import compare_package, rebuilt
 from plan import Plan, r2_max, read_plan
 from program import Program, read_packets
@@ -27,10 +27,16 @@ def record(program: Program, scene: Path, random: Random, base: Plan, folder: Pa
     lines = {name: value for name, value in plan.items()
              if name.split(".")[0] in SECTIONS and name not in OF_THE_PHOTONS}
     lines["gather.k"] = max(2, plan["gather.k"])  # an image takes no estimate of one photon
-    # The widest stride, since the photon's width is the planner's.
-    lines["photon.photon_bytes"] = 32
-    lines["gatherer.cache_bytes"] = 32 * lines["photon.bucket"] * lines["gatherer.cache_ways"]
-    lines["gatherer.beat_bits"] = random.choice((32, 128, 512))
+    # A stride for whatever width of a photon the planner takes: the widest, or the least that all of them can have.
+    stride = lines["photon.photon_bytes"] = 32
+    if lines["photon.lines"] == "compressed":
+        stride = lines["photon.photon_bytes"] = min(
+            bytes_ for bytes_ in range(4, 33) if lines["photon.bucket"] * bytes_ % 16 == 0
+            and all(compressed_fits(Plan({**plan, "photon.photon_bytes": bytes_, "photon.channels": channels,
+                                          "photon.exponent_bits": exponent, "global.photons": 1200, "caustic.photons": 300}))
+                    for channels in (1, 3) for exponent in range(1, 6)))
+    lines["gatherer.cache_bytes"] = stride * lines["photon.bucket"] * lines["gatherer.cache_ways"]
+    lines["gatherer.beat_bits"] = random.choice((32, 64, 128))
     path = folder / "plan.toml"
     program.run("plan", scene, "--size", "12x12", "--spp", "2", "--gather-rays", "6",
                 "--photons", "1200", "--caustic-photons", "300", "-o", path,
@@ -42,12 +48,14 @@ def record(program: Program, scene: Path, random: Random, base: Plan, folder: Pa
 
 def compare_maps(plan: Plan, images: Path, tally: Tally) -> list[photon_map.PhotonMap]:
     """The maps of a package's images, and the configuration: their inner nodes, lines and radii."""
-    maps = []
-    for section in ("global", "caustic"):
-        beats = (images / f"{section}_lines.hex").read_text(encoding="utf-8").split()
-        maps.append(rebuilt(plan, b"".join(bytes.fromhex(beat)[::-1] for beat in beats), tally))
     # Sorted: the order of writes means nothing.
     writes = sorted(line.split() for line in (images / "cfg.hex").read_text(encoding="utf-8").splitlines())
+    written = {int(address, 16): int(datum, 16) for address, datum in writes}
+    maps = []
+    for number, section in enumerate(("global", "caustic")):
+        beats = (images / f"{section}_lines.hex").read_text(encoding="utf-8").split()
+        data = b"".join(bytes.fromhex(beat)[::-1] for beat in beats)
+        maps.append(rebuilt(plan, data, written[0x800000 + 2 * number], number, tally))
     modelled = photon_map.configuration(plan, maps, [r2_max(plan, "global"), r2_max(plan, "caustic")])
     tally.compare("photon_gatherer", "configuration",
                   [{"address": int(address, 16), "datum": int(datum, 16)} for address, datum in writes],

@@ -19,9 +19,10 @@ from program import Failure, read_packets, write_packets
 
 SMALL: dict[str, Any] = {
     "photon.position_bits": 6, "photon.direction_bits": 4, "photon.mantissa_bits": 4, "photon.exponent_bits": 2,
-    "photon.channels": 1, "photon.bucket": 4, "photon.photon_bytes": 8, "gather.k": 5, "gather.normal_bits": 4,
+    "photon.channels": 1, "photon.bucket": 4, "photon.photon_bytes": 8,
+    "photon.lines": "plain", "photon.further_percent": 25, "gather.k": 5, "gather.normal_bits": 4,
     "gather.r2_floor": 1, "gather.epsilon_factor": 1, "gather.epsilon_shift": 0, "gather.leaf_limit": 0,
-    "gather.reciprocal_bits": 8, "global.photons": 60, "global.radius": 0.0, "sampler.cell_bits": 2, "sampler.probability_bits": 8,
+    "gather.reciprocal_bits": 8, "global.photons": 60, "caustic.photons": 0, "global.radius": 0.0, "sampler.cell_bits": 2, "sampler.probability_bits": 8,
     "sampler.u_bits": 20, "sampler.v_bits": 2, "sampler.combine": "sum", "sampler.levels": 1, "sampler.cosine_samples": 1,
     "reorder.key": "hilbert", "reorder.drain": "sweep", "reorder.packets": 64, "reorder.bins": 64, "reorder.cell_bits": 2,
     "cache.records": 2, "cache.hits": 1, "cache.weight_bits": 4, "cache.angle_bits": 4,
@@ -72,12 +73,17 @@ class Units(unittest.TestCase):
                 self.assertEqual(found.found, photon_gatherer.nearest(self.plan, built, radius, query))
                 self.assertLessEqual(found.leaves, len(built.lines))
 
-    def test_a_line_read_is_the_line_written(self) -> None:
-        photons = map_photons(Random(3), self.plan, 11)
-        for line in photon_map.build(self.plan, photons).lines:
-            data = photon_map.line_bytes(self.plan, line)
-            self.assertEqual(len(data), 32)
-            self.assertEqual([p["position"] for p in photon_map.read_line(self.plan, data)], [list(p.position) for p in line])
+    def test_a_leaf_read_is_the_leaf_written(self) -> None:
+        compressed = Plan({**SMALL, "photon.position_bits": 14, "photon.bucket": 8, "photon.photon_bytes": 6,
+                           "photon.lines": "compressed", "photon.further_percent": 700})
+        for plan in (self.plan, compressed):
+            built = photon_map.build(plan, map_photons(Random(3), plan, 59))
+            lines = photon_map.memory(plan, built, 1)
+            self.assertEqual({len(line) for line in lines}, {plan["photon.bucket"] * plan["photon.photon_bytes"]})
+            self.assertEqual(len(lines) > len(built.lines), plan is compressed)
+            for line, read in zip(built.lines, photon_map.leaves(plan, lines, len(built.lines))):
+                self.assertEqual([(p["position"], p["mantissa"], p["exponent"], p["direction"]) for p in read],
+                                 [(list(p.position), list(p.mantissa), p.exponent, list(p.direction)) for p in line])
 
     def test_a_sweep_is_in_the_order_of_the_curve(self) -> None:
         queries = [QUERY | {"position": [16 * x, 16 * y, 16 * z]} for x in range(4) for y in range(4) for z in range(4)]

@@ -51,20 +51,21 @@ def packets(text: str, widths: Widths, name: str) -> tuple[str, list[Packet]]:
     return packet, [unpack(widths, packet, word) for word in joined]
 
 
-def rebuilt(plan: Plan, data: bytes, tally: Tally) -> photon_map.PhotonMap:
-    """The map of a memory image. Built again of the photons in it, its lines are the same."""
+def rebuilt(plan: Plan, data: bytes, leaves: int, number: int, tally: Tally) -> photon_map.PhotonMap:
+    """Map `number` of a memory image. Built again of the photons in it, its lines are the same."""
     line_bytes = plan["photon.bucket"] * plan["photon.photon_bytes"]
     lines = [data[start:start + line_bytes] for start in range(0, len(data), line_bytes)]
-    built = photon_map.build(plan, [photon for line in lines for photon in photon_map.read_line(plan, line)])
+    built = photon_map.build(plan, [photon for leaf in photon_map.leaves(plan, lines, leaves) for photon in leaf])
     tally.compare("photon_gatherer", "memory line", [{"bytes": line.hex()} for line in lines],
-                  [{"bytes": photon_map.line_bytes(plan, line).hex()} for line in built.lines])
+                  [{"bytes": line.hex()} for line in photon_map.memory(plan, built, number)])
     return built
 
 
 def compare_gatherer(plan: Plan, widths: Widths, text: str, tally: Tally) -> None:
     """Memory, nodes, results and photons."""
-    maps = [rebuilt(plan, b"".join(word.to_bytes(4, "little") for word in numbers(text, name)), tally)
-            for name in ("global", "caustic")]
+    leaves = numbers(text, "map_lines")
+    maps = [rebuilt(plan, b"".join(word.to_bytes(4, "little") for word in numbers(text, name)), leaves[number], number, tally)
+            for number, name in enumerate(("global", "caustic"))]
     radii = numbers(text, "map_r2_max")
     nodes = numbers(text, "nodes")
     modelled = {address: datum for address, datum in photon_map.configuration(plan, maps, radii).items() if address < 0x800000}

@@ -210,7 +210,7 @@ class Bench {
       REQUIRE(write(kCfg + 2 * first, words) == 0);
     }
     Bytes bytes = image.lines[0];
-    bytes.resize(plan_.lines(plan_.global) * static_cast<size_t>(plan_.line_bytes()));
+    bytes.resize(plan_.memory_lines(plan_.global) * static_cast<size_t>(plan_.line_bytes()));
     bytes.insert(bytes.end(), image.lines[1].begin(), image.lines[1].end());
     bytes.resize((bytes.size() + 3) / 4 * 4);
     Words words;

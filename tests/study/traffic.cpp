@@ -8,7 +8,6 @@
 #include "golden/numeric/random.hpp"
 #include "golden/unit/photon_gatherer.hpp"
 #include "study/cache_model.hpp"
-#include "study/compressed_lines.hpp"
 #include "study/frame_gathers.hpp"
 #include "study/photon_layouts.hpp"
 #include "tests/catch.hpp"
@@ -193,31 +192,4 @@ TEST_CASE("every layout finds the photons that the tree of lines finds") {
         }
       }
     }
-}
-
-TEST_CASE("compressed lines give back every bit, in one line or two") {
-  const Plan plan = layout_plan(8, 1);
-  bool some_fit = false, some_overflow = false;
-  for (const test::PointSet set : test::kPointSets) {
-    const PhotonMap map = build_photon_map(random_photons(set, plan, 2995), plan);
-    const LineFormat format = choose_line_format(plan, map, 80);
-    CHECK(format.layouts.size() <= kLineLayouts);
-    for (const LineLayout& l : format.layouts)
-      CHECK(l.position[0] + l.position[1] + l.position[2] + l.exponent <= offset_bits(plan, 80));
-    for (uint32_t line = 0; line < map.lines; ++line) {
-      const std::span<const PackedPhoton> photons = std::span(map.slots).subspan(8 * line, 8);
-      const std::vector<uint8_t> bytes = encode_line(plan, format, photons);
-      const bool fits = fitting_layout(format, photons).has_value();
-      CHECK(bytes.size() == (fits ? 80u : 160u));
-      (fits ? some_fit : some_overflow) = true;
-      const std::vector<PackedPhoton> back = decode_line(plan, format, bytes);
-      bool same = true;
-      for (size_t i = 0; i < 8; ++i)
-        same &= back[i].position == photons[i].position && back[i].power == photons[i].power &&
-                back[i].direction == photons[i].direction;
-      CHECK(same);
-    }
-  }
-  CHECK(some_fit);
-  CHECK(some_overflow);
 }

@@ -69,7 +69,7 @@ class BoardDouble {
     }
     for (size_t map = 0; map < 2; ++map) {
       const uint64_t base =
-          map ? plan_.lines(plan_.global) * static_cast<uint64_t>(plan_.line_bytes()) : 0;
+          map ? plan_.memory_lines(plan_.global) * static_cast<uint64_t>(plan_.line_bytes()) : 0;
       for (size_t i = 0; i < image_.lines[map].size(); ++i) {
         const auto at = lines_.find((base + i) / 4);
         if (at == lines_.end() ||

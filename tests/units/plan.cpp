@@ -143,6 +143,11 @@ TEST_CASE("each fault is one sentence with file, line, key and what was expected
   has(error_of(text.substr(0, text.find("[pixel]"))), {"section [pixel] is missing"});
   has(error_of("[scene\n"), {"p.toml:1", "not TOML"});
   has(error_of(edited(plan, "photon", "photon_bytes", "8")), {"photon.photon_bytes", "96 bits"});
+  Plan compressed = plan;
+  compressed.photon_lines = PhotonLines::kCompressed;
+  has(error_of(edited(compressed, "photon", "photon_bytes", "8")),
+      {"photon.photon_bytes is 8", "5 bits of header", "16 for offsets", "at least 6"});
+  has(error_of(edited(plan, "photon", "lines", "\"short\"")), {"photon.lines", "\"compressed\""});
   has(error_of(edited(plan, "photon", "bucket", "7")), {"photon.bucket", "power of two"});
   has(error_of(edited(plan, "gather", "reciprocal_bits", "5")), {"gather.reciprocal_bits", "8"});
   has(error_of(edited(plan, "gatherer", "lanes", "16")), {"gatherer.lanes", "bucket of 8"});

@@ -66,6 +66,18 @@ std::vector<BenchPlan> plans() {
     p.beat_bits = p.line_bytes();
     p.board_cache_bytes = 4 * p.line_bytes();
   });
+  // Lines of 80 bytes; many of so few leaves are too large for one.
+  add("sdram_compressed", [](Plan& p) {
+    p.photon_memory = PhotonMemory::kSdram;
+    p.gatherers = 2;
+    p.position_bits = 16;
+    p.photon_bytes = 10;
+    p.photon_lines = PhotonLines::kCompressed;
+    p.further_percent = 700;
+    p.cache_bytes = 4 * p.line_bytes();
+    p.beat_bits = 4 * p.line_bytes();
+    p.board_cache_bytes = 8 * p.line_bytes();
+  });
   return list;
 }
 

@@ -88,6 +88,15 @@ std::vector<BenchPlan> plans() {
     p.contexts = 2;
     p.lanes = 1;
   });
+  add("compressed", [](Plan& p) {  // most leaves take several lines
+    p.bucket = 16;
+    p.photon_bytes = 9;
+    p.photon_lines = PhotonLines::kCompressed;
+    p.further_percent = 1500;
+    p.cache_bytes = 2 * 2 * p.line_bytes();
+    p.nodes_per_cycle = p.candidates_per_cycle = 2;
+    p.beat_bits = 2 * p.line_bytes();  // a part
+  });
   add("luts", [](Plan& p) {  // what block_ram's other half is made of shows in a netlist only
     p.k = 6;
     p.contexts = 6;

@@ -8,6 +8,28 @@ namespace photonloom {
 
 namespace {
 
+// Compressed lines from the shortest that its formats can have, so that many leaves take several;
+// caches have as many lines as they had.
+void compress(Plan& p, RoleRandom& random) {
+  const int plain = p.line_bytes(), sets = p.cache_bytes / (plain * p.cache_ways);
+  const bool whole_line = p.beat_bits == 8 * plain, half_line = p.beat_bits == 4 * plain;
+  p.photon_lines = PhotonLines::kCompressed;
+  p.further_percent = 1500;
+  const auto fits = [&] {
+    const auto problem = find_problem(p);
+    return !problem || problem->line != "photon.photon_bytes";
+  };
+  const int longer = static_cast<int>(random.below(3));
+  p.photon_bytes = 4;
+  while (p.photon_bytes < 32 && !fits()) ++p.photon_bytes;
+  for (int i = 0; i < longer && p.photon_bytes < 32; ++i) ++p.photon_bytes;
+  while (p.bucket * p.photon_bytes % 16 != 0) ++p.photon_bytes;
+  p.cache_bytes = p.line_bytes() * p.cache_ways * sets;
+  p.board_cache_bytes = p.board_cache_bytes / plain * p.line_bytes();
+  if (whole_line) p.beat_bits = 8 * p.line_bytes();
+  if (half_line) p.beat_bits = 4 * p.line_bytes();
+}
+
 Plan draw(RoleRandom& random) {
   const auto between = [&](int low, int high) {
     return low + static_cast<int>(random.below(static_cast<uint64_t>(high - low) + 1));
@@ -75,6 +97,7 @@ Plan draw(RoleRandom& random) {
   p.nodes_per_cycle = between(1, 2);
   p.candidates_per_cycle = 1 << between(0, 2);
   p.powers_per_cycle = 1 << between(0, clog2(static_cast<uint64_t>(p.candidates_per_cycle)));
+  if (random.below(2)) compress(p, random);
   return p;
 }
 

@@ -201,7 +201,7 @@ LineMemory::LineMemory(Model& model, const Plan& plan, const RunOptions& options
       latency_(std::max(1, options.latency)),
       random_latency_(options.random_latency),
       bank_cycles_(options.bank_cycles),
-      line_bits_(plan.line_bits()),
+      line_bits_(plan.line_address_bits()),
       line_bytes_(static_cast<size_t>(plan.bucket) * static_cast<size_t>(plan.photon_bytes)),
       beat_bytes_(rsp_data_.bytes),
       bank_free_(static_cast<size_t>(std::max(1, options.banks)), 0) {

@@ -54,7 +54,7 @@ class RtlGatherEngine final : public GathererUnit {
         }
         rig_.set("write_valid_i", 0);
       }
-      first_line = plan_.lines(plan_.global);
+      first_line = plan_.memory_lines(plan_.global);
     }
     configure(image.cfg);
     // The last word is on its way into the memory for a while.

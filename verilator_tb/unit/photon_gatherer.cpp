@@ -68,7 +68,8 @@ class HlsPhotonGatherer final : public HlsUnit<PhotonGatherer> {
     c["nodes"] = nodes_;
     c["leaves"] = leaves_;
     c["insertions"] = insertions_;
-    c["bytes read"] = leaves_ * static_cast<uint64_t>(plan_.line_bytes());
+    // The kernel has no cache; how many lines a leaf has it does not tell.
+    if (!plan_.compressed()) c["bytes read"] = leaves_ * static_cast<uint64_t>(plan_.line_bytes());
     return c;
   }
 
