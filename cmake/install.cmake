@@ -11,7 +11,7 @@ install(DIRECTORY rtl fpga DESTINATION ${share} ${programs})
 # Kernels are sources that are compiled per plan.
 install(DIRECTORY hls_kernels DESTINATION ${share} PATTERN "generate" EXCLUDE)
 install(DIRECTORY scenes DESTINATION ${share} FILES_MATCHING PATTERN "*.xml" PATTERN "*.obj" PATTERN "*.ply"
-  PATTERN "references" EXCLUDE)
+  PATTERN "meshes/*.png" PATTERN "meshes/*.exr" PATTERN "references" EXCLUDE)
 install(DIRECTORY studies DESTINATION ${share} FILES_MATCHING PATTERN "*.toml")
 install(FILES LICENSE DESTINATION ${share})
 

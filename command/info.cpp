@@ -2,7 +2,10 @@
 // photonloom info SCENE: what is in a scene, and what hardware it would need.
 #include <fmt/core.h>
 
+#include <sys/resource.h>
+
 #include <algorithm>
+#include <chrono>
 #include <nlohmann/json.hpp>
 
 #include "command/command.hpp"
@@ -94,6 +97,16 @@ bool one_color(const World& world) {
   return true;
 }
 
+const char* name(CameraKind kind) {
+  constexpr const char* kNames[] = {"perspective", "thinlens", "orthographic"};
+  return kNames[static_cast<size_t>(kind)];
+}
+
+const char* name(FilterKind kind) {
+  constexpr const char* kNames[] = {"box", "tent", "gaussian", "mitchell", "lanczos"};
+  return kNames[static_cast<size_t>(kind)];
+}
+
 // What of a BSDF the hardware sees.
 Json reaches(const Scene& scene, const Bsdf& b) {
   Json out = Json::array();
@@ -108,7 +121,16 @@ Json describe(const World& world) {
   Json j;
   j["scene"] = s.name;
   j["hash"] = fmt::format("{:016x}", s.hash);
-  j["film"] = {{"width", s.film.width}, {"height", s.film.height}};
+  j["film"] = {{"width", s.film.width},
+               {"height", s.film.height},
+               {"filter", name(s.film.filter.kind)},
+               {"filter_radius", s.film.filter.radius}};
+  if (s.film.is_window()) {
+    j["film"]["left"] = s.film.left;
+    j["film"]["top"] = s.film.top;
+    j["film"]["of"] = {s.film.whole_width, s.film.whole_height};
+  }
+  j["camera"] = name(s.camera.kind);
   j["max_depth"] = s.max_depth;
   j["bounds"] = {{"lower", triple(world.lower())}, {"upper", triple(world.upper())}};
   j["cube"] = {{"origin", triple(world.cube_origin())}, {"extent", world.cube_extent()}};
@@ -127,6 +149,13 @@ Json describe(const World& world) {
   }
   j["triangles"] = triangles;
   j["primitives"] = world.primitives().size();
+  uint64_t instanced = 0;
+  for (const PlacedGroup& g : world.instances()) {
+    const World::Range range = world.groups()[g.group];
+    instanced += range.end - range.begin;
+  }
+  j["instances"] = world.instances().size();
+  j["instanced_triangles"] = instanced;
   j["shapes"] = shapes;
   Json bsdfs = Json::array();
   for (const Bsdf& b : s.bsdfs)
@@ -174,7 +203,16 @@ std::string list(const Json& j) {
 void print(const Json& j) {
   fmt::print("scene      {}, hash {}\n", j["scene"].get<std::string>(),
              j["hash"].get<std::string>());
-  fmt::print("film       {} x {}\n", j["film"]["width"].get<int>(), j["film"]["height"].get<int>());
+  const Json& film = j["film"];
+  fmt::print("film       {} x {}, {} filter of radius {:g}{}\n", film["width"].get<int>(),
+             film["height"].get<int>(), film["filter"].get<std::string>(),
+             film["filter_radius"].get<double>(),
+             film.contains("of")
+                 ? fmt::format(", at {:g} {:g} of {:g} x {:g}", film["left"].get<double>(),
+                               film["top"].get<double>(), film["of"][0].get<double>(),
+                               film["of"][1].get<double>())
+                 : "");
+  fmt::print("camera     {}\n", j["camera"].get<std::string>());
   const int depth = j["max_depth"].get<int>();
   fmt::print("paths      {}\n",
              depth < 0 ? "of any length" : fmt::format("of at most {} segments", depth));
@@ -182,6 +220,9 @@ void print(const Json& j) {
   fmt::print("surfaces   {} shapes, {} triangles, {} primitives, area {:.6g}\n", j["shapes"].size(),
              j["triangles"].get<uint64_t>(), j["primitives"].get<uint64_t>(),
              j["surface_area"].get<double>());
+  if (j["instances"].get<uint64_t>() > 0)
+    fmt::print("instances  {} with {} triangles\n", j["instances"].get<uint64_t>(),
+               j["instanced_triangles"].get<uint64_t>());
   for (const Json& s : j["shapes"])
     fmt::print("  {:<10} {:<16} {}{}{}\n", s["type"].get<std::string>(), s["id"].get<std::string>(),
                s["bsdf"].get<std::string>(), s["two_sided"].get<bool>() ? ", both sides" : "",
@@ -229,12 +270,18 @@ void add_info(CLI::App& app) {
   o->scene.add_to(*command);
   command->add_flag("--json", o->json, "One JSON object instead of text");
   command->callback([o] {
+    const auto started = std::chrono::steady_clock::now();
     const World world(o->scene.load());
+    const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - started;
     const Json j = describe(world);
     if (o->json) {
       fmt::print("{}\n", j.dump(2, ' ', false, Json::error_handler_t::replace));
     } else {
       print(j);
+      rusage usage{};
+      getrusage(RUSAGE_SELF, &usage);
+      fmt::print("loaded     in {:.2f} s, {:.0f} MiB at most\n", seconds.count(),
+                 static_cast<double>(usage.ru_maxrss) / 1024);
     }
   });
 }

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// photonloom mesh NAME -o FILE.ply: the generated meshes of the scenes in scenes/.
+// photonloom mesh NAME -o FILE: the generated meshes and pictures of the scenes in scenes/.
 #include <fmt/core.h>
 
 #include "command/command.hpp"
 #include "golden/scene/generate_mesh.hpp"
+#include "golden/scene/generate_texture.hpp"
 
 namespace photonloom {
 namespace {
@@ -14,23 +15,35 @@ void add_mesh(CLI::App& app) {
     int triangles = 0;
   };
   auto o = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand("mesh", "Write one of the meshes that scenes/ refers to");
+  CLI::App* command =
+      app.add_subcommand("mesh", "Write one of the meshes or pictures that scenes/ refers to");
   command->footer(
-      "The build writes the meshes that scenes/*.xml name by default. Another size of the atrium:\n"
+      "The build writes what scenes/*.xml name by default. Another size of the atrium:\n"
       "  photonloom mesh atrium --triangles 100000 -o scenes/meshes/atrium_100000.ply\n"
       "  photonloom info scenes/atrium.xml -D triangles=100000");
   command
-      ->add_option("name", o->name, "atrium: two-storey colonnade; ring: mirror ring; water: waves")
+      ->add_option("name", o->name,
+                   "atrium: two-storey colonnade; ring: mirror ring; water: waves; planks, bricks: "
+                   "textures; sky: environment")
       ->required()
-      ->check(CLI::IsMember({"atrium", "ring", "water"}));
+      ->check(CLI::IsMember({"atrium", "ring", "water", "planks", "bricks", "sky"}));
   command
       ->add_option("--triangles", o->triangles,
                    "At most this many triangles (default 20000; ring 2048)")
       ->check(CLI::Range(100, 10000000));
-  command->add_option("-o,--output", o->output, "PLY file to write")->required();
+  command->add_option("-o,--output", o->output, "PLY, PNG or EXR file to write")->required();
   command->callback([o] {
     const int triangles = o->triangles ? o->triangles : o->name == "ring" ? 2048 : 20000;
     Mesh mesh;
+    using Write = void (*)(const std::string&);
+    constexpr std::pair<const char*, Write> kPictures[] = {
+        {"planks", write_planks}, {"bricks", write_bricks}, {"sky", write_sky}};
+    for (const auto& [name, write] : kPictures)
+      if (o->name == name) {
+        write(o->output);
+        fmt::print("wrote {}\n", o->output);
+        return;
+      }
     if (o->name == "atrium") {
       mesh = atrium_mesh(triangles);
     } else if (o->name == "ring") {

@@ -2,6 +2,7 @@
 // photonloom replay UNIT --plan P --packets in.jsonl -o out.jsonl
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <memory>
 
@@ -113,9 +114,12 @@ void replay_unit(std::type_identity<PhotonGatherer> kind, const ReplayOptions& o
   unit->process(in, results, photons);
   finish(*unit);
   write_packets(results, plan, o.output);
-  bool wanted = false;
-  for (const GatherQuery& q : in) wanted |= q.want_photons && !q.flush;
-  if (wanted) write_packets(photons, plan, beside(o.output, "photons"));
+  const bool wanted = std::any_of(in.begin(), in.end(),
+                                  [](const GatherQuery& q) { return q.want_photons && !q.flush; });
+  if (wanted)
+    write_packets(photons, plan, beside(o.output, "photons"));
+  else
+    std::filesystem::remove(beside(o.output, "photons"));  // an earlier run's
   if (!o.photons.empty()) write_addresses(global, plan, beside(o.output, "addresses"));
   if (!o.caustics.empty()) write_addresses(caustic, plan, beside(o.output, "caustic_addresses"));
 }

@@ -49,10 +49,26 @@ class CacheModel {
   std::vector<uint32_t> tags_;  // set by set; ~0: nothing
 };
 
+// Cycles that pass between and during lookups where several queries are in flight.
+struct LookupTimes {
+  uint32_t read = 1;     // of the reader, a line
+  uint32_t beats = 1;    // of the memory port, a line
+  uint32_t memory = 0;   // from a request to its first beat
+  uint32_t between = 1;  // from a line read, or the query's start, to the query's next lookup
+  uint32_t misses = 1;   // that may be on their way
+};
+// Lanes, list and count of a leaf take 27 cycles, an inner node 4; about three lie before a leaf.
+inline constexpr uint32_t kCyclesBetweenLines = 40;
+// With a memory of `latency` cycles.
+LookupTimes lookup_times(const Plan& plan, int latency);
+
 // Lines fetched, from an empty cache, when the queries of `order` (numbers of queries in `visits`)
-// are served and `contexts` of them at a time take turns, a line each. Exactly those of the RTL
-// with one context.
+// are served one after another. Exactly those of the RTL with one context.
 uint64_t lines_fetched(const CacheShape& shape, const LineVisits& visits,
-                       std::span<const uint32_t> order, int contexts);
+                       std::span<const uint32_t> order);
+// With `contexts` of them in flight: the RTL's cache and its misses, held ways and repeated
+// lookups in time, while the descent between two lines takes always as long.
+uint64_t lines_fetched(const CacheShape& shape, const LineVisits& visits,
+                       std::span<const uint32_t> order, int contexts, const LookupTimes& times);
 
 }  // namespace photonloom

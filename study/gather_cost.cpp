@@ -79,34 +79,45 @@ GatherCost gather_cost_rtl(const Plan& plan, const PhotonMap& global, const Phot
   return cost;
 }
 
-GatherCost gather_cost_model(const Plan& plan, const PhotonMap& global, const PhotonMap& caustic,
-                             std::span<const GatherQuery> queries, int latency) {
-  GatherCost cost;
-  if (queries.empty()) return cost;
-  LineVisits visits;
+GatherSearches searched(const Plan& plan, const PhotonMap& global, const PhotonMap& caustic,
+                        std::span<const GatherQuery> queries) {
+  GatherSearches s;
   std::vector<Neighbour> found;
-  std::vector<uint32_t> lines, order(queries.size());
-  std::iota(order.begin(), order.end(), 0u);
+  std::vector<uint32_t> lines;
   for (const GatherQuery& query : queries) {
     lines.clear();
     const SearchCounts counts =
         search_gather(plan, query.map ? caustic : global, query, found, &lines);
-    // The address's top bit names the map.
     if (query.map)
       for (uint32_t& line : lines) line += 1u << plan.line_bits();
-    visits.add_query(lines);
-    cost.load.nodes += counts.nodes;
-    cost.load.leaves += counts.leaves;
-    cost.load.insertions += counts.insertions;
+    s.visits.add_query(lines);
+    s.load.nodes += counts.nodes;
+    s.load.leaves += counts.leaves;
+    s.load.insertions += counts.insertions;
   }
-  for (double* sum : {&cost.load.nodes, &cost.load.leaves, &cost.load.insertions})
-    *sum /= static_cast<double>(queries.size());
-  cost.load.misses =
-      static_cast<double>(lines_fetched(leaf_cache_shape(plan), visits, order, plan.contexts)) /
-      static_cast<double>(queries.size());
+  for (double* sum : {&s.load.nodes, &s.load.leaves, &s.load.insertions})
+    *sum /= static_cast<double>(std::max<size_t>(1, queries.size()));
+  return s;
+}
+
+GatherCost gather_cost(const Plan& plan, const GatherSearches& searches, int latency) {
+  GatherCost cost;
+  const size_t queries = searches.visits.queries();
+  if (queries == 0) return cost;
+  cost.load = searches.load;
+  std::vector<uint32_t> order(queries);
+  std::iota(order.begin(), order.end(), 0u);
+  const uint64_t lines = lines_fetched(leaf_cache_shape(plan), searches.visits, order,
+                                       plan.contexts, lookup_times(plan, latency));
+  cost.load.misses = static_cast<double>(lines) / static_cast<double>(queries);
   cost.bytes = cost.load.misses * plan.line_bytes();
   cost.cycles = modelled_cycles(plan, cost.load, latency);
   return cost;
+}
+
+GatherCost gather_cost_model(const Plan& plan, const PhotonMap& global, const PhotonMap& caustic,
+                             std::span<const GatherQuery> queries, int latency) {
+  return gather_cost(plan, searched(plan, global, caustic, queries), latency);
 }
 
 double modelled_cycles(const Plan& plan, const GatherLoad& load, int latency) {
@@ -128,8 +139,8 @@ double modelled_cycles(const Plan& plan, const GatherLoad& load, int latency) {
 std::string cycle_fit_signature() {
   const CycleFit& f = kCycleFit;
   Sha256 sum;
-  sum.add(fmt::format("{} {} {} {} {} {} {}", f.power, f.fixed, f.nodes, f.lanes, f.insertions,
-                      f.memory, f.latency));
+  sum.add(fmt::format("{} {} {} {} {} {} {} {}", f.power, f.fixed, f.nodes, f.lanes, f.insertions,
+                      f.memory, f.latency, kCyclesBetweenLines));
   return sum.hex().substr(0, 16);
 }
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "golden/unit/backend.hpp"
+#include "study/cache_model.hpp"
 
 namespace photonloom {
 
@@ -50,13 +51,24 @@ GatherCost gather_cost_rtl(const Plan& plan, const PhotonMap& global, const Phot
                            std::span<const GatherQuery> queries, int latency,
                            const std::string& work_dir);
 
-// The same from golden's counts, a model of the cache, and the fit of study/cycle_fit.hpp.
+// What queries read and do in the tree, whatever the gatherer's widths and cache; `load` without
+// misses.
+struct GatherSearches {
+  LineVisits visits;  // with the map as the top bit of a line's number
+  GatherLoad load;
+};
+GatherSearches searched(const Plan& plan, const PhotonMap& global, const PhotonMap& caustic,
+                        std::span<const GatherQuery> queries);
+// Of searches by this plan, or by one that differs in formats alone, from a model of the cache and
+// the fit of study/cycle_fit.hpp.
+GatherCost gather_cost(const Plan& plan, const GatherSearches& searches, int latency);
+// Both.
 GatherCost gather_cost_model(const Plan& plan, const PhotonMap& global, const PhotonMap& caustic,
                              std::span<const GatherQuery> queries, int latency);
 
 // Cycles of a gather as the fit has it. docs/sweep.md has the formula.
 double modelled_cycles(const Plan& plan, const GatherLoad& load, int latency);
-// Of the fit's numbers; results made with another are made again.
+// Of the numbers of fit and cache model; results made with another are made again.
 std::string cycle_fit_signature();
 
 // Cycles of cdf_sampler for a table of `photons` photons and `rays` requests, as

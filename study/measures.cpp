@@ -176,6 +176,12 @@ size_t block_of(const Planes& image, size_t pixel) {
   return pixel / width * kBlockEdge / height * kBlockEdge + pixel % width * kBlockEdge / width;
 }
 
+double root_of_squares(const Blocks& differences) {
+  double sum = 0;
+  for (const double d : differences) sum += d * d;
+  return std::sqrt(sum);
+}
+
 Blocks half_differences(const std::vector<double>& values, int width, int height) {
   constexpr size_t kEdge = 8;
   const auto w = static_cast<size_t>(width), h = static_cast<size_t>(height);
@@ -268,12 +274,6 @@ double reference_error(const Planes& a, const SceneReferences& r) {
     sum += pixel * pixel;
   }
   return std::sqrt(sum) / static_cast<double>(a.c[0].size());
-}
-
-double root_of_squares(const Blocks& differences) {
-  double sum = 0;
-  for (const double d : differences) sum += d * d;
-  return std::sqrt(sum);
 }
 
 Measurement measure_lot(PointRun& run) {

@@ -48,6 +48,7 @@ struct Measurement {
 // which pixels were drawn and from their noise. Linear, so a mean over seeds and the difference of
 // two plans have theirs too.
 Blocks half_differences(const std::vector<double>& values, int width, int height);
+double root_of_squares(const Blocks& differences);
 
 class PointRun {
  public:

@@ -2,6 +2,7 @@
 #include "study/plan_costs.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "golden/planner/resources.hpp"
 #include "golden/unit/pack_photons.hpp"
@@ -10,13 +11,8 @@
 namespace photonloom {
 namespace {
 
-// Maps kept; a search changes one line at a time.
-constexpr size_t kMapsKept = 24;
-
-// The cell of fewer bits that holds a cell or a coordinate of more; of more bits its lower corner.
-uint32_t requantised(uint32_t code, int from, int to) {
-  return from >= to ? code >> (from - to) : code << (to - from);
-}
+// A plan search changes one line or two at a time.
+constexpr size_t kMapsKept = 24, kSearchesKept = 4096;
 
 }  // namespace
 
@@ -41,7 +37,7 @@ PlanCosts::PlanCosts(StudyScene& scene, const Plan& plan, std::vector<GatherQuer
 
 const PhotonMap& PlanCosts::map_of(const Plan& plan) {
   const MapPlan& m = plan.map(caustic_);
-  const MapKey key{m.photons, plan.position_bits, plan.direction_bits, plan.bucket};
+  const MapKey key{m.photons, plan.bucket};
   const auto known = maps_.find(key);
   if (known != maps_.end()) return known->second;
   if (maps_.size() >= kMapsKept) maps_.clear();
@@ -49,18 +45,31 @@ const PhotonMap& PlanCosts::map_of(const Plan& plan) {
   return maps_[key] = build_photon_map(pack_photons(pass->photons, plan, m, nullptr), plan);
 }
 
+const GatherSearches& PlanCosts::searches_of(const Plan& plan) {
+  Plan usual = plan;
+  usual.position_bits = base_.position_bits;
+  usual.direction_bits = base_.direction_bits;
+  usual.normal_bits = base_.normal_bits;
+  MapPlan& m = caustic_ ? usual.caustic : usual.global;
+  const int finer = 2 * (base_.position_bits - plan.position_bits);
+  m.r2_max = std::min(finer >= 0 ? m.r2_max << finer : m.r2_max >> -finer, usual.r2_limit());
+  const SearchKey key{{m.photons, plan.bucket},
+                      plan.k,
+                      m.r2_max,
+                      std::ldexp(plan.epsilon_factor, -plan.epsilon_shift),
+                      plan.leaf_limit};
+  const auto known = searches_.find(key);
+  if (known != searches_.end()) return known->second;
+  if (searches_.size() >= kSearchesKept) searches_.clear();
+  const PhotonMap none, &map = map_of(usual);
+  return searches_[key] = searched(usual, caustic_ ? none : map, caustic_ ? map : none, queries_);
+}
+
 PlanCost PlanCosts::predict(const Plan& plan, bool loads) {
   PlanCost cost;
   predict_luts(plan, cost);
   if (!loads || queries_.empty()) return cost;
-  std::vector<GatherQuery> queries = queries_;
-  for (GatherQuery& q : queries) {
-    for (uint32_t& x : q.position) x = requantised(x, base_.position_bits, plan.position_bits);
-    for (uint32_t& x : q.normal) x = requantised(x, base_.normal_bits, plan.normal_bits);
-  }
-  const PhotonMap none, &map = map_of(plan);
-  const GatherCost gather =
-      gather_cost_model(plan, caustic_ ? none : map, caustic_ ? map : none, queries, latency_);
+  const GatherCost gather = gather_cost(plan, searches_of(plan), latency_);
   cost.cycles = gather.cycles;
   cost.bytes = gather.bytes;
   return cost;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// What plans cost that were not rendered: the queries of one frame, in each plan's formats, through
-// a map of its own.
+// What plans cost that were not rendered: the queries of one frame through each plan's map. Formats
+// of positions and directions hardly change what a search visits, so all searches are made in those
+// of one plan.
 #pragma once
 #include <map>
 #include <string>
@@ -25,7 +26,7 @@ void predict_luts(const Plan& plan, PlanCost& cost);
 
 class PlanCosts {
  public:
-  // `queries` are of a frame by `plan`, photons of `seed`.
+  // `queries` are of a frame by `plan`, whose formats searches are made in; photons of `seed`.
   PlanCosts(StudyScene& scene, const Plan& plan, std::vector<GatherQuery> queries, uint64_t seed,
             int latency);
 
@@ -33,9 +34,10 @@ class PlanCosts {
   PlanCost predict(const Plan& plan, bool loads);
 
  private:
-  // What decides a search: powers do not.
-  using MapKey = std::tuple<uint64_t, int, int, int>;
+  using MapKey = std::tuple<uint64_t, int>;                               // photons, bucket
+  using SearchKey = std::tuple<MapKey, int, uint64_t, double, uint32_t>;  // k, r2, E / 2^s, leaves
   const PhotonMap& map_of(const Plan& plan);
+  const GatherSearches& searches_of(const Plan& plan);
 
   StudyScene& scene_;
   Plan base_;
@@ -44,6 +46,7 @@ class PlanCosts {
   int latency_;
   bool caustic_;  // the queries go to the caustic map
   std::map<MapKey, PhotonMap> maps_;
+  std::map<SearchKey, GatherSearches> searches_;
 };
 
 }  // namespace photonloom

@@ -161,10 +161,6 @@ std::string misfit(const Plan& plan, const BoardDescription& board) {
   return "";
 }
 
-}  // namespace
-
-namespace {
-
 // One more run differs as much as the seeds did, whatever their mean is off by.
 double run_error(double seed_error, int seeds) {
   return seed_error * std::sqrt(static_cast<double>(seeds) + 1);
@@ -552,13 +548,9 @@ class PlanSearch::Work {
       const double standard_mean = mean_of(standard, "visible", metric);
       m.error.beyond_seed_error = means.at("visible." + metric).ratio_error * standard_mean;
     }
-    m.error.pixel_error = mean_of(results, "lot", metric);
     m.error.halves = mean_halves(results, metric);
-    if (!m.error.halves.empty()) {
-      double sum = 0;
-      for (const double h : m.error.halves) sum += h * h;
-      m.error.pixel_error = std::sqrt(sum);
-    }
+    m.error.pixel_error =
+        m.error.halves.empty() ? mean_of(results, "lot", metric) : root_of_squares(m.error.halves);
     m.error.seeds = static_cast<int>(seeds);
     m.run_bound = m.error.bound();
     m.cost.cycles = mean_of(results, "gather", "cycles");

@@ -119,7 +119,15 @@ Image find_or_write(const std::string& path, const std::string& scene_hash,
 StudyScene::StudyScene(const std::string& file, const Study& study, const Parameters& parameters)
     : file_(file), name_(std::filesystem::path(file).stem().string()) {
   Scene scene = load_scene(file, parameters);
-  scene.film = {study.width, study.height, study.frame_width, study.frame_height};
+  // The view of the scene's film, each pixel of its own samples: what is measured are samples.
+  scene.film.filter = Filter();
+  const bool part = study.frame_width > 0;
+  scene.film.resize(part ? study.frame_width : study.width,
+                    part ? study.frame_height : study.height);
+  scene.film.width = study.width;
+  scene.film.height = study.height;
+  scene.film.frame_width = study.frame_width;
+  scene.film.frame_height = study.frame_height;
   world_ = std::make_unique<World>(std::move(scene));
   caster_ = make_double_bvh(*world_);
 }

@@ -17,12 +17,15 @@ uint64_t shared_lines(PointRun& run, const std::string& name, const Plan& order_
   const CacheShape shape = leaf_cache_shape(plan);
   const std::shared_ptr<const FrameGathers> gathers = frame_gathers(run);
   const std::string key = fmt::format(
-      "lines fetched {} order {} {} tile {} {} of {} queries {} sets {} ways {} contexts seed {}",
+      "lines fetched {} order {} {} tile {} {} of {} queries {} sets {} ways {} contexts {} lanes "
+      "{} misses latency {} seed {}",
       name, static_cast<int>(order_plan.order), order_plan.direction_bin_bits, order_plan.tile,
       order_plan.batch_tiles, static_cast<const void*>(gathers.get()), shape.sets, shape.ways,
-      plan.contexts, run.seed());
-  return *run.scene().shared<uint64_t>(
-      key, [&] { return lines_fetched(shape, gathers->visits, make(*gathers), plan.contexts); });
+      plan.contexts, plan.lanes, plan.cache_misses, run.study().latency, run.seed());
+  return *run.scene().shared<uint64_t>(key, [&] {
+    return lines_fetched(shape, gathers->visits, make(*gathers), plan.contexts,
+                         lookup_times(plan, run.study().latency));
+  });
 }
 
 }  // namespace
@@ -65,9 +68,10 @@ Measurement measure_traffic(PointRun& run) {
     return static_cast<double>(lines) * plan.line_bytes() / n;
   };
 
-  const double fetched = bytes(
-      lines_fetched(leaf_cache_shape(plan), gathers->visits,
-                    is_buffered ? buffered_order(plan, *gathers, *own) : *own, plan.contexts));
+  const double fetched =
+      bytes(lines_fetched(leaf_cache_shape(plan), gathers->visits,
+                          is_buffered ? buffered_order(plan, *gathers, *own) : *own, plan.contexts,
+                          lookup_times(plan, run.study().latency)));
   const double naive = bytes(
       shared_lines(run, "as made", pixel, [&](const FrameGathers&) { return *made_as(pixel); }));
   const double hilbert = bytes(shared_lines(run, "Hilbert", tile, [&](const FrameGathers& g) {

@@ -16,7 +16,9 @@
 #include <vector>
 
 #include "golden/numeric/octahedral.hpp"
+#include "golden/numeric/wide_sum.hpp"
 #include "golden/plan/quantiser.hpp"
+#include "golden/transport/film_filter.hpp"
 #include "golden/transport/sampling.hpp"
 #include "golden/unit/cdf_sampler.hpp"
 #include "golden/unit/irradiance_cache.hpp"
@@ -46,6 +48,31 @@ void add(Rgb& sum, const Rgb& value) { sum += value; }
 template <class Value>
 struct Layers {
   Value direct{}, caustic{}, indirect{}, emission{};
+};
+
+// Weighted light added up: exact in a golden frame.
+struct WideRgb {
+  std::array<WideSum, 3> sum;
+  void add(const WideRgb& other) {
+    for (size_t c = 0; c < 3; ++c) sum[c].add(other.sum[c]);
+  }
+  void add(const PixelValue& value, int32_t weight) {
+    for (size_t c = 0; c < 3; ++c) sum[c].add(value[c], weight);
+  }
+  double operator[](size_t c) const { return sum[c].value(); }
+};
+struct DoubleRgb {
+  Rgb sum{0};
+  void add(const DoubleRgb& other) { sum += other.sum; }
+  void add(const Rgb& value, int32_t weight) { sum += value * static_cast<double>(weight); }
+  double operator[](size_t c) const { return sum[static_cast<int>(c)]; }
+};
+
+// A pixel of a film whose samples count in several pixels: sums over samples, times their weights.
+template <class Sum>
+struct FilmPixel {
+  Layers<Sum> layers;
+  int64_t weight = 0;
 };
 
 // A value times part / whole, rounded half up where it is an integer.
@@ -94,6 +121,7 @@ class Renderer {
   using Value = std::conditional_t<kGolden, PixelValue, Rgb>;
   // What a query's answer is multiplied with.
   using QueryWeight = std::conditional_t<kGolden, Weight, Rgb>;
+  using FilmSum = std::conditional_t<kGolden, WideRgb, DoubleRgb>;
 
  public:
   Renderer(const FrameInput& in, FrameUnits& units, FrameCounts& counts, Progress* progress)
@@ -107,8 +135,13 @@ class Renderer {
         rays_(static_cast<size_t>(in.plan.gather_rays)),
         first_rays_(static_cast<size_t>(in.plan.first_rays)),
         ray_seed_(in.ray_seed.value_or(in.seed)),
+        filter_(in.world.scene().film.filter),
         place_(static_cast<size_t>(in.plan.width) * static_cast<size_t>(in.plan.height), kNone) {
     make_channels();
+    if (filtered()) {
+      film_.assign(place_.size(), {});
+      spread_.assign(place_.size(), Rgb(0));
+    }
   }
 
   Image render() {
@@ -133,6 +166,7 @@ class Renderer {
       render_batch();
       for (const uint32_t pixel : pixels_) place_[pixel] = kNone;
     }
+    if (filtered()) finish_film();
     return std::move(image_);
   }
 
@@ -140,6 +174,9 @@ class Renderer {
   size_t pixel_number(int x, int y) const {
     return static_cast<size_t>(y) * static_cast<size_t>(plan_.width) + static_cast<size_t>(x);
   }
+  // Whether samples count in other pixels than their own too; their layers are kept apart then.
+  bool filtered() const { return !filter_.is_plain_box(); }
+  Layers<Value>& layers_of(size_t entry) { return layers_[filtered() ? entry : entry / spp_]; }
   uint32_t pixel_of(size_t entry) const { return pixels_[entry / spp_]; }
   uint32_t sample_of(size_t entry) const { return static_cast<uint32_t>(entry % spp_); }
 
@@ -153,7 +190,8 @@ class Renderer {
   void render_batch() {
     const size_t entries = pixels_.size() * spp_;
     entries_.assign(entries, {});
-    layers_.assign(pixels_.size(), {});
+    layers_.assign(filtered() ? entries : pixels_.size(), {});
+    places_.assign(filtered() ? entries : 0, {});
     totals_.assign(entries, Value{});
     features_.assign(pixels_.size(), {});
     gathers_ = plan_.global.present && rays_ > 0;
@@ -198,6 +236,7 @@ class Renderer {
     }
     if (caching_) share_light(entries);
     finish_pixels();
+    if (filtered()) splat_samples();
   }
 
   // A pass casts rays [first_tag, first_tag + count) of each sample.
@@ -401,6 +440,7 @@ class Renderer {
       Rgb albedo;
       Vec3 normal;
       double depth;
+      Vec2 place;
     };
     std::vector<Walk> walks(end - begin);
     SharedCounts shared;
@@ -416,14 +456,18 @@ class Renderer {
                   value_of(s.emission, own),
                   s.albedo,
                   s.normal,
-                  s.depth};
+                  s.depth,
+                  s.place};
       shared.take(own);
       entries_[begin + i] = {s.diffuse && !is_black(s.weight), s.first, s.x, s.weight};
     });
     shared.give(counts_.shader);
     for (size_t i = 0; i < walks.size(); ++i) {
       const Walk& w = walks[i];
-      Layers<Value>& layers = layers_[(begin + i) / spp_];
+      Layers<Value>& layers = layers_of(begin + i);
+      if (filtered())
+        places_[begin + i] = {static_cast<uint8_t>(FilterTable::place(w.place.x)),
+                              static_cast<uint8_t>(FilterTable::place(w.place.y))};
       add(layers.direct, w.direct);
       add(layers.indirect, w.indirect);
       add(layers.emission, w.emission);
@@ -696,7 +740,7 @@ class Renderer {
   }
 
   void add_caustic(size_t entry, const Value& value) {
-    Layers<Value>& layers = layers_[entry / spp_];
+    Layers<Value>& layers = layers_of(entry);
     add(entries_[entry].first ? layers.caustic : layers.indirect, value);
     add(totals_[entry], value);
   }
@@ -849,7 +893,7 @@ class Renderer {
       add_layers(entry, value);
   }
   void add_layers(size_t entry, const Value& value) {
-    add(layers_[entry / spp_].indirect, value);
+    add(layers_of(entry).indirect, value);
     add(totals_[entry], value);
   }
 
@@ -965,36 +1009,134 @@ class Renderer {
       image_.add(name);
   }
 
+  // Mean and variance of a pixel's own samples.
   void finish_pixels() {
     const double n = static_cast<double>(spp_);
     parallel(pixels_.size(), [&](size_t p) {
       const auto set = [&](size_t channel, double value) {
         image_.channels[channel].pixels[pixels_[p]] = static_cast<float>(value);
       };
-      const Layers<Value>& l = layers_[p];
-      Value sum = l.direct;
-      add(sum, l.caustic);
-      add(sum, l.indirect);
-      add(sum, l.emission);
+      Value sum{};
+      if (filtered()) {
+        for (size_t s = 0; s < spp_; ++s) add(sum, totals_[p * spp_ + s]);
+      } else {
+        const Layers<Value>& l = layers_[p];
+        for (const Value* layer : {&l.direct, &l.caustic, &l.indirect, &l.emission})
+          add(sum, *layer);
+      }
       for (int c = 0; c < 3; ++c) {
         const auto i = static_cast<size_t>(c);
-        set(i, radiance(sum, c) / n);
-        set(3 + i, radiance(l.direct, c) / n);
-        set(6 + i, radiance(l.caustic, c) / n);
-        set(9 + i, radiance(l.indirect, c) / n);
-        set(12 + i, radiance(l.emission, c) / n);
         double variance = 0;
         const double mean = radiance(sum, c) / n;
         for (size_t s = 0; s < spp_; ++s) {
           const double d = radiance(totals_[p * spp_ + s], c) - mean;
           variance += d * d;
         }
-        set(15 + i, spp_ > 1 ? std::sqrt(variance / (n * (n - 1))) : 0.0);
+        if (filtered()) {
+          if (spp_ > 1) spread_[pixels_[p]][c] = variance / (n - 1);
+        } else {
+          const Layers<Value>& l = layers_[p];
+          set(i, mean);
+          set(3 + i, radiance(l.direct, c) / n);
+          set(6 + i, radiance(l.caustic, c) / n);
+          set(9 + i, radiance(l.indirect, c) / n);
+          set(12 + i, radiance(l.emission, c) / n);
+          set(15 + i, spp_ > 1 ? std::sqrt(variance / (n * (n - 1))) : 0.0);
+        }
         set(18 + i, features_[p].albedo[c] / n);
         set(21 + i, features_[p].normal[c] / n);
       }
       set(24, features_[p].hits ? features_[p].depth / features_[p].hits : 0.0);
       set(25, features_[p].density / n);
+    });
+  }
+
+  // Calls f(x, y) for the pixels within the filter's reach of (x, y), row by row.
+  template <class F>
+  void around(int x, int y, F&& f) const {
+    const int reach = filter_.reach();
+    for (int v = std::max(0, y - reach); v <= std::min(plan_.height - 1, y + reach); ++v)
+      for (int u = std::max(0, x - reach); u <= std::min(plan_.width - 1, x + reach); ++u) f(u, v);
+  }
+
+  // Adds the batch's samples to all pixels in which they count. Each pixel collects its own.
+  void splat_samples() {
+    int x0 = plan_.width, y0 = plan_.height, x1 = 0, y1 = 0;
+    for (const uint32_t pixel : pixels_) {
+      const int x = static_cast<int>(pixel) % plan_.width;
+      const int y = static_cast<int>(pixel) / plan_.width;
+      x0 = std::min(x0, x);
+      x1 = std::max(x1, x);
+      y0 = std::min(y0, y);
+      y1 = std::max(y1, y);
+    }
+    const int reach = filter_.reach();
+    x0 = std::max(0, x0 - reach);
+    y0 = std::max(0, y0 - reach);
+    x1 = std::min(plan_.width - 1, x1 + reach);
+    y1 = std::min(plan_.height - 1, y1 + reach);
+    const auto columns = static_cast<size_t>(x1 - x0 + 1);
+    parallel(columns * static_cast<size_t>(y1 - y0 + 1), [&](size_t i) {
+      const int x = x0 + static_cast<int>(i % columns), y = y0 + static_cast<int>(i / columns);
+      FilmPixel<FilmSum> sum;
+      around(x, y, [&](int u, int v) {
+        const uint32_t place = place_[pixel_number(u, v)];
+        if (place == kNone) return;
+        for (size_t entry = place * spp_; entry < (place + 1) * spp_; ++entry) {
+          const int32_t w =
+              filter_.weight(x - u, places_[entry][0]) * filter_.weight(y - v, places_[entry][1]);
+          if (w == 0) continue;
+          const Layers<Value>& l = layers_[entry];
+          sum.layers.direct.add(l.direct, w);
+          sum.layers.caustic.add(l.caustic, w);
+          sum.layers.indirect.add(l.indirect, w);
+          sum.layers.emission.add(l.emission, w);
+          sum.weight += w;
+        }
+      });
+      FilmPixel<FilmSum>& film = film_[pixel_number(x, y)];
+      film.layers.direct.add(sum.layers.direct);
+      film.layers.caustic.add(sum.layers.caustic);
+      film.layers.indirect.add(sum.layers.indirect);
+      film.layers.emission.add(sum.layers.emission);
+      film.weight += sum.weight;
+    });
+  }
+
+  // Light over weight, pixel by pixel; nothing where lobes took all weight away.
+  void finish_film() {
+    const auto n = static_cast<double>(spp_);
+    parallel(film_.size(), [&](size_t p) {
+      const FilmPixel<FilmSum>& film = film_[p];
+      if (film.weight <= 0) return;
+      const auto whole = static_cast<double>(film.weight);
+      const auto set = [&](size_t channel, double value) {
+        image_.channels[channel].pixels[p] = static_cast<float>(value);
+      };
+      const auto mean = [&](const FilmSum& sum, size_t c) {
+        if constexpr (kGolden)
+          return std::ldexp(sum[c], -plan_.fraction_bits) / whole;
+        else
+          return sum[c] / whole;
+      };
+      const Layers<FilmSum>& l = film.layers;
+      FilmSum sum = l.direct;
+      for (const FilmSum* layer : {&l.caustic, &l.indirect, &l.emission}) sum.add(*layer);
+      Rgb variance(0);
+      const int x = static_cast<int>(p) % plan_.width, y = static_cast<int>(p) / plan_.width;
+      around(x, y, [&](int u, int v) {
+        variance +=
+            spread_[pixel_number(u, v)] * (filter_.mean_square(x - u) * filter_.mean_square(y - v));
+      });
+      const double share = whole / (int64_t{1} << (2 * FilterTable::kOneBits));
+      for (size_t c = 0; c < 3; ++c) {
+        set(c, mean(sum, c));
+        set(3 + c, mean(l.direct, c));
+        set(6 + c, mean(l.caustic, c));
+        set(9 + c, mean(l.indirect, c));
+        set(12 + c, mean(l.emission, c));
+        set(15 + c, std::sqrt(n * variance[static_cast<int>(c)]) / share);
+      }
     });
   }
 
@@ -1006,16 +1148,21 @@ class Renderer {
   const Shader shader_;
   const size_t spp_, rays_, first_rays_;
   const uint64_t ray_seed_;
+  const FilterTable filter_;
   bool gathers_ = false;  // whether samples send final gather rays
   Image image_;
+  // Of a filtered film.
+  std::vector<FilmPixel<FilmSum>> film_;
+  std::vector<Rgb> spread_;  // variance of a pixel's samples
 
   // Of the batch.
-  std::vector<uint32_t> pixels_;     // in packet order
-  std::vector<uint32_t> place_;      // of a pixel in pixels_
-  std::vector<size_t> tile_begins_;  // in pixels_
-  std::vector<Entry> entries_;       // a sample each
-  std::vector<Layers<Value>> layers_;
-  std::vector<Value> totals_;  // of samples
+  std::vector<uint32_t> pixels_;                // in packet order
+  std::vector<uint32_t> place_;                 // of a pixel in pixels_
+  std::vector<size_t> tile_begins_;             // in pixels_
+  std::vector<Entry> entries_;                  // a sample each
+  std::vector<Layers<Value>> layers_;           // of pixels; filtered: of samples
+  std::vector<std::array<uint8_t, 2>> places_;  // filtered: of samples within their pixel
+  std::vector<Value> totals_;                   // of samples
   std::vector<Features> features_;
   std::vector<Value> halves_;  // of a first pass: even and odd rays of each sample
   // Of the pass.

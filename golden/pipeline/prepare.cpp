@@ -105,10 +105,7 @@ int gather_rays_per_sample(const FrameRequest& request, int spp) {
 
 std::unique_ptr<World> load_world(const FrameRequest& request) {
   Scene scene = load_scene(request.scene_file, request.parameters, request.unsupported);
-  if (request.size) {
-    scene.film.width = request.size->first;
-    scene.film.height = request.size->second;
-  }
+  if (request.size) scene.film.resize(request.size->first, request.size->second);
   return std::make_unique<World>(std::move(scene));
 }
 

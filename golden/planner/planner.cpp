@@ -366,7 +366,7 @@ PlannedFrame make_plan(const World& world, const PlanRequest& request, const Pho
           ? fmt::format(", all {} of the maps", plan.lines(plan.global) + plan.lines(plan.caustic))
           : "");
   why["gatherer.nodes_per_cycle"] = why["gatherer.candidates_per_cycle"] =
-      why["gatherer.powers_per_cycle"] = "the smallest gatherer; 2 or 4 make it faster";
+      why["gatherer.powers_per_cycle"] = "the smallest gatherer; more make it faster";
   why["gatherer.cache_ways"] = "fewer conflicts for little area";
   why["gatherer.cache_misses"] = "keeps the memory port busy";
   why["gatherer.beat_bits"] = "a 128-bit memory port";

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the elements of a scene file mean. docs/scene.md lists every element and property.
 #include <fmt/core.h>
+#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
+#include <exception>
 #include <limits>
 #include <map>
+#include <tuple>
 
 #include "golden/numeric/elementary.hpp"
 #include "golden/scene/findings.hpp"
@@ -13,6 +16,7 @@
 #include "golden/scene/properties.hpp"
 #include "golden/scene/read_bsdf.hpp"
 #include "golden/scene/scene.hpp"
+#include "golden/scene/serialized.hpp"
 #include "golden/scene/text.hpp"
 #include "golden/scene/xml.hpp"
 
@@ -59,6 +63,7 @@ class Loader {
                  "kd_min_max_bins", "kd_retract_bad_splits", "kd_exact_prim_threshold",
                  "kd_parallel_build", "block_size"});
     root.finish(findings_);
+    read_meshes();
     for (const auto& child : root.children()) {
       const Element& e = *child.object;
       if (child.place->tag == "ref") {
@@ -156,31 +161,43 @@ class Loader {
 
   void sensor(const Element& e) {
     Properties p(document_, e);
-    if (p.type() != "perspective")
-      unknown_type(e, "perspective", "a perspective camera stands for it");
     Camera& camera = scene_.camera;
+    const bool parallel = p.type() == "orthographic", thin = p.type() == "thinlens";
+    const bool known = parallel || thin || p.type() == "perspective";
+    if (!known)
+      unknown_type(e, "perspective, thinlens or orthographic",
+                   "a perspective camera stands for it");
     camera.to_world = p.transform("to_world");
-    // As Mitsuba, which tests with the same tolerance.
-    const glm::dmat3 linear(camera.to_world);
-    for (int i = 0; i < 3; ++i)
-      for (int j = i; j < 3; ++j)
-        if (std::fabs(glm::dot(linear[i], linear[j]) - (i == j)) > 1e-3)
-          fail(p.element("to_world"),
-               "the camera's transform scales or shears, expected rotations and translations only");
-    field_of_view(p);
+    if (parallel) {
+      camera.kind = CameraKind::kOrthographic;
+    } else {
+      // As Mitsuba, which tests with the same tolerance.
+      const glm::dmat3 linear(camera.to_world);
+      for (int i = 0; i < 3; ++i)
+        for (int j = i; j < 3; ++j)
+          if (std::fabs(glm::dot(linear[i], linear[j]) - (i == j)) > 1e-3)
+            fail(p.element("to_world"),
+                 "the camera's transform scales or shears, expected rotations and translations "
+                 "only");
+      field_of_view(p);
+    }
     camera.near_clip = p.number("near_clip", 0);
     camera.far_clip = p.number("far_clip", kInfinity);
     if (camera.near_clip < 0) fail(p.element("near_clip"), "near_clip is negative");
     if (!(camera.far_clip > camera.near_clip))
       fail(p.element("far_clip"), "far_clip is not beyond near_clip");
-    if (p.number("principal_point_offset_x", 0) != 0 ||
-        p.number("principal_point_offset_y", 0) != 0)
-      findings_.add(e, "a shifted principal point is not supported", "it is in the middle");
+    if (thin) aperture(p);
+    if (!parallel) {
+      camera.offset_x = p.number("principal_point_offset_x", 0);
+      camera.offset_y = p.number("principal_point_offset_y", 0);
+    }
     if (p.has("kc") && p.text("kc", "") != "0, 0" && p.text("kc", "") != "0,0")
       findings_.add(p.element("kc"), "lens distortion (kc) is not supported", "the lens has none");
     // A pinhole is in focus everywhere, and nothing moves while the shutter is open.
-    p.ignore({"focus_distance", "shutter_open", "shutter_close"});
-    if (p.type() == "perspective") p.finish(findings_);
+    if (!thin) p.ignore({"focus_distance"});
+    p.ignore({"shutter_open", "shutter_close"});
+    if (known) p.finish(findings_);
+    scene_.film.filter = gaussian(0.5);  // Mitsuba's default
     const Element *film_place = nullptr, *sampler_place = nullptr;
     for (const auto& child : p.children()) {
       if (child.object->tag == "film") {
@@ -196,6 +213,27 @@ class Loader {
                       "it is left out");
       }
     }
+  }
+
+  // A lens without an aperture is a pinhole.
+  void aperture(Properties& p) {
+    Camera& camera = scene_.camera;
+    if (!p.has("aperture_radius"))
+      fail(p.object(), fmt::format("{} has no apertureRadius", describe(p.object())));
+    camera.aperture_radius = p.number("aperture_radius", 0);
+    if (camera.aperture_radius < 0)
+      fail(p.element("aperture_radius"),
+           fmt::format("apertureRadius is {}, expected at least 0", camera.aperture_radius));
+    constexpr double kFarClip = 10000;  // Mitsuba's
+    camera.focus_distance =
+        p.number("focus_distance", std::isinf(camera.far_clip) ? kFarClip : camera.far_clip);
+    if (!(camera.focus_distance > 0))
+      fail(p.element("focus_distance"),
+           fmt::format("focusDistance is {}, expected more than 0", camera.focus_distance));
+    if (camera.aperture_radius > 0)
+      camera.kind = CameraKind::kThinLens;
+    else
+      camera.focus_distance = 0;
   }
 
   void field_of_view(Properties& p) {
@@ -244,15 +282,9 @@ class Loader {
     for (const auto& [name, value] : {std::pair("width", width), std::pair("height", height)})
       if (value < 1 || value > kMaxFilm)
         fail(p.element(name), fmt::format("{} is {}, expected 1 to {}", name, value, kMaxFilm));
-    if (p.integer("crop_offset_x", 0) != 0 || p.integer("crop_offset_y", 0) != 0 ||
-        p.integer("crop_width", width) != width || p.integer("crop_height", height) != height) {
-      for (const char* name : {"crop_offset_x", "crop_offset_y", "crop_width", "crop_height"})
-        if (p.has(name))
-          findings_.add(p.element(name), "crop windows are not supported",
-                        "the whole film is rendered");
-    }
     scene_.film.width = static_cast<int>(width);
     scene_.film.height = static_cast<int>(height);
+    crop(p);
     // How pixels are stored, tone-mapped and labelled; they stay the same linear values.
     p.ignore({"file_format", "pixel_format", "component_format", "attach_log", "banner",
               "high_quality_edges", "sample_border", "compensate", "gamma", "exposure",
@@ -269,20 +301,72 @@ class Loader {
         continue;
       }
       once(*child.object, filter);
-      Properties f(document_, *child.object);
-      if (f.type() != "box") {
-        unknown_type(*child.object, "box", "a box filter stands for it");
-        continue;
-      }
-      if (f.number("radius", 0.5) != 0.5)
-        findings_.add(f.element("radius"),
-                      "a box filter of another radius than 0.5 is not supported",
-                      "the radius is 0.5");
-      f.finish(findings_);
-      no_children(f);
+      reconstruction_filter(*child.object);
     }
-    if (!filter && !matrix)
-      warn(e, "the film has no rfilter: a box filter is used, where Mitsuba would take a gaussian");
+    if (!filter && matrix) scene_.film.filter = Filter();
+  }
+
+  // A window of the film: left, top, width, height.
+  void crop(Properties& p) {
+    Film& film = scene_.film;
+    const auto part = [&](const char* offset, const char* size, int whole) {
+      const int64_t from = p.integer(offset, 0), pixels = p.integer(size, whole - from);
+      if (from < 0 || from >= whole)
+        fail(p.element(offset),
+             fmt::format("{} is {}, expected 0 to {}", p.element(offset)["name"], from, whole - 1));
+      if (pixels < 1 || pixels > whole - from)
+        fail(p.element(size), fmt::format("{} is {}, expected 1 to {}", p.element(size)["name"],
+                                          pixels, whole - from));
+      return std::pair(static_cast<int>(from), static_cast<int>(pixels));
+    };
+    const auto [left, width] = part("crop_offset_x", "crop_width", film.width);
+    const auto [top, height] = part("crop_offset_y", "crop_height", film.height);
+    if (width == film.width && height == film.height) return;
+    film.whole_width = film.width;
+    film.whole_height = film.height;
+    film.left = left;
+    film.top = top;
+    film.width = width;
+    film.height = height;
+  }
+
+  static Filter gaussian(double stddev) { return {FilterKind::kGaussian, 4 * stddev, stddev}; }
+
+  void reconstruction_filter(const Element& e) {
+    Properties p(document_, e);
+    // Wide enough for every sample to count somewhere; narrow enough for a film's memory.
+    constexpr double kNarrowest = 0.1, kWidest = 8;
+    const auto within = [&](const char* name, double value, double low, double high) {
+      if (!(value >= low && value <= high))
+        fail(p.element(name),
+             fmt::format("{} is {}, expected {} to {}", p.element(name)["name"], value, low, high));
+      return value;
+    };
+    const auto radius = [&](double otherwise) {
+      return within("radius", p.number("radius", otherwise), kNarrowest, kWidest);
+    };
+    Filter& f = scene_.film.filter;
+    if (p.type() == "box") {
+      f = {FilterKind::kBox, radius(0.5)};
+    } else if (p.type() == "tent") {
+      f = {FilterKind::kTent, radius(1)};
+    } else if (p.type() == "gaussian") {
+      f = gaussian(within("stddev", p.number("stddev", 0.5), kNarrowest / 4, kWidest / 4));
+    } else if (p.type() == "mitchell") {
+      const double b = within("b", p.number("b", 1.0 / 3), 0, 1);
+      f = {FilterKind::kMitchell, 2, 0, b, within("c", p.number("c", 1.0 / 3), 0, 1)};
+    } else if (p.type() == "catmullrom") {
+      f = {FilterKind::kMitchell, 2, 0, 0, 0.5};
+    } else if (p.type() == "lanczos") {
+      f = {FilterKind::kLanczos,
+           within("lobes", static_cast<double>(p.integer("lobes", 3)), 1, kWidest)};
+    } else {
+      unknown_type(e, "box, tent, gaussian, mitchell, catmullrom or lanczos",
+                   "a gaussian filter stands for it");
+      return;
+    }
+    p.finish(findings_);
+    no_children(p);
   }
 
   void sampler(const Element& e) {
@@ -295,7 +379,111 @@ class Loader {
     p.ignore_all();
   }
 
+  // What may stand where shapes do.
   void shape(const Element& e) {
+    const std::string type = lower(e["type"]);
+    if (type == "shapegroup") {
+      // A definition: its instances show it.
+      if (!e.find("id"))
+        fail(e, fmt::format("{} has no id, and no instance can show it", describe(e)));
+    } else if (type == "instance") {
+      instance(e);
+    } else if (type == "merge") {
+      merge(e);
+    } else if (auto s = single_shape(e)) {
+      scene_.shapes.push_back(std::move(*s));
+    }
+  }
+
+  // Shapes as if they stood outside.
+  void merge(const Element& e) {
+    Properties p(document_, e);
+    for (const auto& child : p.children()) {
+      if (child.object->tag != "shape" || is_one_of(*child.object, {"merge", "shapegroup"}))
+        findings_.add(*child.place,
+                      fmt::format("{} is not supported in {}, expected shapes",
+                                  describe(*child.object), describe(e)),
+                      "it is left out");
+      else
+        shape(*child.object);
+    }
+    p.finish(findings_);
+  }
+
+  static bool is_one_of(const Element& e, std::initializer_list<const char*> types) {
+    const std::string type = lower(e["type"]);
+    return std::any_of(types.begin(), types.end(), [&](const char* t) { return type == t; });
+  }
+
+  // A group's meshes stand in the scene once; what is round is copied to every instance.
+  struct Group {
+    int number = -1;  // of the meshes, in Shape::group; -1: there are none
+    std::vector<Shape> round;
+  };
+
+  void instance(const Element& e) {
+    Properties p(document_, e);
+    const Mat4 to_world = p.transform("to_world");
+    const Group* group = nullptr;
+    for (const auto& child : p.children()) {
+      if (child.object->tag != "shape" || !is_one_of(*child.object, {"shapegroup"}))
+        fail(*child.place, fmt::format("{} in {}, expected a reference to a shapegroup",
+                                       describe(*child.object), describe(e)));
+      if (group) fail(*child.place, fmt::format("{} has two groups, expected one", describe(e)));
+      group = &group_of(*child.object);
+    }
+    if (!group) fail(e, fmt::format("{} has no group, expected a reference to one", describe(e)));
+    p.finish(findings_);
+    if (group->number >= 0) scene_.instances.push_back({group->number, to_world});
+    for (Shape s : group->round) {
+      s.to_world = to_world * s.to_world;
+      if (s.kind != ShapeKind::kDisk && !scales_evenly(glm::dmat3(to_world)))
+        fail(p.element("to_world"),
+             "the instance's transform is uneven and its group has a sphere or cylinder, expected "
+             "equal scales and no shear");
+      scene_.shapes.push_back(std::move(s));
+    }
+  }
+
+  const Group& group_of(const Element& e) {
+    const auto [at, is_new] = groups_.try_emplace(&e);
+    Group& group = at->second;
+    if (!is_new) return group;
+    Properties p(document_, e);
+    for (const auto& child : p.children()) {
+      if (child.object->tag != "shape" ||
+          is_one_of(*child.object, {"instance", "shapegroup", "merge"})) {
+        findings_.add(*child.place,
+                      fmt::format("{} is not supported in {}, expected shapes",
+                                  describe(*child.object), describe(e)),
+                      "it is left out");
+        continue;
+      }
+      auto s = single_shape(*child.object);
+      if (!s) continue;
+      if (s->radiance) {
+        findings_.add(*child.object,
+                      fmt::format("{} emits and stands in {}, which is not supported",
+                                  describe(*child.object), describe(e)),
+                      "it does not emit");
+        s->radiance.reset();
+      }
+      if (s->mesh.triangles.empty()) {
+        group.round.push_back(std::move(*s));
+        continue;
+      }
+      if (group.number < 0) group.number = mesh_groups_++;
+      s->group = group.number;
+      scene_.shapes.push_back(std::move(*s));
+    }
+    p.finish(findings_);
+    if (group.number < 0 && group.round.empty())
+      fail(e, fmt::format("{} has no shapes", describe(e)));
+    return group;
+  }
+
+  // Nothing where the type is not supported.
+  std::optional<Shape> single_shape(const Element& e) {
     Properties p(document_, e);
     Shape s;
     s.id = e["id"];
@@ -310,13 +498,18 @@ class Loader {
       s.to_world = to_world;
     } else if (p.type() == "sphere") {
       sphere(p, s, to_world);
-    } else if (p.type() == "obj" || p.type() == "ply") {
+    } else if (p.type() == "cylinder") {
+      cylinder(p, s, to_world);
+    } else if (p.type() == "obj" || p.type() == "ply" || p.type() == "serialized") {
       mesh(p, s, to_world);
     } else {
-      unknown_type(e, "rectangle, cube, sphere, disk, obj or ply", "it is left out");
+      unknown_type(e,
+                   "rectangle, cube, sphere, disk, cylinder, obj, ply, serialized, shapegroup, "
+                   "instance or merge",
+                   "it is left out");
       for (const auto& child : p.children())
         if (child.object->tag == "bsdf") materials_.bsdf(*child.object);
-      return;
+      return std::nullopt;
     }
     p.finish(findings_);
 
@@ -358,7 +551,7 @@ class Loader {
     s.bsdf = sides->front;
     s.back_bsdf = sides->back;
     needs_coordinates(e, s);
-    scene_.shapes.push_back(std::move(s));
+    return s;
   }
 
   // A texture on a mesh without coordinates, or of colors that it does not have, shows nothing.
@@ -380,6 +573,8 @@ class Loader {
       if (index < 0) return;
       const Bsdf& b = scene_.bsdfs[static_cast<size_t>(index)];
       for (const int t : b.texture) check(t);
+      check(b.normal_map);
+      check(b.bump_map);
       for (const int part : b.parts) again(again, part);
     };
     look(look, s.bsdf);
@@ -397,38 +592,66 @@ class Loader {
       fail(p.element("radius"), fmt::format("radius is {}, expected more than 0", radius));
     s.to_world = to_world * Mat4(glm::dvec4(radius, 0, 0, 0), glm::dvec4(0, radius, 0, 0),
                                  glm::dvec4(0, 0, radius, 0), glm::dvec4(center, 1));
-    // Rotations and uniform scales, up to the rounding of a matrix written with six digits.
-    const glm::dmat3 m(s.to_world);
+    if (!scales_evenly(glm::dmat3(s.to_world)))
+      fail(p.element("to_world"),
+           "the sphere's transform makes an ellipsoid, expected equal scales and no shear");
+  }
+
+  // Rotations, reflections and uniform scales, up to the rounding of a matrix written with six
+  // digits.
+  static bool scales_evenly(const glm::dmat3& m) {
     const double size = glm::dot(m[0], m[0]);
     for (int i = 0; i < 3; ++i)
       for (int j = 0; j < 3; ++j)
-        if (std::fabs(glm::dot(m[i], m[j]) - (i == j ? size : 0)) > 1e-5 * size)
-          fail(p.element("to_world"),
-               "the sphere's transform makes an ellipsoid, expected equal scales and no shear");
+        if (std::fabs(glm::dot(m[i], m[j]) - (i == j ? size : 0)) > 1e-5 * size) return false;
+    return true;
+  }
+
+  static void cylinder(Properties& p, Shape& s, const Mat4& to_world) {
+    s.kind = ShapeKind::kCylinder;
+    const Vec3 from = p.vector("p0", Vec3(0)), to = p.vector("p1", Vec3(0, 0, 1));
+    const double radius = p.number("radius", 1);
+    if (!(radius > 0))
+      fail(p.element("radius"), fmt::format("radius is {}, expected more than 0", radius));
+    const Vec3 axis = to - from;
+    if (!(max_component(glm::abs(axis)) > 0))
+      fail(p.element("p1"), "p0 and p1 are the same point, expected two");
+    if (!scales_evenly(glm::dmat3(to_world)))
+      fail(p.element("to_world"),
+           "the cylinder's transform is uneven, expected equal scales and no shear");
+    const Vec3 z = unit(p.element("p1"), axis);
+    // Mitsuba 0.6's axes across.
+    const Vec3 y = std::fabs(z.x) > std::fabs(z.y)
+                       ? Vec3(z.z, 0, -z.x) / std::sqrt(z.x * z.x + z.z * z.z)
+                       : Vec3(0, z.z, -z.y) / std::sqrt(z.y * z.y + z.z * z.z);
+    s.to_world =
+        to_world * Mat4(glm::dvec4(glm::cross(y, z) * radius, 0), glm::dvec4(y * radius, 0),
+                        glm::dvec4(axis, 0), glm::dvec4(from, 1));
   }
 
   void mesh(Properties& p, Shape& s, const Mat4& to_world) {
     s.kind = ShapeKind::kMesh;
     if (!p.has("filename"))
       fail(p.object(), fmt::format("{} has no filename", describe(p.object())));
-    const std::string file = document_.find_file(p.element("filename"), p.text("filename", ""));
+    const std::string name = p.text("filename", "");
     const bool faceted = p.boolean("face_normals", false);
     if (p.number("max_smooth_angle", 0) != 0)
       findings_.add(p.element("max_smooth_angle"), "maxSmoothAngle is not supported",
                     "all edges are smooth");
-    if (p.has("shape_index") && p.integer("shape_index", -1) != -1)
-      findings_.add(p.element("shape_index"), "shapeIndex is not supported",
+    const bool is_obj = p.type() == "obj", is_serialized = p.type() == "serialized";
+    const int64_t index = p.integer("shape_index", is_serialized ? 0 : -1);
+    if (!is_serialized && index != -1)
+      findings_.add(p.element("shape_index"), "shapeIndex is not supported here",
                     "all shapes of the file are read");
     const bool load_materials = p.boolean("load_materials", true);
-    const bool is_obj = p.type() == "obj";
     // 0.6 takes vertex colors for sRGB, 3.x for linear.
     const bool srgb = p.boolean("srgb", !document_.new_dialect);
     const bool flip = p.boolean("flip_tex_coords", is_obj);
     p.ignore({"collapse"});
-    MeshFile read = is_obj ? read_obj(file) : read_ply_mesh(file);
+    MeshFile read = taken_mesh(p.type(), document_.find_file(p.element("filename"), name), index);
     if (flip)
       for (Vec2& uv : read.mesh.uvs) uv.y = 1 - uv.y;
-    if (srgb)
+    if (srgb && !is_serialized)
       for (Rgb& c : read.mesh.colors)
         for (int i = 0; i < 3; ++i) c[i] = srgb_to_linear(c[i]);
     if (read.names_materials && load_materials && !document_.new_dialect &&
@@ -440,12 +663,77 @@ class Loader {
                                 describe(p.object())),
                     "a diffuse BSDF stands for them");
     s.mesh = std::move(read.mesh);
-    place_mesh(s.mesh, {to_world, s.flip_normals, false, faceted}, place(p.object()));
+    place_mesh(s.mesh, {to_world, s.flip_normals, false, faceted || read.faceted},
+               place(p.object()));
+  }
+
+  // Meshes by type, file and number, read at once, in parallel. An error waits for whoever asks for
+  // the mesh, so that messages come in the file's order.
+  struct WaitingMesh {
+    MeshFile mesh;
+    std::exception_ptr error;
+    size_t users = 0;
+  };
+  using MeshKey = std::tuple<std::string, std::string, int64_t>;
+
+  static MeshFile read_mesh(const MeshKey& key) {
+    const auto& [type, file, index] = key;
+    return type == "obj"          ? read_obj(file)
+           : type == "serialized" ? read_serialized(file, index)
+                                  : read_ply_mesh(file);
+  }
+
+  void read_meshes() {
+    find_meshes(*document_.root);
+    std::vector<std::pair<const MeshKey, WaitingMesh>*> all;
+    for (auto& entry : meshes_) all.push_back(&entry);
+    tbb::parallel_for(size_t{0}, all.size(), [&](size_t i) {
+      try {
+        all[i]->second.mesh = read_mesh(all[i]->first);
+      } catch (...) {
+        all[i]->second.error = std::current_exception();
+      }
+    });
+  }
+
+  // What looks like a mesh with a file that exists; the rest is said where the shape is read.
+  void find_meshes(const Element& e) {
+    for (const auto& child : e.children) find_meshes(*child);
+    const std::string type = lower(e["type"]);
+    if (e.tag != "shape" || !is_one_of(e, {"obj", "ply", "serialized"})) return;
+    const Element* file = nullptr;
+    int64_t index = type == "serialized" ? 0 : -1;
+    for (const auto& child : e.children) {
+      const std::string name = canonical_name((*child)["name"]);
+      if (name == "filename") file = child.get();
+      if (name == "shape_index" && type == "serialized")
+        index = parse_integer((*child)["value"]).value_or(0);
+    }
+    if (!file) return;
+    try {
+      ++meshes_[{type, document_.find_file(*file, (*file)["value"]), index}].users;
+    } catch (const SceneError&) {
+    }
+  }
+
+  MeshFile taken_mesh(const std::string& type, const std::string& file, int64_t index) {
+    const MeshKey key(type, file, type == "serialized" ? index : -1);
+    const auto at = meshes_.find(key);
+    if (at == meshes_.end()) return read_mesh(key);
+    WaitingMesh& waiting = at->second;
+    if (waiting.error) std::rethrow_exception(waiting.error);
+    if (waiting.users > 1) {
+      --waiting.users;
+      return waiting.mesh;
+    }
+    MeshFile mesh = std::move(waiting.mesh);
+    meshes_.erase(at);
+    return mesh;
   }
 
   // With a texture in `texture`, its factor.
   Rgb emitted(Properties& p, const std::string& name, int& texture) {
-    const Rgb value = materials_.textured(p, name, Rgb(1), texture);
+    const Rgb value = materials_.textured(p, name, Rgb(1), texture, SpectrumOf::kLight);
     if (p.number("sampling_weight", 1) < 0)
       fail(p.element("sampling_weight"), "samplingWeight is negative");
     const double shown =
@@ -510,11 +798,21 @@ class Loader {
       p.ignore_all();
       add_environment(e, l);
       return;
+    } else if (p.type() == "collimated") {
+      // No path meets a beam without width.
+      constexpr double kDegrees = 0.5;
+      unknown_type(e, "point, spot, directional, constant, envmap, or area in a shape",
+                   "a spot of its power with a cutoff of half a degree stands for it");
+      l.kind = LightKind::kSpot;
+      key = "power";
+      l.cutoff_angle = l.beam_angle = kDegrees * kPi / 180;
+      l.cutoff_cos = l.beam_cos = cos_sin_turns(kDegrees / 360).x;
     } else {
       unknown_type(e, "point, spot, directional, constant, envmap, or area in a shape",
                    "it is left out");
       return;
     }
+    const bool beam = p.type() == "collimated";
     const Mat4 to_world = p.transform("to_world");
     if (p.has("to_world") || l.kind == LightKind::kSpot) {
       l.position = Vec3(to_world[3]);
@@ -523,6 +821,7 @@ class Loader {
     if (l.kind == LightKind::kDirectional && p.has("direction"))
       l.direction = unit(p.element("direction"), p.vector("direction", Vec3(0)));
     l.intensity = color_emitted(p, key);
+    if (beam) l.intensity /= 2 * kPi * (1 - l.cutoff_cos);
     p.finish(findings_);
     no_children(p);
     scene_.lights.push_back(l);
@@ -549,13 +848,9 @@ class Loader {
       if (!(l.intensity.x >= 0))
         fail(p.element("scale"), fmt::format("scale is {}, expected at least 0", l.intensity.x));
       l.to_world = p.transform("to_world");
-      const glm::dmat3 m(l.to_world);
-      const double size = glm::dot(m[0], m[0]);
-      for (int i = 0; i < 3; ++i)
-        for (int j = 0; j < 3; ++j)
-          if (std::fabs(glm::dot(m[i], m[j]) - (i == j ? size : 0)) > 1e-5 * size)
-            fail(p.element("to_world"),
-                 "the environment's transform shears, expected rotations and reflections only");
+      if (!scales_evenly(glm::dmat3(l.to_world)))
+        fail(p.element("to_world"),
+             "the environment's transform shears, expected rotations and reflections only");
       if (p.number("sampling_weight", 1) < 0)
         fail(p.element("sampling_weight"), "samplingWeight is negative");
       const bool black =
@@ -596,6 +891,9 @@ class Loader {
   Scene scene_;
   Findings findings_;
   BsdfReader materials_;
+  std::map<const Element*, Group> groups_;
+  std::map<MeshKey, WaitingMesh> meshes_;
+  int mesh_groups_ = 0;
   const Element *integrator_ = nullptr, *sensor_ = nullptr, *environment_ = nullptr;
   int black_ = -1, grey_ = -1;
   bool has_light_ = false;

@@ -14,14 +14,7 @@
 #include "golden/scene/text.hpp"
 
 namespace photonloom {
-namespace {
-
-bool is_finite(const Vec3& v) {
-  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
-}
-
-// No area that rounding of the vertices could not have made: |cross| within the error of a cross
-// product of edges whose ends are rounded coordinates.
+// |cross| within the error of a cross product of edges whose ends are rounded coordinates.
 bool no_area(const Vec3& a, const Vec3& b, const Vec3& c) {
   const Vec3 u = b - a, v = c - a;
   const double edge = std::sqrt(std::max(glm::dot(u, u), glm::dot(v, v)));
@@ -29,6 +22,12 @@ bool no_area(const Vec3& a, const Vec3& b, const Vec3& c) {
       max_component(glm::max(glm::max(glm::abs(a), glm::abs(b)), glm::abs(c)));
   const double error = 8 * std::numeric_limits<double>::epsilon() * coordinate * edge;
   return !(glm::length(glm::cross(u, v)) > error);
+}
+
+namespace {
+
+bool is_finite(const Vec3& v) {
+  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
 
 // Splits a polygon into a fan. A corner that lies on an edge of a larger polygon gives a triangle
@@ -326,6 +325,13 @@ void add_smooth_normals(Mesh& mesh) {
   }
 }
 
+Vec3 carried_normal(const glm::dmat3& inverse_transpose, const Vec3& normal) {
+  Vec3 n = inverse_transpose * normal;
+  // Scaled by the largest component first: lengths must neither underflow nor overflow.
+  n /= max_component(glm::abs(n));
+  return n / glm::length(n);
+}
+
 void place_mesh(Mesh& mesh, const MeshPlacement& placement, const std::string& what) {
   const glm::dmat3 linear(placement.to_world);
   for (Vec3& p : mesh.positions) {
@@ -336,11 +342,7 @@ void place_mesh(Mesh& mesh, const MeshPlacement& placement, const std::string& w
   if (placement.faceted) mesh.normals.clear();
   const glm::dmat3 inverse_transpose = glm::transpose(glm::inverse(linear));
   for (Vec3& n : mesh.normals) {
-    if (n == Vec3(0)) continue;
-    n = inverse_transpose * n;
-    // Scaled by the largest component first: lengths must neither underflow nor overflow.
-    n /= max_component(glm::abs(n));
-    n /= glm::length(n);
+    if (n != Vec3(0)) n = carried_normal(inverse_transpose, n);
   }
   const bool mirrored = glm::determinant(linear) < 0;
   const auto turn_round = [&](size_t i) {

@@ -16,6 +16,7 @@ Mesh cube_mesh();
 struct MeshFile {
   Mesh mesh;                     // normals: empty, or one per vertex, zero where the file has none
   bool names_materials = false;  // OBJ with usemtl
+  bool faceted = false;          // a serialized mesh that says so
 };
 
 // Polygons are split into fans. Throw SceneError with file and line (PLY: face number) on anything
@@ -38,6 +39,12 @@ struct MeshPlacement {
   bool faceted = false;  // no vertex normals
 };
 void place_mesh(Mesh& mesh, const MeshPlacement& placement, const std::string& what);
+
+// A unit normal through the inverse transpose of a transform, a unit vector again.
+Vec3 carried_normal(const glm::dmat3& inverse_transpose, const Vec3& normal);
+
+// No area that rounding of the vertices could not have made.
+bool no_area(const Vec3& a, const Vec3& b, const Vec3& c);
 
 // Angle-weighted vertex normals (Thuermer and Wuethrich 1998) where there are none or zero ones.
 void add_smooth_normals(Mesh& mesh);

@@ -22,12 +22,6 @@ bool is_property(const std::string& tag) {
          std::end(kPropertyTags);
 }
 
-std::string lower(std::string text) {
-  for (char& c : text)
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  return text;
-}
-
 void check_attributes(const Element& element, std::initializer_list<const char*> names) {
   for (const auto& [name, value] : element.attributes)
     if (std::find_if(names.begin(), names.end(),
@@ -268,9 +262,94 @@ Vec3 Properties::vector(const std::string& name, const Vec3& otherwise) {
   return xyz(*e, 0, false, false);
 }
 
-Rgb Properties::color(const std::string& name, const Rgb& otherwise) {
-  const Element* e = take(name, {"rgb", "spectrum", "srgb", "float"});
+namespace {
+
+double kelvins(const Element& e, std::optional<double> kelvin, const std::string& text) {
+  constexpr double kHottest = 1e9;
+  if (!kelvin || !(*kelvin > 0 && *kelvin <= kHottest))
+    fail(e, fmt::format("temperature of {} is '{}', expected kelvins like 5000K, at most {:g}",
+                        describe(e), text, kHottest));
+  return *kelvin;
+}
+
+// temperature="5000K", scale="1".
+Rgb blackbody(const Element& e) {
+  check_attributes(e, {"name", "temperature", "scale"});
+  std::string text = e["temperature"];
+  if (text.ends_with('K') || text.ends_with('k')) text.pop_back();
+  const double kelvin = kelvins(e, parse_double(text), e["temperature"]);
+  const double scale = e.find("scale") ? finite(e, e["scale"], "scale") : 1;
+  if (scale < 0) fail(e, fmt::format("scale of {} is negative, expected at least 0", describe(e)));
+  return blackbody_color(kelvin, scale);
+}
+
+}  // namespace
+
+// The spectrum plugins of 3.x: <spectrum type="blackbody"> and the like.
+Rgb Properties::spectrum_plugin(const Element& e, SpectrumOf of) const {
+  Properties p(document_, e);
+  const std::string place = fmt::format("{}:{}", *e.file, e.line);
+  Rgb c(0);
+  if (p.type() == "blackbody") {
+    const double kelvin = p.number("temperature", 5000);
+    c = blackbody_color(kelvins(e, kelvin, fmt::format("{}", kelvin)), 1);
+  } else if (p.type() == "uniform") {
+    c = Rgb(p.number("value", 1));
+  } else if (p.type() == "d65") {
+    c = Rgb(p.number("scale", 1));  // white
+  } else if (p.type() == "rgb" || p.type() == "srgb") {
+    c = p.color("color", Rgb(0.5));
+  } else if (p.type() == "regular" || p.type() == "irregular") {
+    const std::string texts[] = {p.text("wavelengths", ""), p.text("values", "")};
+    const auto values = split(texts[1], ", \t\r\n");
+    std::vector<std::string> points;
+    if (p.type() == "irregular") {
+      for (const auto word : split(texts[0], ", \t\r\n")) points.emplace_back(word);
+    } else {
+      const double first = p.number("wavelength_min", 360), last = p.number("wavelength_max", 830);
+      const double steps = std::max<double>(1, static_cast<double>(values.size()) - 1);
+      for (size_t i = 0; i < values.size(); ++i)
+        points.push_back(
+            fmt::format("{}", first + (last - first) * static_cast<double>(i) / steps));
+    }
+    if (points.size() != values.size() || values.empty())
+      fail(e, fmt::format("{} has {} wavelengths and {} values, expected as many of one as of the "
+                          "other, at least one",
+                          describe(e), points.size(), values.size()));
+    std::string list;
+    for (size_t i = 0; i < points.size(); ++i) list += fmt::format("{}:{} ", points[i], values[i]);
+    c = spectrum_color(parse_spectrum(list, place), of);
+  } else {
+    fail(e,
+         fmt::format("{} is unknown, expected type blackbody, uniform, d65, rgb, srgb, regular or "
+                     "irregular",
+                     describe(e)));
+  }
+  for (int i = 0; i < 3; ++i)
+    if (c[i] < 0) fail(e, fmt::format("{} is negative, expected at least 0", describe(e)));
+  for (const Property& property : p.properties_)
+    if (!property.used)
+      fail(*property.element,
+           fmt::format("{} has no place in {}", describe(*property.element), describe(e)));
+  return c;
+}
+
+Rgb Properties::color(const std::string& name, const Rgb& otherwise, SpectrumOf of) {
+  const Element* e = take(name, {"rgb", "spectrum", "srgb", "float", "blackbody"});
   if (!e) return otherwise;
+  if (e->tag == "blackbody") return blackbody(*e);
+  if (e->tag == "spectrum" && e->find("type")) return spectrum_plugin(*e, of);
+  if (e->tag == "spectrum" &&
+      (e->find("filename") || (*e)["value"].find(':') != std::string::npos)) {
+    check_attributes(*e, {"name", "value", "filename", "intent"});
+    if (e->find("filename") && e->find("value"))
+      fail(*e, fmt::format("{} has both filename and value, expected one", describe(*e)));
+    return spectrum_color(
+        e->find("filename")
+            ? read_spd(document_.find_file(*e, (*e)["filename"]))
+            : parse_spectrum((*e)["value"], fmt::format("{}:{}", *e->file, e->line)),
+        of);
+  }
   check_attributes(*e, {"name", "value", "intent"});
   const auto words = split((*e)["value"], ", \t\r\n");
   Rgb c;
@@ -287,11 +366,6 @@ Rgb Properties::color(const std::string& name, const Rgb& otherwise) {
     }
     for (int i = 0; i < 3; ++i) c[i] = value[i] / 255.0;
   } else {
-    if (e->tag == "spectrum" &&
-        (e->find("filename") || (*e)["value"].find(':') != std::string::npos))
-      fail(*e, fmt::format("{} with wavelengths is not supported, expected one number or three "
-                           "(linear Rec.709)",
-                           describe(*e)));
     const std::vector<double> v = numbers(*e, "value");
     if (v.size() == 1) {
       c = Rgb(v[0]);

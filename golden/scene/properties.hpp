@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "golden/scene/findings.hpp"
+#include "golden/scene/spectrum.hpp"
 #include "golden/scene/xml.hpp"
 
 namespace photonloom {
@@ -36,11 +37,12 @@ class Properties {
   bool boolean(const std::string& name, bool otherwise);
   std::string text(const std::string& name, const std::string& otherwise);
   Vec3 vector(const std::string& name, const Vec3& otherwise);
-  Rgb color(const std::string& name, const Rgb& otherwise);  // components >= 0
-  Mat4 transform(const std::string& name);                   // identity where not given
-  bool is_text(const std::string& name) const;               // given as <string>
-  void ignore(std::initializer_list<const char*> names);     // known not to touch the image
-  void ignore_labels();  // label[x, y], metadata['key'] of a film
+  // Components >= 0; `of` tells what a spectrum becomes.
+  Rgb color(const std::string& name, const Rgb& otherwise, SpectrumOf of = SpectrumOf::kSurface);
+  Mat4 transform(const std::string& name);                // identity where not given
+  bool is_text(const std::string& name) const;            // given as <string>
+  void ignore(std::initializer_list<const char*> names);  // known not to touch the image
+  void ignore_labels();                                   // label[x, y], metadata['key'] of a film
   void ignore_all();
 
   // Children that are objects (bsdf, emitter, film, ...), references resolved. Each must be taken
@@ -68,6 +70,7 @@ class Properties {
     bool used = false;
   };
   const Property* find(const std::string& name) const;
+  Rgb spectrum_plugin(const Element& e, SpectrumOf of) const;
   const Element* take(const std::string& name, std::initializer_list<const char*> tags);
 
   const Document& document_;

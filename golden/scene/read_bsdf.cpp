@@ -12,9 +12,9 @@
 namespace photonloom {
 namespace {
 
-constexpr const char* kTypes =
+constexpr const char* kBsdfTypes =
     "diffuse, phong, conductor, roughconductor, dielectric, roughdielectric, thindielectric, "
-    "plastic, roughplastic, mask, null, blendbsdf, mixturebsdf or twosided";
+    "plastic, roughplastic, mask, null, blendbsdf, mixturebsdf, bumpmap, normalmap or twosided";
 
 std::string suffix(const std::string& id, const char* side) { return id.empty() ? id : id + side; }
 
@@ -60,9 +60,10 @@ bool BsdfReader::lets_light_pass(int index) const {
                      [&](int part) { return lets_light_pass(part); });
 }
 
-Rgb BsdfReader::textured(Properties& p, const std::string& name, const Rgb& otherwise, int& index) {
+Rgb BsdfReader::textured(Properties& p, const std::string& name, const Rgb& otherwise, int& index,
+                         SpectrumOf of) {
   const Properties::Child* child = p.object_of(name);
-  if (!child) return p.color(name, otherwise);
+  if (!child) return p.color(name, otherwise, of);
   if (child->object->tag != "texture") {
     findings_.add(*child->place,
                   fmt::format("{} is not supported as {} of {}, expected a color or a texture",
@@ -116,6 +117,8 @@ Sides BsdfReader::bsdf(const Element& e, int level) {
     sides = mask(p, level);
   } else if (type == "blendbsdf" || type == "mixturebsdf") {
     sides = mixture(p, level);
+  } else if (type == "bumpmap" || type == "normalmap") {
+    sides = normals(p, level);
   } else {
     Bsdf b;
     b.id = e["id"];
@@ -158,13 +161,39 @@ Sides BsdfReader::bsdf(const Element& e, int level) {
 Sides BsdfReader::substitute(Properties& p, int level) {
   const Element& e = p.object();
   const std::string refusal =
-      fmt::format("{} is not supported, expected type {}", describe(e), kTypes);
+      fmt::format("{} is not supported, expected type {}", describe(e), kBsdfTypes);
+  const bool coating = p.type() == "coating", rough_coating = p.type() == "roughcoating";
   for (const auto& child : p.children())
     if (child.object->tag == "bsdf") {
-      findings_.add(e, refusal, "the BSDF inside of it stands for it");
+      Sides inside = bsdf(*child.object, level + 1);
+      Bsdf b;
+      if (inside.front >= 0) b = scene_.bsdfs[static_cast<size_t>(inside.front)];
+      const bool coats = (coating || rough_coating) && inside.front >= 0;
+      if (coats) b.ior = ior(p, "int_ior", "bk7") / ior(p, "ext_ior", "air");
+      if (!coats || b.kind != BsdfKind::kDiffuse || !(b.ior > 1)) {
+        findings_.add(e, refusal, "the BSDF inside of it stands for it");
+        p.ignore_all();
+        return inside;
+      }
+      b.id = e["id"];
+      b.kind = coating ? BsdfKind::kPlastic : BsdfKind::kRoughPlastic;
+      b.specular = value(p, b, Slot::kSpecular, "specular_reflectance", Rgb(1));
+      if (rough_coating) roughness(p, b);
+      if (const int t = b.textured(Slot::kAlphaU); t >= 0)
+        b.alpha_u *= luminance(texture_mean(scene_.textures[static_cast<size_t>(t)]));
+      b.alpha_v = b.alpha_u = std::max(1e-4, b.alpha_u);
+      for (const Slot slot : {Slot::kAlphaU, Slot::kAlphaV})
+        b.texture[static_cast<size_t>(slot)] = -1;
       p.ignore_all();
-      return bsdf(*child.object, level + 1);
+      findings_.add(e, refusal,
+                    coating ? "a plastic of its color stands for it"
+                            : "a roughplastic of its color stands for it");
+      const bool both = inside.back == inside.front;
+      inside.front = add(b);
+      if (both) inside.back = inside.front;
+      return inside;
     }
+  if (p.type() == "principled") return like_principled(p, refusal);
   Bsdf b;
   b.id = e["id"];
   b.diffuse = Rgb(0.5);
@@ -179,6 +208,59 @@ Sides BsdfReader::substitute(Properties& p, int level) {
   findings_.add(e, refusal, "a diffuse BSDF stands for it");
   Sides sides;
   sides.front = sides.back = add(b);
+  return sides;
+}
+
+// Metal, glass and plastic in the shares of Mitsuba 3's principled BSDF.
+Sides BsdfReader::like_principled(Properties& p, const std::string& refusal) {
+  const auto mean_of = [&](const char* name, double otherwise) {
+    int t = -1;
+    const Rgb factor = textured(p, name, Rgb(otherwise), t);
+    return luminance(t < 0 ? factor
+                           : factor * texture_mean(scene_.textures[static_cast<size_t>(t)]));
+  };
+  const double roughness = mean_of("roughness", 0.5);
+  const double metallic = std::clamp(mean_of("metallic", 0), 0.0, 1.0);
+  const double glass = std::clamp(mean_of("spec_trans", 0), 0.0, 1.0) * (1 - metallic);
+  const double specular = std::clamp(mean_of("specular", 0.5), 0.0, 1.0);
+  const double eta = p.number("eta", 2 / (1 - std::sqrt(0.08 * specular)) - 1);
+  Bsdf base;
+  base.microfacets = Microfacets::kGgx;
+  base.alpha_u = base.alpha_v = std::clamp(roughness * roughness, 1e-3, 1.0);
+  base.ior = std::max(1.001, eta);
+  const Rgb color = value(p, base, Slot::kDiffuse, "base_color", Rgb(0.5));
+  const int map = base.textured(Slot::kDiffuse);
+  const double most = std::max(1.0, largest(base, Slot::kDiffuse, color));
+  base.texture[static_cast<size_t>(Slot::kDiffuse)] = -1;
+  const auto colored = [&](Bsdf& b, Rgb& member, Slot slot) {
+    member = color / most;
+    b.texture[static_cast<size_t>(slot)] = map;
+  };
+  Bsdf metal = base, clear = base, plastic = base;
+  metal.kind = BsdfKind::kRoughConductor;
+  colored(metal, metal.specular, Slot::kSpecular);
+  clear.kind = BsdfKind::kRoughDielectric;
+  clear.specular = Rgb(1);
+  colored(clear, clear.transmission, Slot::kTransmission);
+  plastic.kind = BsdfKind::kRoughPlastic;
+  plastic.specular = Rgb(1);
+  colored(plastic, plastic.diffuse, Slot::kDiffuse);
+  Bsdf mixture;
+  mixture.id = p.object()["id"];
+  mixture.kind = BsdfKind::kMixture;
+  const std::pair<double, Bsdf*> parts[] = {
+      {metallic, &metal}, {glass, &clear}, {1 - metallic - glass, &plastic}};
+  for (const auto& [share, part] : parts) {
+    if (!(share > 0)) continue;
+    part->id = mixture.id;
+    mixture.shares.push_back(share);
+    mixture.parts.push_back(add(*part));
+  }
+  p.ignore_all();
+  findings_.add(p.object(), refusal,
+                "roughconductor, roughdielectric and roughplastic of its color stand for it");
+  Sides sides;
+  sides.front = sides.back = mixture.parts.size() == 1 ? mixture.parts[0] : add(mixture);
   return sides;
 }
 
@@ -409,6 +491,67 @@ Sides BsdfReader::mask(Properties& p, int level) {
   return sides;
 }
 
+// The BSDF inside with its shading normals turned by a texture.
+Sides BsdfReader::normals(Properties& p, int level) {
+  const bool bump = p.type() == "bumpmap";
+  const double scale = bump ? p.number("scale", 1) : 1;
+  std::optional<Sides> nested;
+  int map = -1;
+  for (const auto& child : p.children()) {
+    if (child.object->tag == "bsdf" && !nested) {
+      nested = bsdf(*child.object, level + 1);
+    } else if (child.object->tag == "texture" && map < 0) {
+      map = texture(*child.object);
+    } else {
+      findings_.add(*child.place,
+                    fmt::format("{} is not supported in {}, expected one bsdf and one texture",
+                                describe(*child.object), describe(p.object())),
+                    "it is left out");
+    }
+  }
+  if (!nested) fail(p.object(), fmt::format("{} has no BSDF, expected one", describe(p.object())));
+  if (map < 0)
+    fail(p.object(), fmt::format("{} has no texture, expected one", describe(p.object())));
+  if (scene_.textures[static_cast<size_t>(map)].kind == TextureKind::kVertexColor) {
+    findings_.add(
+        p.object(),
+        fmt::format("{} takes vertex colors, which is not supported, expected a bitmap or "
+                    "checkerboard",
+                    describe(p.object())),
+        "the BSDF inside of it stands for it");
+    return *nested;
+  }
+  if (scale != 1) {
+    Texture scaled = scene_.textures[static_cast<size_t>(map)];
+    scaled.scale *= scale;
+    scene_.textures.push_back(scaled);
+    map = static_cast<int>(scene_.textures.size()) - 1;
+  }
+  const auto turned = [&](int index, const char* side) {
+    if (index < 0) return index;
+    Bsdf b = scene_.bsdfs[static_cast<size_t>(index)];
+    if (turns_normals(index))
+      findings_.add(p.object(),
+                    fmt::format("{} has a bumpmap or normalmap inside, which is not supported",
+                                describe(p.object())),
+                    "the outer one stands for both");
+    b.id = suffix(p.object()["id"], side);
+    (bump ? b.bump_map : b.normal_map) = map;
+    (bump ? b.normal_map : b.bump_map) = -1;
+    return add(b);
+  };
+  Sides sides;
+  sides.front = turned(nested->front, "");
+  sides.back = nested->back == nested->front ? sides.front : turned(nested->back, ".back");
+  return sides;
+}
+
+bool BsdfReader::turns_normals(int index) const {
+  if (index < 0) return false;
+  const Bsdf& b = scene_.bsdfs[static_cast<size_t>(index)];
+  return b.normal_map >= 0 || b.bump_map >= 0;
+}
+
 Sides BsdfReader::mixture(Properties& p, int level) {
   Bsdf front;
   front.kind = BsdfKind::kMixture;
@@ -471,7 +614,15 @@ Sides BsdfReader::mixture(Properties& p, int level) {
       coat = &b;
     }
   };
-  for (const Sides& s : nested) look(look, s.front);
+  for (const Sides& s : nested) {
+    look(look, s.front);
+    if (turns_normals(s.front) || turns_normals(s.back))
+      findings_.add(p.object(),
+                    fmt::format("{} mixes BSDFs with bumpmap or normalmap, which is not supported, "
+                                "expected one around it",
+                                describe(p.object())),
+                    "the maps inside are left out");
+  }
   if (coat && bare) {
     findings_.add(p.object(),
                   fmt::format("{} mixes a plastic with a BSDF that has another coat or none, which "

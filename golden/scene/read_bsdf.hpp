@@ -29,7 +29,8 @@ class BsdfReader {
   // A bitmap of an element's property `filename`; the same file is held once.
   std::shared_ptr<const Bitmap> bitmap(Properties& p);
   // The value of a property that may be a texture; then `texture` is its index and the result 1.
-  Rgb textured(Properties& p, const std::string& name, const Rgb& otherwise, int& texture);
+  Rgb textured(Properties& p, const std::string& name, const Rgb& otherwise, int& texture,
+               SpectrumOf of = SpectrumOf::kSurface);
 
   int add(const Bsdf& bsdf);
   // Some light goes straight on through one of the sides, or reaches the other one.
@@ -52,7 +53,10 @@ class BsdfReader {
   Sides two_sided(Properties& p, int level);
   Sides mask(Properties& p, int level);
   Sides mixture(Properties& p, int level);
+  Sides normals(Properties& p, int level);
+  bool turns_normals(int index) const;
   Sides substitute(Properties& p, int level);
+  Sides like_principled(Properties& p, const std::string& refusal);
   Rgb color0or1(Properties& p, const char* name, const Rgb& otherwise);
 
   const Document& document_;

@@ -57,6 +57,9 @@ struct Bsdf {
   // two: the second's share is the texture, the first's the rest.
   std::vector<int> parts;
   std::vector<double> shares;
+  // Textures that turn the shading normal, indices into Scene::textures, -1: none: a normal in the
+  // frame of u and v, coded as 2 x - 1; a height in scene units.
+  int normal_map = -1, bump_map = -1;
   // Indices into Scene::textures by Slot; -1: none.
   std::array<int, static_cast<size_t>(Slot::kCount)> texture = {-1, -1, -1, -1, -1, -1, -1};
 
@@ -86,17 +89,26 @@ struct Mesh {
   std::vector<Rgb> colors;  // linear, per vertex, or none
 };
 
-// A shape is a mesh (rectangles and cubes are loaded as meshes too), a sphere or a disk.
+// A shape is a mesh (rectangles and cubes are loaded as meshes too), a sphere, a disk or a
+// cylinder.
 struct Shape {
   std::string id;
   ShapeKind kind = ShapeKind::kMesh;  // what the file said
-  Mesh mesh;                          // world space, for all but spheres and disks
-  Mat4 to_world{1};                   // sphere, disk: unit sphere / unit disk in z = 0, normal +z
+  int group = -1;                     // a mesh that only the instances of this group show
+  Mesh mesh;                          // world space (group: its own), for all but the round ones
+  Mat4 to_world{1};                   // sphere, disk: unit sphere / unit disk in z = 0, normal +z;
+                                      // cylinder: radius 1 around z, from z = 0 to 1, no caps
   bool flip_normals = false;          // already applied to mesh triangles' winding and normals
   int bsdf = -1;                      // index into Scene::bsdfs; what the front sees
   int back_bsdf = -1;                 // what the back sees, a dielectric's is its own; -1: black
   std::optional<Rgb> radiance;        // area emitter, W/(m^2 sr), from the normal side
   int radiance_texture = -1;          // its factor, index into Scene::textures
+};
+
+// The shapes of a group once more: its front sides are the images of the group's.
+struct Instance {
+  int group = 0;
+  Mat4 to_world{1};
 };
 
 enum class LightKind { kPoint, kSpot, kDirectional, kEnvironment };
@@ -117,13 +129,30 @@ struct Light {
 
 enum class FovAxis { kX, kY, kDiagonal, kSmaller, kLarger };
 
+enum class CameraKind { kPerspective, kThinLens, kOrthographic };
+
 // Looks along +z of to_world, +y up, +x to the image's left.
 struct Camera {
+  CameraKind kind = CameraKind::kPerspective;
   Mat4 to_world{1};
+  double aperture_radius = 0, focus_distance = 0;  // thin lens, along +z
+  // The image moves right and down by these parts of its width and height.
+  double offset_x = 0, offset_y = 0;
   double fov = 50;  // degrees, along fov_axis
   FovAxis fov_axis = FovAxis::kX;
   double near_clip = 0;  // along +z; 0 and infinity when not given
   double far_clip = std::numeric_limits<double>::infinity();
+};
+
+enum class FilterKind { kBox, kTent, kGaussian, kMitchell, kLanczos };
+
+// A reconstruction filter f(x) f(y); docs/frame.md has the formulas.
+struct Filter {
+  FilterKind kind = FilterKind::kBox;
+  double radius = 0.5;  // pixels; beyond it f is 0
+  double stddev = 0;    // gaussian
+  double b = 0, c = 0;  // mitchell
+  bool is_plain_box() const { return kind == FilterKind::kBox && radius == 0.5; }
 };
 
 struct Film {
@@ -131,6 +160,23 @@ struct Film {
   // Not 0: the film holds one pixel, drawn by lot, of each of width x height equal parts of a frame
   // of this size, as wide as the frame's are. What is measured on it has the frame's expectation.
   int frame_width = 0, frame_height = 0;
+  // Not 0: the film is a window of a film of this size, with so many pixels left and above of it.
+  // Parts of pixels where the window was resized.
+  double whole_width = 0, whole_height = 0, left = 0, top = 0;
+  Filter filter = {};
+
+  bool is_window() const { return whole_width > 0; }
+  // The same view in other pixels.
+  void resize(int new_width, int new_height) {
+    const double x = static_cast<double>(new_width) / width;
+    const double y = static_cast<double>(new_height) / height;
+    whole_width *= x;
+    left *= x;
+    whole_height *= y;
+    top *= y;
+    width = new_width;
+    height = new_height;
+  }
 };
 
 struct Scene {
@@ -144,6 +190,7 @@ struct Scene {
   std::vector<Texture> textures;
   std::vector<Bsdf> bsdfs;
   std::vector<Shape> shapes;
+  std::vector<Instance> instances;
   std::vector<Light> lights;
   std::vector<std::string> warnings;  // with file and line
   // What is not supported and what stands for it, with file and line; only where asked for.

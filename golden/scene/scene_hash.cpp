@@ -40,6 +40,23 @@ uint64_t scene_hash(const Scene& scene) {
   h.add(scene.camera.far_clip);
   h.add(scene.film.width);
   h.add(scene.film.height);
+  // What the cameras and films of most scenes do not have adds nothing to the hash.
+  const Camera& camera = scene.camera;
+  if (camera.kind != CameraKind::kPerspective) {
+    h.add(camera.kind);
+    h.add(camera.aperture_radius);
+    h.add(camera.focus_distance);
+  }
+  if (camera.offset_x != 0 || camera.offset_y != 0)
+    h.add(Vec3(camera.offset_x, camera.offset_y, 0));
+  const Film& film = scene.film;
+  if (film.is_window())
+    for (const double x : {film.whole_width, film.whole_height, film.left, film.top}) h.add(x);
+  if (!film.filter.is_plain_box()) {
+    h.add(film.filter.kind);
+    for (const double x : {film.filter.radius, film.filter.stddev, film.filter.b, film.filter.c})
+      h.add(x);
+  }
   h.add(scene.max_depth);
   h.add(scene.rr_depth);
   // What scenes without textures, roughness and environments do not have adds nothing to the hash.
@@ -80,6 +97,11 @@ uint64_t scene_hash(const Scene& scene) {
       for (const int part : b.parts) again(again, part);
     }
     if (b.opacity != 1) h.add(b.opacity);
+    for (const auto& [which, map] : {std::pair(1, b.normal_map), std::pair(2, b.bump_map)}) {
+      if (map < 0) continue;
+      h.add(which);
+      add_texture(map);
+    }
     for (size_t slot = 0; slot < b.texture.size(); ++slot) {
       if (b.texture[slot] < 0) continue;
       h.add(static_cast<uint64_t>(slot));
@@ -88,8 +110,10 @@ uint64_t scene_hash(const Scene& scene) {
   };
   h.add(static_cast<uint64_t>(scene.shapes.size()));
   for (const Shape& s : scene.shapes) {
-    const bool is_mesh = s.kind != ShapeKind::kSphere && s.kind != ShapeKind::kDisk;
+    const bool is_mesh = s.kind != ShapeKind::kSphere && s.kind != ShapeKind::kDisk &&
+                         s.kind != ShapeKind::kCylinder;
     h.add(is_mesh ? ShapeKind::kMesh : s.kind);
+    if (s.group >= 0) h.add(s.group);
     h.add(s.to_world);
     if (!is_mesh) h.add(static_cast<int>(s.flip_normals));  // in a mesh it is applied
     h.add(static_cast<uint64_t>(s.mesh.positions.size()));
@@ -108,6 +132,10 @@ uint64_t scene_hash(const Scene& scene) {
     h.add(static_cast<int>(s.radiance.has_value()));
     if (s.radiance) h.add(*s.radiance);
     add_texture(s.radiance_texture);
+  }
+  for (const Instance& i : scene.instances) {
+    h.add(i.group);
+    h.add(i.to_world);
   }
   h.add(static_cast<uint64_t>(scene.lights.size()));
   for (const Light& l : scene.lights) {

@@ -19,6 +19,9 @@ std::optional<int64_t> parse_integer(std::string_view text);
 // Text between separators; no empty words.
 std::vector<std::string_view> split(std::string_view text, std::string_view separators);
 
+// A to Z as a to z, whatever the locale.
+std::string lower(std::string text);
+
 // Folder of a path with its final '/', "" for a bare file name.
 std::string folder_of(const std::string& path);
 

@@ -302,6 +302,39 @@ Coat make_coat(const Bsdf& plastic) {
   return coat;
 }
 
+namespace {
+
+// The shading normal that a BSDF's normal or bump map makes of a hit's, on the surface's own side.
+Vec3 turned_normal(const World& world, const Hit& hit, const Bsdf& b) {
+  const Vec3& n = hit.shading_normal;
+  Vec3 du, dv, turned;
+  if (!world.derivatives(hit, du, dv)) return n;
+  if (b.normal_map >= 0) {
+    const Vec3 local = 2.0 * world.texture(b.normal_map, hit) - 1.0;
+    const Vec3 across = du - n * glm::dot(n, du);
+    if (!(glm::dot(across, across) > 0)) return n;
+    const Vec3 s = glm::normalize(across);
+    turned = s * local.x + glm::cross(n, s) * local.y + n * local.z;
+  } else {
+    const Texture& height = world.scene().textures[static_cast<size_t>(b.bump_map)];
+    const Vec2 uv = world.uv(hit);
+    const auto slope = [&](const Vec2& step) {
+      return (luminance(texture_value(height, uv + step)) -
+              luminance(texture_value(height, uv - step))) /
+             (2 * (step.x + step.y));
+    };
+    constexpr double kStep = 0x1p-17;  // far below a texel, far above rounding
+    du += n * (slope(Vec2(kStep, 0)) - glm::dot(n, du));
+    dv += n * (slope(Vec2(0, kStep)) - glm::dot(n, dv));
+    turned = glm::cross(du, dv);
+    if (glm::dot(turned, hit.normal) < 0) turned = -turned;
+  }
+  const double length = glm::length(turned);
+  return length > 0 ? turned / length : n;
+}
+
+}  // namespace
+
 Surface make_surface(const World& world, const Hit& hit, const Vec3& ray_direction, double choice) {
   Surface s;
   s.front = glm::dot(hit.normal, ray_direction) < 0;
@@ -309,6 +342,10 @@ Surface make_surface(const World& world, const Hit& hit, const Vec3& ray_directi
   s.normal = s.front ? hit.normal : -hit.normal;
   s.shading_normal = s.front ? hit.shading_normal : -hit.shading_normal;
   const Bsdf* b = world.bsdf(hit.shape, s.front);
+  if (b && (b->normal_map >= 0 || b->bump_map >= 0)) {
+    const Vec3 turned = turned_normal(world, hit, *b);
+    s.shading_normal = s.front ? turned : -turned;
+  }
   if (!b || glm::dot(s.shading_normal, s.in) <= 0) return s;
   find_store(world, hit, *b, s);
   while (b && b->kind == BsdfKind::kMixture) b = choose_part(world, hit, *b, choice);

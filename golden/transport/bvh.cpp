@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Bounding volume hierarchy in double: built by binned SAH (Wald 2007), four children a node, boxes
 // of a node tested together. Of equally near primitives the lowest number is hit, so results do not
-// depend on the order of visits.
+// depend on the order of visits. Each group of instances has a hierarchy of its own, in its own
+// space; the triangles in its leaves are tested where they stand in the world, as explicit copies
+// would be.
 #include <algorithm>
 #include <cmath>
 #include <vector>
@@ -38,10 +40,12 @@ struct alignas(32) Node {
   int32_t count[4];
 };
 
+// A primitive, or an instance.
 struct Reference {
   Box box;
   Vec3 centre;
-  uint32_t primitive;
+  uint32_t number;
+  bool is_instance = false;
 };
 
 struct BinaryNode {
@@ -52,21 +56,27 @@ struct BinaryNode {
 
 class Builder {
  public:
-  explicit Builder(const World& world) {
-    for (uint32_t i = 0; i < world.primitives().size(); ++i) {
+  // Of primitives; of the world with all instances.
+  Builder(const World& world, World::Range range, bool with_instances) {
+    references_.reserve(range.end - range.begin);
+    for (uint32_t i = range.begin; i < range.end; ++i) {
       Reference r;
       primitive_bounds(world.primitives()[i], r.box.lower, r.box.upper);
       r.centre = (r.box.lower + r.box.upper) * 0.5;
-      r.primitive = i;
+      r.number = i;
       references_.push_back(r);
+    }
+    for (uint32_t i = 0; with_instances && i < world.instances().size(); ++i) {
+      const PlacedGroup& g = world.instances()[i];
+      references_.push_back({{g.lower, g.upper}, (g.lower + g.upper) * 0.5, i, true});
     }
     nodes_.reserve(2 * references_.size());
     split(0, static_cast<uint32_t>(references_.size()), 0);
     collapse(0);
-    for (const Reference& r : references_) order.push_back(r.primitive);
+    nodes_ = {};
   }
   std::vector<Node> wide;
-  std::vector<uint32_t> order;
+  const std::vector<Reference>& order() const { return references_; }
 
  private:
   int32_t split(uint32_t first, uint32_t count, int depth);
@@ -190,45 +200,68 @@ int32_t Builder::collapse(int32_t root) {
   return static_cast<int32_t>(self);
 }
 
-// A primitive in leaf order, with what the triangle test needs beside it.
+enum class EntryKind : uint8_t { kTriangle, kRound, kInstance };
+
+// A primitive or instance in leaf order, with what the triangle test needs beside it.
 struct Entry {
   Vec3 a, b, c;
-  uint32_t primitive;
-  PrimitiveKind kind;
+  uint32_t number;
+  EntryKind kind;
 };
+
+struct Tree {
+  std::vector<Node> nodes;
+  std::vector<Entry> entries;
+  double reach = 0;  // largest coordinate of its box
+};
+
+constexpr uint32_t kNoNumber = ~0u;
 
 // What a search carries: the ray, moved off its surface, and the best so far.
 struct Search {
+  // A primitive, of an instance where it is a group's.
+  struct Which {
+    uint32_t primitive = kNoNumber, instance = kNoNumber;
+    bool operator==(const Which&) const = default;
+    bool operator<(const Which& other) const {
+      return primitive != other.primitive ? primitive < other.primitive : instance < other.instance;
+    }
+  };
   Ray ray;
   Shear shear;
-  uint32_t from = ~0u;     // primitive the ray leaves
-  uint32_t ignored = ~0u;  // primitive the shadow ray ends on
+  Which from;     // that the ray leaves
+  Which ignored;  // that the shadow ray ends on
   double limit = HUGE_VAL;
   Meeting best;
-  uint32_t primitive = ~0u;
+  Which found;
   explicit Search(const Ray& r) : ray(r), shear(r.direction) {}
+};
+
+// Where a search goes through a tree: the ray in the tree's space, at the world's speed, and the
+// error of its coordinates there.
+struct Passage {
+  const Tree* tree;
+  Vec3 origin, direction;
+  double slack = 0;
+  uint32_t instance = kNoNumber;
 };
 
 class DoubleBvh final : public RayCaster {
  public:
-  explicit DoubleBvh(const World& world) : world_(world) {
-    Builder builder(world);
-    nodes_ = std::move(builder.wide);
-    for (uint32_t i : builder.order) {
-      const Primitive& p = world.primitives()[i];
-      entries_.push_back({p.a, p.b, p.c, i, p.kind});
-    }
+  explicit DoubleBvh(const World& world) : world_(world), groups_(world.groups().size()) {
+    plant(tree_, world.world_primitives(), true);
+    for (size_t g = 0; g < groups_.size(); ++g) plant(groups_[g], world.groups()[g], false);
     wide_vectors_ = __builtin_cpu_supports("avx2");
   }
 
   Hit closest(const Ray& ray, const Hit* from) const override {
     Search s(ray);
     start(s, from);
-    run<false>(s);
-    if (s.primitive == ~0u) return Hit();
+    run<false>(s, whole(s));
+    if (s.found.primitive == kNoNumber) return Hit();
     Ray moved = ray;
     moved.origin = s.ray.origin;
-    return finish_hit(world_, s.primitive, moved, s.best);
+    return finish_hit(world_, s.found.primitive, moved, s.best, s.found.instance);
   }
 
   bool occluded(const Ray& ray, double distance, const Hit* from,
@@ -238,82 +271,136 @@ class DoubleBvh final : public RayCaster {
     s.limit = distance;
     if (to_hit) {
       // The segment ends as far before its surface as it starts off the other one.
-      s.ignored = to_hit->primitive;
+      s.ignored = {to_hit->primitive, to_hit->instance};
       const Vec3 end = leave_surface(to_hit->position, to_hit->normal, -ray.direction);
       s.limit = glm::length(end - s.ray.origin);
     }
-    return run<true>(s);
+    return run<true>(s, whole(s));
   }
 
  private:
+  void plant(Tree& tree, World::Range range, bool with_instances) const {
+    Builder builder(world_, range, with_instances);
+    tree.nodes = std::move(builder.wide);
+    tree.entries.reserve(builder.order().size());
+    for (const Reference& r : builder.order()) {
+      const Vec3 reach = glm::max(glm::abs(r.box.lower), glm::abs(r.box.upper));
+      tree.reach = std::max(tree.reach, max_component(reach));
+      if (r.is_instance) {
+        tree.entries.push_back({Vec3(0), Vec3(0), Vec3(0), r.number, EntryKind::kInstance});
+        continue;
+      }
+      const Primitive& p = world_.primitives()[r.number];
+      tree.entries.push_back(
+          {p.a, p.b, p.c, r.number,
+           p.kind == PrimitiveKind::kTriangle ? EntryKind::kTriangle : EntryKind::kRound});
+    }
+  }
+
+  Passage whole(const Search& s) const { return {&tree_, s.ray.origin, s.ray.direction}; }
+  // Through an instance: its boxes are met with room for all rounding of the way there.
+  Passage through(const Search& s, uint32_t instance) const {
+    const PlacedGroup& g = world_.instances()[instance];
+    Passage p;
+    p.tree = &groups_[g.group];
+    p.instance = instance;
+    p.origin = Vec3(g.to_group * glm::dvec4(s.ray.origin, 1));
+    p.direction = glm::dmat3(g.to_group) * s.ray.direction;
+    double size = p.tree->reach;
+    for (int row = 0; row < 3; ++row) {
+      double sum = std::fabs(g.to_group[3][row]);
+      for (int column = 0; column < 3; ++column)
+        sum += std::fabs(g.to_group[column][row] * s.ray.origin[column]);
+      size = std::max(size, sum);
+    }
+    p.slack = size * 0x1p-46;
+    return p;
+  }
+
   static void start(Search& s, const Hit* from) {
     if (!from) return;
-    s.from = from->primitive;
+    s.from = {from->primitive, from->instance};
     s.ray.origin = leave_surface(from->position, from->normal, s.ray.direction);
   }
 
   template <bool any>
-  bool run(Search& s) const {
-    return wide_vectors_ ? walk_avx2<any>(s) : walk_sse2<any>(s);
+  bool run(Search& s, const Passage& passage) const {
+    return wide_vectors_ ? walk_avx2<any>(s, passage) : walk_sse2<any>(s, passage);
   }
   template <bool any>
-  __attribute__((target("avx2"))) bool walk_avx2(Search& s) const {
-    return walk<any>(s);
+  __attribute__((target("avx2"))) bool walk_avx2(Search& s, const Passage& passage) const {
+    return walk<any>(s, passage);
   }
   template <bool any>
-  bool walk_sse2(Search& s) const {
-    return walk<any>(s);
+  bool walk_sse2(Search& s, const Passage& passage) const {
+    return walk<any>(s, passage);
   }
   template <bool any>
-  __attribute__((always_inline)) inline bool walk(Search& s) const;
+  __attribute__((always_inline)) inline bool walk(Search& s, const Passage& passage) const;
   // True when the search is over.
   template <bool any>
-  __attribute__((always_inline)) inline bool visit_leaf(Search& s, int32_t first,
-                                                        int32_t count) const;
+  __attribute__((always_inline)) inline bool visit_leaf(Search& s, const Passage& passage,
+                                                        int32_t first, int32_t count) const;
+  template <bool any>
+  __attribute__((noinline)) bool visit_instance(Search& s, uint32_t instance) const {
+    return run<any>(s, through(s, instance)) && any;
+  }
 
   const World& world_;
-  std::vector<Node> nodes_;
-  std::vector<Entry> entries_;
+  Tree tree_;
+  std::vector<Tree> groups_;
   bool wide_vectors_ = false;
 };
 
 template <bool any>
-inline bool DoubleBvh::visit_leaf(Search& s, int32_t first, int32_t count) const {
+inline bool DoubleBvh::visit_leaf(Search& s, const Passage& passage, int32_t first,
+                                  int32_t count) const {
   for (int32_t i = first; i < first + count; ++i) {
-    const Entry& e = entries_[static_cast<size_t>(i)];
-    if (e.primitive == s.ignored) continue;
-    const bool leaving = e.primitive == s.from;
+    const Entry& e = passage.tree->entries[static_cast<size_t>(i)];
+    if (e.kind == EntryKind::kInstance) {
+      if (visit_instance<any>(s, e.number)) return true;
+      continue;
+    }
+    const Search::Which which{e.number, passage.instance};
+    if (which == s.ignored) continue;
+    const bool leaving = which == s.from;
     Meeting m;
     bool met = false;
-    if (e.kind == PrimitiveKind::kTriangle) {
+    if (e.kind == EntryKind::kRound) {
+      met = meet_round(world_.primitives()[e.number], s.ray.origin, s.ray.direction, leaving, m);
+    } else if (passage.instance == kNoNumber) {
       met = !leaving && meet_triangle(e.a, e.b, e.c, s.ray.origin, s.shear, m);
-    } else {
-      const Primitive& p = world_.primitives()[e.primitive];
-      met = e.kind == PrimitiveKind::kSphere
-                ? meet_sphere(p, s.ray.origin, s.ray.direction, leaving, m)
-                : !leaving && meet_disk(p, s.ray.origin, s.ray.direction, m);
+    } else if (!leaving) {
+      const Mat4& to_world = world_.instances()[passage.instance].to_world;
+      const auto carried = [&](const Vec3& v) { return Vec3(to_world * glm::dvec4(v, 1)); };
+      met = meet_triangle(carried(e.a), carried(e.b), carried(e.c), s.ray.origin, s.shear, m);
     }
     if (!met || m.t > s.limit) continue;
     if (any) return true;
-    if (m.t == s.limit && e.primitive > s.primitive) continue;
+    if (m.t == s.limit && s.found < which) continue;
     s.limit = m.t;
     s.best = m;
-    s.primitive = e.primitive;
+    s.found = which;
   }
   return false;
 }
 
 template <bool any>
-inline bool DoubleBvh::walk(Search& s) const {
+inline bool DoubleBvh::walk(Search& s, const Passage& passage) const {
   typedef double Four __attribute__((vector_size(32)));
   typedef int64_t Mask __attribute__((vector_size(32)));
-  Four origin[3], inverse[3];
+  const Node* nodes = passage.tree->nodes.data();
+  Four near_origin[3], far_origin[3], inverse[3];
   int near[3], far[3];
   for (int axis = 0; axis < 3; ++axis) {
-    const double d = s.ray.direction[axis], o = s.ray.origin[axis];
+    const double d = passage.direction[axis], o = passage.origin[axis];
     // A finite stand-in for the infinite slope of a parallel ray: 0 * slope stays 0.
     const double inv = d == 0 ? 0x1p1000 : 1.0 / d;
-    origin[axis] = Four{o, o, o, o};
+    // Boxes grow by the slack.
+    const double n = inv < 0 ? o - passage.slack : o + passage.slack;
+    const double f = inv < 0 ? o + passage.slack : o - passage.slack;
+    near_origin[axis] = Four{n, n, n, n};
+    far_origin[axis] = Four{f, f, f, f};
     inverse[axis] = Four{inv, inv, inv, inv};
     near[axis] = inv < 0 ? 3 + axis : axis;
     far[axis] = inv < 0 ? axis : 3 + axis;
@@ -331,13 +418,16 @@ inline bool DoubleBvh::walk(Search& s) const {
   int top = 0;
   int32_t node = 0;
   for (;;) {
-    const Node& n = nodes_[static_cast<size_t>(node)];
-    const Four x0 = (*reinterpret_cast<const Four*>(n.bound[near[0]]) - origin[0]) * inverse[0];
-    const Four y0 = (*reinterpret_cast<const Four*>(n.bound[near[1]]) - origin[1]) * inverse[1];
-    const Four z0 = (*reinterpret_cast<const Four*>(n.bound[near[2]]) - origin[2]) * inverse[2];
-    const Four x1 = (*reinterpret_cast<const Four*>(n.bound[far[0]]) - origin[0]) * inverse[0];
-    const Four y1 = (*reinterpret_cast<const Four*>(n.bound[far[1]]) - origin[1]) * inverse[1];
-    const Four z1 = (*reinterpret_cast<const Four*>(n.bound[far[2]]) - origin[2]) * inverse[2];
+    const Node& n = nodes[static_cast<size_t>(node)];
+    const Four x0 =
+        (*reinterpret_cast<const Four*>(n.bound[near[0]]) - near_origin[0]) * inverse[0];
+    const Four y0 =
+        (*reinterpret_cast<const Four*>(n.bound[near[1]]) - near_origin[1]) * inverse[1];
+    const Four z0 =
+        (*reinterpret_cast<const Four*>(n.bound[near[2]]) - near_origin[2]) * inverse[2];
+    const Four x1 = (*reinterpret_cast<const Four*>(n.bound[far[0]]) - far_origin[0]) * inverse[0];
+    const Four y1 = (*reinterpret_cast<const Four*>(n.bound[far[1]]) - far_origin[1]) * inverse[1];
+    const Four z1 = (*reinterpret_cast<const Four*>(n.bound[far[2]]) - far_origin[2]) * inverse[2];
     Four t0 = x0 > y0 ? x0 : y0;
     t0 = t0 > z0 ? t0 : z0;
     t0 = t0 > zero ? t0 : zero;
@@ -358,14 +448,14 @@ inline bool DoubleBvh::walk(Search& s) const {
       stack[at] = {t0[i], n.first[i], n.count[i]};
     }
     for (;;) {
-      if (top == 0) return any ? false : s.primitive != ~0u;
+      if (top == 0) return any ? false : s.found.primitive != kNoNumber;
       const Pending p = stack[--top];
       if (p.t > s.limit) continue;
       if (p.count < 0) {
         node = p.first;
         break;
       }
-      if (visit_leaf<any>(s, p.first, p.count)) return true;
+      if (visit_leaf<any>(s, passage, p.first, p.count)) return true;
     }
   }
 }

@@ -31,7 +31,9 @@ bool meets(const Ray& ray, const Vec3& lower, const Vec3& upper) {
 
 DeltaBoxes::DeltaBoxes(const World& world) {
   uint32_t last_shape = ~0u;
-  for (const Primitive& p : world.primitives()) {
+  const World::Range own = world.world_primitives();
+  for (uint32_t i = own.begin; i < own.end; ++i) {
+    const Primitive& p = world.primitives()[i];
     if (!has_delta_part(world.scene(), world.bsdf(p.shape, true)) &&
         !has_delta_part(world.scene(), world.bsdf(p.shape, false)))
       continue;
@@ -42,6 +44,15 @@ DeltaBoxes::DeltaBoxes(const World& world) {
     boxes_.back().second = glm::max(boxes_.back().second, upper);
     last_shape = p.shape;
   }
+  std::vector<bool> groups(world.groups().size(), false);
+  for (uint32_t s = 0; s < world.scene().shapes.size(); ++s) {
+    const int group = world.scene().shapes[s].group;
+    if (group >= 0 && (has_delta_part(world.scene(), world.bsdf(s, true)) ||
+                       has_delta_part(world.scene(), world.bsdf(s, false))))
+      groups[static_cast<size_t>(group)] = true;
+  }
+  for (const PlacedGroup& g : world.instances())
+    if (groups[g.group]) boxes_.push_back({g.lower, g.upper});
   // Flat boxes get some thickness, far above rounding and far below anything seen.
   const Vec3 margin(world.cube_extent() * 0x1p-30);
   for (auto& b : boxes_) b = {b.first - margin, b.second + margin};

@@ -68,18 +68,9 @@ struct Query {
     const Primitive& p = world->primitives()[number];
     const bool leaving = number == from;
     if (number == ignored) return false;
-    bool met = false;
-    switch (p.kind) {
-      case PrimitiveKind::kTriangle:
-        met = !leaving && meet_triangle(p.a, p.b, p.c, ray.origin, shear, m);
-        break;
-      case PrimitiveKind::kSphere:
-        met = meet_sphere(p, ray.origin, ray.direction, leaving, m);
-        break;
-      case PrimitiveKind::kDisk:
-        met = !leaving && meet_disk(p, ray.origin, ray.direction, m);
-        break;
-    }
+    const bool met = p.kind == PrimitiveKind::kTriangle
+                         ? !leaving && meet_triangle(p.a, p.b, p.c, ray.origin, shear, m)
+                         : meet_round(p, ray.origin, ray.direction, leaving, m);
     return met && m.t <= limit;
   }
 };
@@ -256,6 +247,8 @@ void bounds_of(const RTCBoundsFunctionArguments* a) {
 }  // namespace
 
 std::unique_ptr<RayCaster> make_embree(const World& world) {
+  // Our own hierarchy has the instances' hits to the last bit.
+  if (!world.instances().empty()) return make_double_bvh(world);
   return std::make_unique<EmbreeCaster>(world);
 }
 

@@ -26,6 +26,10 @@ double area_importance(const Primitive& p, const Emitter& e, const ShadingPoint&
     const double r = p.b.x;
     if (!p.inward && glm::dot(x.position - p.a, x.position - p.a) < r * r) return 0;
     if (!x.both_sides && glm::dot(x.normal, p.a - x.position) <= -r) return 0;
+  } else if (p.kind == PrimitiveKind::kCylinder) {
+    middle = p.a + p.b * 0.5;
+    const double reach = std::sqrt(glm::dot(p.b, p.b) / 4 + p.c.x * p.c.x);
+    if (!x.both_sides && glm::dot(x.normal, middle - x.position) <= -reach) return 0;
   } else {
     if (glm::dot(p.normal, x.position - p.a) <= 0) return 0;
     if (p.kind == PrimitiveKind::kTriangle) {
@@ -120,6 +124,14 @@ Hit point_on(const Primitive& p, uint32_t number, const Vec2& u) {
       const Vec2 d = sample_disk(u);
       hit.position = p.a + p.b * d.x + p.c * d.y;
       hit.coordinates = d;
+      break;
+    }
+    case PrimitiveKind::kCylinder: {
+      const Frame frame(glm::normalize(p.b));
+      const Vec2 turn = cos_sin_turns(u.y);
+      const Vec3 out = frame.s * turn.x + frame.t * turn.y;
+      hit.position = p.a + p.b * u.x + out * p.c.x;
+      hit.normal = p.inward ? -out : out;
       break;
     }
   }

@@ -1,12 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "golden/transport/intersect.hpp"
 
+#include "golden/scene/mesh.hpp"
+
 namespace photonloom {
 
-Hit finish_hit(const World& world, uint32_t primitive, const Ray& ray, const Meeting& m) {
-  const Primitive& p = world.primitives()[primitive];
+Hit finish_hit(const World& world, uint32_t primitive, const Ray& ray, const Meeting& m,
+               uint32_t instance) {
+  Primitive copy;
+  if (instance != ~0u) copy = world.placed(primitive, instance);
+  const Primitive& p = instance != ~0u ? copy : world.primitives()[primitive];
   Hit hit;
   hit.primitive = primitive;
+  hit.instance = instance;
   hit.shape = p.shape;
   hit.distance = m.t;
   hit.normal = p.normal;
@@ -19,8 +25,11 @@ Hit finish_hit(const World& world, uint32_t primitive, const Ray& ray, const Mee
       const Mesh& mesh = world.scene().shapes[p.shape].mesh;
       if (!mesh.normals.empty()) {
         const auto& v = mesh.triangles[p.index];
-        const Vec3 n =
-            mesh.normals[v[0]] * w.x + mesh.normals[v[1]] * w.y + mesh.normals[v[2]] * w.z;
+        const auto normal = [&](size_t i) {
+          const Vec3& own = mesh.normals[v[i]];
+          return instance == ~0u ? own : carried_normal(world.instances()[instance].normals, own);
+        };
+        const Vec3 n = normal(0) * w.x + normal(1) * w.y + normal(2) * w.z;
         // A shading normal on the other side of the triangle says nothing about it.
         if (glm::dot(n, p.normal) > 0) hit.shading_normal = n / glm::length(n);
       }
@@ -29,6 +38,16 @@ Hit finish_hit(const World& world, uint32_t primitive, const Ray& ray, const Mee
     case PrimitiveKind::kSphere: {
       const Vec3 out = glm::normalize(ray.origin + ray.direction * m.t - p.a);
       hit.position = p.a + out * p.b.x;
+      hit.normal = p.inward ? -out : out;
+      hit.shading_normal = hit.normal;
+      break;
+    }
+    case PrimitiveKind::kCylinder: {
+      const Vec3 along = p.b / glm::length(p.b);
+      const Vec3 d = ray.origin + ray.direction * m.t - p.a;
+      const double height = glm::dot(d, along);
+      const Vec3 out = glm::normalize(d - along * height);
+      hit.position = p.a + along * height + out * p.c.x;
       hit.normal = p.inward ? -out : out;
       hit.shading_normal = hit.normal;
       break;

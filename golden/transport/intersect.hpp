@@ -106,8 +106,45 @@ inline bool meet_disk(const Primitive& p, const Vec3& origin, const Vec3& direct
   return x * x + y * y <= 1;
 }
 
+// `leaving`: the origin lies on this very cylinder, which has no caps.
+inline bool meet_cylinder(const Primitive& p, const Vec3& origin, const Vec3& direction,
+                          bool leaving, Meeting& m) {
+  const double length = glm::length(p.b);
+  const Vec3 along = p.b / length, oc = origin - p.a;
+  const Vec3 o = oc - along * glm::dot(oc, along);
+  const Vec3 d = direction - along * glm::dot(direction, along);
+  const double slope2 = glm::dot(d, d);
+  if (!(slope2 > 0)) return false;
+  const double nearest = -glm::dot(o, d) / slope2;
+  const auto reaches = [&](double t) {
+    const double height = glm::dot(oc + direction * t, along);
+    m.t = t;
+    return t > 0 && height >= 0 && height <= length;
+  };
+  if (leaving) return reaches(2 * nearest);
+  const Vec3 across = o + d * nearest;
+  const double disc = p.c.x * p.c.x - glm::dot(across, across);
+  if (!(disc >= 0)) return false;
+  const double root = std::sqrt(disc / slope2);
+  return reaches(nearest - root) || reaches(nearest + root);
+}
+
+// Any primitive but a triangle.
+inline bool meet_round(const Primitive& p, const Vec3& origin, const Vec3& direction, bool leaving,
+                       Meeting& m) {
+  switch (p.kind) {
+    case PrimitiveKind::kSphere:
+      return meet_sphere(p, origin, direction, leaving, m);
+    case PrimitiveKind::kCylinder:
+      return meet_cylinder(p, origin, direction, leaving, m);
+    default:
+      return !leaving && meet_disk(p, origin, direction, m);
+  }
+}
+
 // Position on the primitive itself and normals.
-Hit finish_hit(const World& world, uint32_t primitive, const Ray& ray, const Meeting& m);
+Hit finish_hit(const World& world, uint32_t primitive, const Ray& ray, const Meeting& m,
+               uint32_t instance = ~0u);
 
 void primitive_bounds(const Primitive& p, Vec3& lower, Vec3& upper);
 

@@ -101,17 +101,13 @@ Rgb LightPaths::connect(const RayCaster& caster, const LightVertex& vertex, cons
   return here * there * vertex.power * (passing / distance2);
 }
 
-bool LightPaths::splat(const RayCaster& caster, const Lens& lens, const LightVertex& vertex,
-                       Splat& out) const {
-  double x, y, density;
-  if (!depth_left(vertex.segments) || !lens.project(vertex.hit.position, x, y, density))
-    return false;
-  const CameraRay camera = lens.through(x, y);
-  const Vec3 d = camera.ray.origin - vertex.hit.position;
-  const double distance2 = glm::dot(d, d), distance = std::sqrt(distance2);
-  const Vec3 to_camera = d / distance;
+bool LightPaths::splat(const RayCaster& caster, const Lens& lens, const Vec2& u,
+                       const LightVertex& vertex, Splat& out) const {
+  Seen seen;
+  if (!depth_left(vertex.segments) || !lens.project(vertex.hit.position, u, seen)) return false;
+  const Vec3& to_camera = seen.to_camera;
   const Surface& v = vertex.surface;
-  const Rgb scale = vertex.power * (density / distance2);
+  const Rgb scale = vertex.power * seen.density;
   out.caustic = sent(diffuse_times_cosine(v, to_camera), v, to_camera) * scale;
   out.indirect = sent(glossy_times_cosine(v, to_camera, Carried::kPower), v, to_camera) * scale;
   if (!vertex.first) {
@@ -120,12 +116,12 @@ bool LightPaths::splat(const RayCaster& caster, const Lens& lens, const LightVer
   }
   if (is_black(out.caustic) && is_black(out.indirect)) return false;
   const double passing = transmittance(world_, caster, Ray{vertex.hit.position, to_camera},
-                                       distance - camera.near, &vertex.hit, nullptr);
+                                       seen.distance, &vertex.hit, nullptr);
   if (passing == 0) return false;
   out.caustic *= passing;
   out.indirect *= passing;
-  const int width = world_.scene().film.width;
-  out.pixel = static_cast<uint32_t>(static_cast<int>(y) * width + static_cast<int>(x));
+  out.x = seen.x;
+  out.y = seen.y;
   return true;
 }
 

@@ -24,9 +24,9 @@ struct LightVertex {
   bool first = true;      // delta surfaces only between the light and here
 };
 
-// What a light vertex adds to one pixel, by layer.
+// What a light vertex adds to the pixel that it is seen in, by layer.
 struct Splat {
-  uint32_t pixel = 0;
+  double x = 0, y = 0;  // on the film, pixels
   Rgb caustic{0}, indirect{0};
 };
 
@@ -44,8 +44,9 @@ class LightPaths {
   Rgb connect(const RayCaster& caster, const LightVertex& vertex, const Hit& hit,
               const Surface& surface) const;
 
-  // What one path adds to the mean radiance of the pixel that sees the vertex; false: nothing.
-  bool splat(const RayCaster& caster, const Lens& lens, const LightVertex& vertex,
+  // What one path adds to the mean radiance of the pixel that sees the vertex through the point u
+  // of the lens; false: nothing.
+  bool splat(const RayCaster& caster, const Lens& lens, const Vec2& u, const LightVertex& vertex,
              Splat& out) const;
 
  private:

@@ -5,11 +5,13 @@
 
 #include <array>
 #include <cmath>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "golden/transport/camera.hpp"
 #include "golden/transport/direct.hpp"
+#include "golden/transport/film_filter.hpp"
 #include "golden/transport/light_paths.hpp"
 #include "golden/transport/roulette.hpp"
 #include "golden/transport/sampling.hpp"
@@ -31,9 +33,13 @@ enum PathDimension : uint64_t {
   kPathOpening
 };
 
+// A bounce that no light path reaches: the numbers of its points on the lens.
+constexpr uint64_t kSplatLens = uint64_t{1} << 40;
+
 // One path's light, by layer.
 struct PathSample {
   Rgb emission{0}, direct{0}, caustic{0}, indirect{0};
+  Vec2 place{0};  // within its pixel
   Rgb albedo{0};
   Vec3 normal{0};
   double depth = 0;
@@ -85,8 +91,10 @@ PathSample trace_sample(const World& world, const RayCaster& caster, const Lens&
                         int px, int py, const PixelNumbers& numbers) {
   const Scene& scene = world.scene();
   const Vec2 jitter = numbers.pair(0, 0);
-  const CameraRay camera = lens.through(px + jitter.x, py + jitter.y);
+  const CameraRay camera = lens.through(px + jitter.x, py + jitter.y,
+                                        lens.has_aperture() ? numbers.pair(0, 1) : Vec2(0));
   PathSample out;
+  out.place = jitter;
   Ray ray = camera.ray;
   const auto opening = [&](uint64_t segment) {
     return world.has_openings() ? numbers.unit(segment, kPathOpening) : 0;
@@ -154,9 +162,10 @@ PathSample trace_sample(const World& world, const RayCaster& caster, const Lens&
 // Sums of one pixel.
 struct PixelSum {
   PathSample sum;
-  Rgb samples{0}, square{0};  // of whole samples
-  Rgb splat_variance{0};      // of the mean
-  int hits = 0;               // samples that met a surface
+  Rgb samples{0}, square{0};                // of whole samples
+  Rgb splat_variance{0};                    // of the mean
+  Rgb splat_caustic{0}, splat_indirect{0};  // times the samples
+  int hits = 0;                             // samples that met a surface
   void add(const PathSample& s) {
     sum.emission += s.emission;
     sum.direct += s.direct;
@@ -177,33 +186,61 @@ struct SplatSum {
   Rgb caustic{0}, indirect{0}, square{0};
 };
 
-// Light paths in blocks, added up in the order of their numbers.
+// Weight of a sample at these places within its pixel, in the pixel (x, y) further.
+double weight_of(const FilterTable& filter, int x, int y, const Vec2& place) {
+  return std::ldexp(static_cast<double>(filter.weight(x, FilterTable::place(place.x)) *
+                                        filter.weight(y, FilterTable::place(place.y))),
+                    -2 * FilterTable::kOneBits);
+}
+
+// Light paths in blocks, added up in the order of their numbers. With a filter a splat counts in
+// the pixels around it, over what a pixel's camera samples count in the mean.
 std::vector<SplatSum> splat_light_paths(const World& world, const RayCaster& caster,
                                         const Lens& lens, const LightPaths& light_paths,
-                                        uint64_t paths, uint64_t seed) {
+                                        const FilterTable& filter, uint64_t paths, uint64_t seed) {
   const Film film = world.scene().film;
   std::vector<SplatSum> sums(static_cast<size_t>(film.width) * static_cast<size_t>(film.height));
   constexpr uint64_t kBlock = 4096, kBlocks = 64;
   std::vector<std::vector<Splat>> splats(kBlocks);
+  const auto add = [&](const Splat& s, int x, int y, double weight) {
+    SplatSum& sum = sums[static_cast<size_t>(y * film.width + x)];
+    const Rgb caustic = s.caustic * weight, indirect = s.indirect * weight;
+    sum.caustic += caustic;
+    sum.indirect += indirect;
+    sum.square += (caustic + indirect) * (caustic + indirect);
+  };
+  const int reach = filter.reach();
   for (uint64_t first = 0; first < paths; first += kBlock * kBlocks) {
     tbb::parallel_for(uint64_t{0}, kBlocks, [&](uint64_t b) {
       splats[b].clear();
       std::vector<LightVertex> vertices;
       const uint64_t begin = first + b * kBlock, end = std::min(begin + kBlock, paths);
       for (uint64_t i = begin; i < end; ++i) {
-        light_paths.trace(caster, Random(seed, Phase::kCausticPhoton, i), vertices);
+        const Random random(seed, Phase::kCausticPhoton, i);
+        light_paths.trace(caster, random, vertices);
+        uint64_t number = 0;
         for (const LightVertex& v : vertices) {
+          const Vec2 u = lens.has_aperture() ? Vec2(random.unit(kSplatLens, 2 * number),
+                                                    random.unit(kSplatLens, 2 * number + 1))
+                                             : Vec2(0);
+          ++number;
           Splat splat;
-          if (light_paths.splat(caster, lens, v, splat)) splats[b].push_back(splat);
+          if (light_paths.splat(caster, lens, u, v, splat)) splats[b].push_back(splat);
         }
       }
     });
     for (const auto& block : splats)
       for (const Splat& s : block) {
-        SplatSum& sum = sums[s.pixel];
-        sum.caustic += s.caustic;
-        sum.indirect += s.indirect;
-        sum.square += (s.caustic + s.indirect) * (s.caustic + s.indirect);
+        const int x = static_cast<int>(s.x), y = static_cast<int>(s.y);
+        if (filter.is_plain_box()) {
+          add(s, x, y, 1);
+          continue;
+        }
+        for (int v = std::max(0, y - reach); v <= std::min(film.height - 1, y + reach); ++v)
+          for (int u = std::max(0, x - reach); u <= std::min(film.width - 1, x + reach); ++u)
+            add(s, u, v,
+                weight_of(filter, u - x, v - y, Vec2(s.x - x, s.y - y)) /
+                    (filter.mean_sum(u, film.width) * filter.mean_sum(v, film.height)));
       }
   }
   return sums;
@@ -221,27 +258,139 @@ void add_channels(Image& image) {
   image.add("Z");
 }
 
-void write_pixel(Image& image, size_t pixel, const PixelSum& p, double n) {
+// `weight`: what the samples in the light of p.sum count together; `variance`: of the pixel's mean,
+// without splats.
+void write_pixel(Image& image, size_t pixel, const PixelSum& p, double n, double weight,
+                 const Rgb& variance) {
   const auto put = [&](size_t channel, double value) {
     image.channels[channel].pixels[pixel] = static_cast<float>(value);
   };
   const Rgb total = p.sum.emission + p.sum.direct + p.sum.caustic + p.sum.indirect;
   for (int c = 0; c < 3; ++c) {
     const size_t i = static_cast<size_t>(c);
-    const double mean = total[c] / n;
-    put(i, mean);
-    put(3 + i, p.sum.emission[c] / n);
-    put(6 + i, p.sum.direct[c] / n);
-    put(9 + i, p.sum.caustic[c] / n);
-    put(12 + i, p.sum.indirect[c] / n);
+    put(i, total[c] / weight);
+    put(3 + i, p.sum.emission[c] / weight);
+    put(6 + i, p.sum.direct[c] / weight);
+    put(9 + i, p.sum.caustic[c] / weight);
+    put(12 + i, p.sum.indirect[c] / weight);
     put(15 + i, p.sum.albedo[c] / n);
-    const double sample = p.samples[c] / n;
-    const double variance = std::max(0.0, p.square[c] / n - sample * sample);
-    put(18 + i, n > 1 ? std::sqrt(variance / (n - 1) + p.splat_variance[c]) : 0);
+    put(18 + i, n > 1 ? std::sqrt(variance[c] + p.splat_variance[c]) : 0);
     put(21 + i, p.sum.normal[c] / n);
   }
   put(24, p.hits > 0 ? p.sum.depth / p.hits : 0);
 }
+
+// Of the mean of a pixel's own samples.
+Rgb variance_of(const PixelSum& p, double n) {
+  Rgb variance(0);
+  for (int c = 0; c < 3 && n > 1; ++c) {
+    const double sample = p.samples[c] / n;
+    variance[c] = std::max(0.0, p.square[c] / n - sample * sample) / (n - 1);
+  }
+  return variance;
+}
+
+// Light of the samples of one pixel, as it counts in one of the pixels around it.
+struct WeightedLight {
+  Rgb emission{0}, direct{0}, caustic{0}, indirect{0};
+  double weight = 0;
+  void add(const WeightedLight& w) {
+    emission += w.emission;
+    direct += w.direct;
+    caustic += w.caustic;
+    indirect += w.indirect;
+    weight += w.weight;
+  }
+  void add(const PathSample& s, double w) {
+    emission += s.emission * w;
+    direct += s.direct * w;
+    caustic += s.caustic * w;
+    indirect += s.indirect * w;
+    weight += w;
+  }
+};
+
+// What samples count in all pixels around them, collected from one band of rows after the other, so
+// that each pixel's sum has one order.
+class FilteredFilm {
+ public:
+  FilteredFilm(const FilterTable& filter, int width, int height)
+      : filter_(filter),
+        width_(width),
+        height_(height),
+        edge_(2 * filter.reach() + 1),
+        blocks_(size(width * kTile * edge_ * edge_)),
+        light_(size(width * height)),
+        pixels_(size(width * height)) {}
+
+  // The samples of pixel (x, y) of the band from row `first` on.
+  void begin(int x, int y, int first) {
+    std::fill_n(block(x, y - first), edge_ * edge_, WeightedLight());
+  }
+  void add(int x, int y, int first, const PathSample& s) {
+    const int reach = filter_.reach();
+    WeightedLight* to = block(x, y - first);
+    for (int v = -reach; v <= reach; ++v)
+      for (int u = -reach; u <= reach; ++u) to++->add(s, weight_of(filter_, u, v, s.place));
+  }
+  void end(int x, int y, const PixelSum& sum) { pixels_[size(y * width_ + x)] = sum; }
+
+  void collect(int first) {
+    const int reach = filter_.reach(), last = std::min(first + kTile, height_) - 1;
+    tbb::parallel_for(std::max(0, first - reach), std::min(height_, last + reach + 1), [&](int y) {
+      for (int x = 0; x < width_; ++x) {
+        WeightedLight& sum = light_[size(y * width_ + x)];
+        for (int v = std::max(first, y - reach); v <= std::min(last, y + reach); ++v)
+          for (int u = std::max(0, x - reach); u <= std::min(width_ - 1, x + reach); ++u)
+            sum.add(block(u, v - first)[(y - v + reach) * edge_ + x - u + reach]);
+      }
+    });
+  }
+
+  void write(Image& image, double n) {
+    tbb::parallel_for(0, height_, [&](int y) {
+      for (int x = 0; x < width_; ++x) write(image, x, y, n);
+    });
+  }
+
+ private:
+  static size_t size(int n) { return static_cast<size_t>(n); }
+  WeightedLight* block(int x, int row) {
+    return &blocks_[size((row * width_ + x) * edge_ * edge_)];
+  }
+  // Light over weight; nothing where lobes took all weight away.
+  void write(Image& image, int x, int y, double n) {
+    const size_t pixel = size(y * width_ + x);
+    const WeightedLight& l = light_[pixel];
+    PixelSum p = pixels_[pixel];
+    const bool counts = l.weight > 0;
+    const double weight = counts ? l.weight : 1;
+    // Splats are means already.
+    const double share = counts ? weight / n : 0;
+    p.sum.caustic = p.splat_caustic * share;
+    p.sum.indirect = p.splat_indirect * share;
+    p.sum.emission = p.sum.direct = Rgb(0);
+    if (counts) {
+      p.sum.emission = l.emission;
+      p.sum.direct = l.direct;
+      p.sum.caustic += l.caustic;
+      p.sum.indirect += l.indirect;
+    }
+    Rgb variance(0);
+    const int reach = filter_.reach();
+    for (int v = std::max(0, y - reach); v <= std::min(height_ - 1, y + reach); ++v)
+      for (int u = std::max(0, x - reach); u <= std::min(width_ - 1, x + reach); ++u)
+        variance += variance_of(pixels_[size(v * width_ + u)], n) *
+                    (filter_.mean_square(x - u) * filter_.mean_square(y - v));
+    write_pixel(image, pixel, p, n, weight, variance * (n * n / (weight * weight)));
+  }
+
+  const FilterTable& filter_;
+  int width_, height_, edge_;
+  std::vector<WeightedLight> blocks_;  // of the band's pixels
+  std::vector<WeightedLight> light_;
+  std::vector<PixelSum> pixels_;
+};
 
 }  // namespace
 
@@ -256,11 +405,14 @@ Image render_path(const World& world, const RayCaster& caster, const PathOptions
   const uint64_t pixels = static_cast<uint64_t>(film.width) * static_cast<uint64_t>(film.height);
   const uint64_t samples = pixels * static_cast<uint64_t>(options.spp);
   const LightPaths light_paths(world);
+  const FilterTable filter(film.filter);
   std::vector<SplatSum> splats;
   if (light_paths.needed())
-    splats = splat_light_paths(world, caster, lens, light_paths, samples, options.seed);
+    splats = splat_light_paths(world, caster, lens, light_paths, filter, samples, options.seed);
+  std::optional<FilteredFilm> filtered;
+  if (!filter.is_plain_box()) filtered.emplace(filter, film.width, film.height);
   const ProgressPhase phase(options.progress, "path tracing", samples, "samples");
-  tbb::parallel_for(0, tiles_x * tiles_y, [&](int tile) {
+  const auto render_tile = [&](int tile) {
     const int x0 = tile % tiles_x * kTile, y0 = tile / tiles_x * kTile;
     std::vector<LightVertex> vertices;
     for (int y = y0; y < std::min(y0 + kTile, film.height); ++y)
@@ -268,28 +420,47 @@ Image render_path(const World& world, const RayCaster& caster, const PathOptions
         const uint64_t pixel =
             static_cast<uint64_t>(y) * static_cast<uint64_t>(film.width) + static_cast<uint64_t>(x);
         PixelSum sum;
+        if (filtered) filtered->begin(x, y, y0);
         for (int i = 0; i < options.spp; ++i) {
           const uint64_t sample = static_cast<uint64_t>(i);
           if (light_paths.needed())
             light_paths.trace(caster,
                               Random(options.seed, Phase::kDirect, hash_bits(pixel, sample, 0, 0)),
                               vertices);
-          sum.add(trace_sample(world, caster, lens, light_paths, vertices, x, y,
-                               PixelNumbers(options.seed, Phase::kPath, pixel, sample)));
+          const PathSample path =
+              trace_sample(world, caster, lens, light_paths, vertices, x, y,
+                           PixelNumbers(options.seed, Phase::kPath, pixel, sample));
+          sum.add(path);
+          if (filtered) filtered->add(x, y, y0, path);
         }
         if (!splats.empty()) {
           // Sums over all paths to the pixel's mean, times spp as the samples' sums are.
           const SplatSum& s = splats[pixel];
           const double scale = options.spp / static_cast<double>(samples);
-          sum.sum.caustic += s.caustic * scale;
-          sum.sum.indirect += s.indirect * scale;
+          sum.splat_caustic = s.caustic * scale;
+          sum.splat_indirect = s.indirect * scale;
           sum.splat_variance =
               s.square / (static_cast<double>(samples) * static_cast<double>(samples));
         }
-        write_pixel(image, pixel, sum, options.spp);
+        if (filtered) {
+          filtered->end(x, y, sum);
+        } else {
+          sum.sum.caustic += sum.splat_caustic;
+          sum.sum.indirect += sum.splat_indirect;
+          write_pixel(image, pixel, sum, options.spp, options.spp, variance_of(sum, options.spp));
+        }
         phase.advance(static_cast<uint64_t>(options.spp));
       }
-  });
+  };
+  if (filtered) {
+    for (int row = 0; row < tiles_y; ++row) {
+      tbb::parallel_for(row * tiles_x, (row + 1) * tiles_x, render_tile);
+      filtered->collect(row * kTile);
+    }
+    filtered->write(image, options.spp);
+  } else {
+    tbb::parallel_for(0, tiles_x * tiles_y, render_tile);
+  }
   return image;
 }
 

@@ -155,8 +155,11 @@ CameraSample trace_camera(const World& world, const RayCaster& caster, int px, i
                          static_cast<uint64_t>(px);
   const PixelNumbers numbers(seed, Phase::kCamera, pixel, sample);
   const Vec2 jitter = numbers.pair(0, 0);
-  const CameraRay camera = Lens(scene).through(px + jitter.x, py + jitter.y);
+  const Lens lens(scene);
+  const CameraRay camera = lens.through(px + jitter.x, py + jitter.y,
+                                        lens.has_aperture() ? numbers.pair(0, 1) : Vec2(0));
   CameraSample out;
+  out.place = jitter;
   Path path{camera.ray, Rgb(1), 1, {}};
   Hit hit = first_hit(world, caster, camera, opening_number(world, numbers, 1));
   if (hit.valid()) {

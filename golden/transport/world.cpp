@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <tbb/parallel_for.h>
+
 #include "golden/numeric/elementary.hpp"
 #include "golden/transport/bsdf.hpp"
 #include "golden/transport/emitters.hpp"
@@ -49,6 +51,17 @@ Primitive sphere_primitive(const Shape& s) {
   return p;
 }
 
+Primitive cylinder_primitive(const Shape& s) {
+  Primitive p;
+  p.kind = PrimitiveKind::kCylinder;
+  p.a = column(s.to_world, 3);
+  p.b = column(s.to_world, 2);
+  p.c = Vec3(glm::length(column(s.to_world, 0)), 0, 0);
+  p.area = 2 * kPi * p.c.x * glm::length(p.b);
+  p.inward = s.flip_normals;
+  return p;
+}
+
 // Half the extent of a disk along each axis.
 Vec3 disk_reach(const Primitive& p) {
   return Vec3(std::sqrt(p.b.x * p.b.x + p.c.x * p.c.x), std::sqrt(p.b.y * p.b.y + p.c.y * p.c.y),
@@ -85,6 +98,13 @@ void primitive_bounds(const Primitive& p, Vec3& lower, Vec3& upper) {
       lower = p.a - Vec3(p.b.x);
       upper = p.a + Vec3(p.b.x);
       return;
+    case PrimitiveKind::kCylinder: {
+      const Vec3 along = glm::normalize(p.b);
+      const Vec3 reach = glm::sqrt(glm::max(Vec3(0), 1.0 - along * along)) * p.c.x;
+      lower = glm::min(p.a, p.a + p.b) - reach;
+      upper = glm::max(p.a, p.a + p.b) + reach;
+      return;
+    }
     case PrimitiveKind::kDisk:
       lower = p.a - disk_reach(p);
       upper = p.a + disk_reach(p);
@@ -108,40 +128,45 @@ void World::add_coats() {
   }
 }
 
+// The primitives of one shape.
+void World::add_shape(uint32_t s) {
+  const Shape& shape = scene_.shapes[s];
+  const size_t first = primitives_.size();
+  if (shape.kind == ShapeKind::kSphere) {
+    primitives_.push_back(sphere_primitive(shape));
+  } else if (shape.kind == ShapeKind::kDisk) {
+    primitives_.push_back(disk_primitive(shape));
+  } else if (shape.kind == ShapeKind::kCylinder) {
+    primitives_.push_back(cylinder_primitive(shape));
+  } else {
+    for (uint32_t t = 0; t < shape.mesh.triangles.size(); ++t) {
+      const auto& v = shape.mesh.triangles[t];
+      Primitive p;
+      p.index = t;
+      p.a = shape.mesh.positions[v[0]];
+      p.b = shape.mesh.positions[v[1]];
+      p.c = shape.mesh.positions[v[2]];
+      const Vec3 n = glm::cross(p.b - p.a, p.c - p.a);
+      const double length = glm::length(n);
+      if (!(length > 0)) continue;  // no area: nothing can meet it
+      p.normal = n / length;
+      p.area = length / 2;
+      primitives_.push_back(p);
+    }
+  }
+  for (size_t i = first; i < primitives_.size(); ++i) primitives_[i].shape = s;
+}
+
 void World::add_primitives() {
+  int groups = 0;
   for (uint32_t s = 0; s < scene_.shapes.size(); ++s) {
     const Shape& shape = scene_.shapes[s];
+    groups = std::max(groups, shape.group + 1);
     const Bsdf* front = shape.bsdf < 0 ? nullptr : &scene_.bsdfs[static_cast<size_t>(shape.bsdf)];
     const bool both = front && (front->two_sided || front->transmits());
     side_bsdf_.push_back(shape.bsdf);
     side_bsdf_.push_back(shape.back_bsdf >= 0 ? shape.back_bsdf : both ? shape.bsdf : -1);
-    const size_t first = primitives_.size();
-    if (shape.kind == ShapeKind::kSphere) {
-      primitives_.push_back(sphere_primitive(shape));
-    } else if (shape.kind == ShapeKind::kDisk) {
-      primitives_.push_back(disk_primitive(shape));
-    } else {
-      for (uint32_t t = 0; t < shape.mesh.triangles.size(); ++t) {
-        const auto& v = shape.mesh.triangles[t];
-        Primitive p;
-        p.index = t;
-        p.a = shape.mesh.positions[v[0]];
-        p.b = shape.mesh.positions[v[1]];
-        p.c = shape.mesh.positions[v[2]];
-        const Vec3 n = glm::cross(p.b - p.a, p.c - p.a);
-        const double length = glm::length(n);
-        if (!(length > 0)) continue;  // no area: nothing can meet it
-        p.normal = n / length;
-        p.area = length / 2;
-        primitives_.push_back(p);
-      }
-    }
-    for (size_t i = first; i < primitives_.size(); ++i) {
-      primitives_[i].shape = s;
-      surface_area_ += primitives_[i].area;
-      for (bool side : {true, false})
-        if (has_diffuse_part(scene_, bsdf(s, side))) diffuse_area_ += primitives_[i].area;
-    }
+    if (shape.group < 0) add_shape(s);
     for (bool side : {true, false}) {
       const Bsdf* b = bsdf(s, side);
       has_delta_ = has_delta_ || has_delta_part(scene_, b);
@@ -154,14 +179,159 @@ void World::add_primitives() {
       has_openings_ = has_openings_ || is_open;
     }
   }
+  for (int g = 0; g < groups; ++g) {
+    const uint32_t begin = size();
+    for (uint32_t s = 0; s < scene_.shapes.size(); ++s)
+      if (scene_.shapes[s].group == g) add_shape(s);
+    groups_.push_back({begin, size()});
+  }
   if (primitives_.empty()) throw SceneError(scene_.name + ": the scene has no shapes with area");
+  add_instances();
+  measure();
+}
+
+namespace {
+
+Vec3 carried(const Mat4& m, const Vec3& p) { return Vec3(m * glm::dvec4(p, 1)); }
+
+// The vertices of a group's triangles, each once, in blocks with a box each: for bounds of the
+// group wherever it stands, without a look at every vertex.
+class GroupVertices {
+ public:
+  GroupVertices(const Scene& scene, uint32_t group);
+
+  // Calls see(vertex in the world) for all vertices but those of blocks that settled(middle, half)
+  // accepts: their vertices lie within `half` of `middle` along each axis.
+  template <class Settled, class See>
+  void visit(const Mat4& to_world, Settled&& settled, See&& see) const {
+    const glm::dmat3 m(to_world);
+    for (size_t b = 0; b < boxes_.size(); ++b) {
+      const auto& [lower, upper] = boxes_[b];
+      const Vec3 middle = carried(to_world, (lower + upper) * 0.5), edge = (upper - lower) * 0.5;
+      const Vec3 half = glm::abs(m[0]) * edge.x + glm::abs(m[1]) * edge.y + glm::abs(m[2]) * edge.z;
+      // Far above the rounding of the way there.
+      const Vec3 rounding = (glm::abs(middle) + half + glm::abs(Vec3(to_world[3]))) * 0x1p-40;
+      if (settled(middle, half + rounding)) continue;
+      const size_t end = std::min(vertices_.size(), (b + 1) * kBlock);
+      for (size_t i = b * kBlock; i < end; ++i) see(carried(to_world, vertices_[i]));
+    }
+  }
+
+ private:
+  static constexpr size_t kBlock = 256;
+  std::vector<Vec3> vertices_;
+  std::vector<std::pair<Vec3, Vec3>> boxes_;
+};
+
+GroupVertices::GroupVertices(const Scene& scene, uint32_t group) {
+  for (const Shape& s : scene.shapes) {
+    if (s.group != static_cast<int>(group)) continue;
+    std::vector<char> used(s.mesh.positions.size(), 0);
+    for (const auto& t : s.mesh.triangles)
+      for (const uint32_t v : t) used[v] = 1;
+    for (size_t i = 0; i < used.size(); ++i)
+      if (used[i]) vertices_.push_back(s.mesh.positions[i]);
+  }
+  for (size_t first = 0; first < vertices_.size(); first += kBlock) {
+    std::pair<Vec3, Vec3> box(vertices_[first], vertices_[first]);
+    for (size_t i = first; i < std::min(vertices_.size(), first + kBlock); ++i) {
+      box.first = glm::min(box.first, vertices_[i]);
+      box.second = glm::max(box.second, vertices_[i]);
+    }
+    boxes_.push_back(box);
+  }
+}
+
+}  // namespace
+
+Primitive World::placed(uint32_t primitive, uint32_t instance) const {
+  Primitive p = primitives_[primitive];
+  if (instance == ~0u) return p;
+  const PlacedGroup& g = instances_[instance];
+  for (Vec3* v : {&p.a, &p.b, &p.c}) *v = carried(g.to_world, *v);
+  const Vec3 n = glm::cross(p.b - p.a, p.c - p.a);
+  const double length = glm::length(n);
+  p.normal = n / (g.mirrored ? -length : length);
+  p.area = length / 2;
+  return p;
+}
+
+void World::add_instances() {
+  for (const Instance& i : scene_.instances) {
+    PlacedGroup g;
+    g.group = static_cast<uint32_t>(i.group);
+    g.to_world = i.to_world;
+    g.to_group = glm::inverse(i.to_world);
+    g.normals = glm::transpose(glm::inverse(glm::dmat3(i.to_world)));
+    g.mirrored = glm::determinant(glm::dmat3(i.to_world)) < 0;
+    instances_.push_back(g);
+  }
+  for (uint32_t group = 0; group < groups_.size(); ++group) {
+    const GroupVertices vertices(scene_, group);
+    tbb::parallel_for(size_t{0}, instances_.size(), [&](size_t i) {
+      PlacedGroup& g = instances_[i];
+      if (g.group != group) return;
+      g.lower = Vec3(HUGE_VAL);
+      g.upper = Vec3(-HUGE_VAL);
+      vertices.visit(
+          g.to_world,
+          [&](const Vec3& middle, const Vec3& half) {
+            return glm::all(glm::greaterThan(middle - half, g.lower)) &&
+                   glm::all(glm::lessThan(middle + half, g.upper));
+          },
+          [&](const Vec3& p) {
+            g.lower = glm::min(g.lower, p);
+            g.upper = glm::max(g.upper, p);
+          });
+    });
+  }
+}
+
+// Areas and bounds of everything in the world.
+void World::measure() {
+  std::vector<int> diffuse_sides;  // of shapes
+  for (uint32_t shape = 0; shape < scene_.shapes.size(); ++shape)
+    diffuse_sides.push_back(static_cast<int>(has_diffuse_part(scene_, bsdf(shape, true))) +
+                            static_cast<int>(has_diffuse_part(scene_, bsdf(shape, false))));
+  const Range world = world_primitives();
   lower_ = Vec3(HUGE_VAL);
   upper_ = Vec3(-HUGE_VAL);
-  for (const Primitive& p : primitives_) {
+  for (uint32_t i = world.begin; i < world.end; ++i) {
+    const Primitive& p = primitives_[i];
+    surface_area_ += p.area;
+    for (int side = diffuse_sides[p.shape]; side > 0; --side) diffuse_area_ += p.area;
     Vec3 lo, hi;
     primitive_bounds(p, lo, hi);
     lower_ = glm::min(lower_, lo);
     upper_ = glm::max(upper_, hi);
+  }
+  // Area, and that which can hold photons, of a group whose area vectors go by these cofactors.
+  const auto areas = [&](uint32_t group, const glm::dmat3& cofactors) {
+    Vec2 sum(0);
+    for (uint32_t i = groups_[group].begin; i < groups_[group].end; ++i) {
+      const Primitive& p = primitives_[i];
+      const double area = glm::length(cofactors * p.normal) * p.area;
+      sum += Vec2(area, diffuse_sides[p.shape] * area);
+    }
+    return sum;
+  };
+  std::vector<Vec2> own_areas;
+  for (uint32_t group = 0; group < groups_.size(); ++group)
+    own_areas.push_back(areas(group, glm::dmat3(1)));
+  for (const PlacedGroup& g : instances_) {
+    lower_ = glm::min(lower_, g.lower);
+    upper_ = glm::max(upper_, g.upper);
+    const glm::dmat3 cofactors = g.normals * glm::determinant(glm::dmat3(g.to_world));
+    // Even scales make all triangles larger alike.
+    const double scale2 = glm::length(cofactors[0]);
+    bool even = true;
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j)
+        even = even && std::fabs(glm::dot(cofactors[i], cofactors[j]) -
+                                 (i == j ? scale2 * scale2 : 0)) <= 1e-12 * scale2 * scale2;
+    const Vec2 sum = even ? own_areas[g.group] * scale2 : areas(g.group, cofactors);
+    surface_area_ += sum.x;
+    diffuse_area_ += sum.y;
   }
   // Squares and products of lengths, some in single precision, stay far from its limits.
   constexpr double kSmallest = 1e-12, kLargest = 1e12;
@@ -170,14 +340,34 @@ void World::add_primitives() {
     throw SceneError(fmt::format("{}: the scene is {:g} units across, expected {:g} to {:g}",
                                  scene_.name, across, kSmallest, kLargest));
   centre_ = (lower_ + upper_) * 0.5;
-  for (const Primitive& p : primitives_) {
+  for (uint32_t i = world.begin; i < world.end; ++i) {
+    const Primitive& p = primitives_[i];
     if (p.kind == PrimitiveKind::kTriangle) {
       for (const Vec3& v : {p.a, p.b, p.c}) radius_ = std::max(radius_, glm::length(v - centre_));
+    } else if (p.kind == PrimitiveKind::kCylinder) {
+      for (const Vec3& v : {p.a, p.a + p.b})
+        radius_ = std::max(radius_, glm::length(v - centre_) + p.c.x);
     } else {
       const double reach = p.kind == PrimitiveKind::kSphere
                                ? p.b.x
                                : std::max(glm::length(p.b), glm::length(p.c)) * std::sqrt(2.0);
       radius_ = std::max(radius_, glm::length(p.a - centre_) + reach);
+    }
+  }
+  // The sphere of the instances' boxes; only those that reach further are looked at whole.
+  const auto furthest_corner = [&](const PlacedGroup& g) {
+    return glm::length(glm::max(glm::abs(g.lower - centre_), glm::abs(g.upper - centre_)));
+  };
+  for (uint32_t group = 0; group < groups_.size(); ++group) {
+    const GroupVertices vertices(scene_, group);
+    for (const PlacedGroup& g : instances_) {
+      if (g.group != group || furthest_corner(g) <= radius_) continue;
+      vertices.visit(
+          g.to_world,
+          [&](const Vec3& middle, const Vec3& half) {
+            return glm::length(glm::abs(middle - centre_) + half) < radius_;
+          },
+          [&](const Vec3& p) { radius_ = std::max(radius_, glm::length(p - centre_)); });
     }
   }
   radius_ = std::min(radius_, glm::length(upper_ - lower_) * 0.5);
@@ -186,7 +376,7 @@ void World::add_primitives() {
 }
 
 void World::add_emitters() {
-  for (size_t i = 0; i < primitives_.size(); ++i) {
+  for (size_t i = 0; i < world_primitives().end; ++i) {
     Primitive& p = primitives_[i];
     const std::optional<Rgb>& radiance = scene_.shapes[p.shape].radiance;
     if (!radiance || is_black(*radiance)) continue;
@@ -276,6 +466,17 @@ Vec3 on_unit_sphere(const Shape& s, const Vec3& position) {
   return local / glm::length(local);
 }
 
+// The point of the cylinder of radius and height 1 whose image a point on a cylinder is.
+Vec3 in_cylinder(const Shape& s, const Vec3& position) {
+  const Vec3 d = position - column(s.to_world, 3);
+  Vec3 local(0);
+  for (int i = 0; i < 3; ++i) {
+    const Vec3 axis = column(s.to_world, i);
+    local[i] = glm::dot(d, axis) / glm::dot(axis, axis);
+  }
+  return local;
+}
+
 struct Corners {
   Vec2 uv[3];
 };
@@ -304,6 +505,10 @@ Vec2 World::uv(const Hit& hit) const {
       const Vec3 d = on_unit_sphere(s, hit.position);
       return Vec2(turn_of(d.x, d.y), angle_of(d.z, std::sqrt(d.x * d.x + d.y * d.y)) / kPi);
     }
+    case PrimitiveKind::kCylinder: {
+      const Vec3 d = in_cylinder(s, hit.position);
+      return Vec2(turn_of(d.x, d.y), d.z);
+    }
     default:
       return Vec2(glm::length(hit.coordinates), turn_of(hit.coordinates.x, hit.coordinates.y));
   }
@@ -312,19 +517,60 @@ Vec2 World::uv(const Hit& hit) const {
 Vec3 World::tangent(const Hit& hit) const {
   const Primitive& p = primitives_[hit.primitive];
   const Shape& s = scene_.shapes[p.shape];
+  Vec3 du, dv;
   switch (p.kind) {
-    case PrimitiveKind::kTriangle: {
-      const Corners c = corners_of(s.mesh, p.index);
-      const Vec2 b = c.uv[1] - c.uv[0], d = c.uv[2] - c.uv[0];
-      const double det = b.x * d.y - b.y * d.x;
-      return det == 0 ? Vec3(0) : ((p.b - p.a) * d.y - (p.c - p.a) * b.y) / det;
-    }
+    case PrimitiveKind::kTriangle:
+      return derivatives(hit, du, dv) ? du : Vec3(0);
     case PrimitiveKind::kSphere: {
       const Vec3 d = on_unit_sphere(s, hit.position);
       return column(s.to_world, 1) * d.x - column(s.to_world, 0) * d.y;
     }
+    case PrimitiveKind::kCylinder: {
+      const Vec3 d = in_cylinder(s, hit.position);
+      return column(s.to_world, 1) * d.x - column(s.to_world, 0) * d.y;
+    }
     default:
       return p.b * hit.coordinates.x + p.c * hit.coordinates.y;
+  }
+}
+
+bool World::derivatives(const Hit& hit, Vec3& du, Vec3& dv) const {
+  const Primitive& p = primitives_[hit.primitive];
+  const Shape& s = scene_.shapes[p.shape];
+  switch (p.kind) {
+    case PrimitiveKind::kTriangle: {
+      const Primitive placed_p = placed(hit.primitive, hit.instance);
+      const Corners c = corners_of(s.mesh, p.index);
+      const Vec2 b = c.uv[1] - c.uv[0], d = c.uv[2] - c.uv[0];
+      const double det = b.x * d.y - b.y * d.x;
+      if (det == 0) return false;
+      const Vec3 ab = placed_p.b - placed_p.a, ac = placed_p.c - placed_p.a;
+      du = (ab * d.y - ac * b.y) / det;
+      dv = (ac * b.x - ab * d.x) / det;
+      return true;
+    }
+    case PrimitiveKind::kSphere: {
+      const Vec3 d = on_unit_sphere(s, hit.position);
+      const double across = std::sqrt(d.x * d.x + d.y * d.y);
+      const Vec3 x = column(s.to_world, 0), y = column(s.to_world, 1), z = column(s.to_world, 2);
+      du = (y * d.x - x * d.y) * (2 * kPi);
+      dv = across > 0 ? ((x * d.x + y * d.y) * (d.z / across) - z * across) * kPi : Vec3(0);
+      return across > 0;
+    }
+    case PrimitiveKind::kCylinder: {
+      const Vec3 d = in_cylinder(s, hit.position);
+      du = (column(s.to_world, 1) * d.x - column(s.to_world, 0) * d.y) * (2 * kPi);
+      dv = column(s.to_world, 2);
+      return true;
+    }
+    default: {
+      const Vec2& at = hit.coordinates;
+      const double r = glm::length(at);
+      if (!(r > 0)) return false;
+      du = (p.b * at.x + p.c * at.y) / r;
+      dv = (p.c * at.x - p.b * at.y) * (2 * kPi);
+      return true;
+    }
   }
 }
 

@@ -32,6 +32,7 @@ struct Hit {
   double distance = 0;
   uint32_t primitive = ~0u;
   uint32_t shape = ~0u;
+  uint32_t instance = ~0u;  // index into World::instances(); none where the primitive is no group's
   bool valid() const { return shape != ~0u; }
 };
 
@@ -46,18 +47,18 @@ class RayCaster {
                         const Hit* to_hit) const = 0;
 };
 
-enum class PrimitiveKind : uint8_t { kTriangle, kSphere, kDisk };
+enum class PrimitiveKind : uint8_t { kTriangle, kSphere, kDisk, kCylinder };
 
-// What a ray can meet, in world space.
+// What a ray can meet, in world space; a group's in the group's.
 struct Primitive {
   PrimitiveKind kind = PrimitiveKind::kTriangle;
-  bool inward = false;  // sphere: the normal points to the centre
+  bool inward = false;  // sphere, cylinder: the normal points to the centre or axis
   uint32_t shape = 0;
   uint32_t index = 0;     // triangle: its number in the shape's mesh
   int32_t emitter = -1;   // area emitter: index into World::emitters()
   Vec3 a{0}, b{0}, c{0};  // triangle: vertices; sphere: centre a, radius b.x; disk: a + x b + y c,
-                          // x^2 + y^2 <= 1
-  Vec3 normal{0};         // triangle, disk: unit; sphere: unused
+                          // x^2 + y^2 <= 1; cylinder: foot a, axis b, c.x its radius
+  Vec3 normal{0};         // triangle, disk: unit; sphere, cylinder: unused
   double area = 0;
 };
 
@@ -81,6 +82,15 @@ struct Coat {
   double enters(double cosine) const;
 };
 
+// A group of primitives, shown at another place.
+struct PlacedGroup {
+  uint32_t group = 0;
+  Mat4 to_world{1}, to_group{1};
+  glm::dmat3 normals{1};    // carries normals: the inverse transpose
+  Vec3 lower{0}, upper{0};  // in the world
+  bool mirrored = false;
+};
+
 // Lobes of a BSDF or of one of its parts.
 bool has_diffuse_part(const Scene& scene, const Bsdf* bsdf);
 bool has_delta_part(const Scene& scene, const Bsdf* bsdf);
@@ -92,7 +102,16 @@ class World {
   explicit World(Scene scene);
 
   const Scene& scene() const { return scene_; }
+  // Those of the world first, then group by group.
   const std::vector<Primitive>& primitives() const { return primitives_; }
+  struct Range {
+    uint32_t begin, end;
+  };
+  Range world_primitives() const { return {0, groups_.empty() ? size() : groups_[0].begin}; }
+  const std::vector<Range>& groups() const { return groups_; }  // into primitives()
+  const std::vector<PlacedGroup>& instances() const { return instances_; }
+  // A primitive as it stands in the world.
+  Primitive placed(uint32_t primitive, uint32_t instance) const;
   const std::vector<Emitter>& emitters() const { return emitters_; }
 
   // Axis-aligned box of all primitives.
@@ -150,6 +169,8 @@ class World {
   Vec2 uv(const Hit& hit) const;
   // Along which u grows, not normalised; 0 where there is none.
   Vec3 tangent(const Hit& hit) const;
+  // How the position changes with u and v; false where there are no coordinates.
+  bool derivatives(const Hit& hit, Vec3& du, Vec3& dv) const;
   // A texture's value, or 1 for index -1.
   Rgb texture(int index, const Hit& hit) const {
     return index < 0 ? Rgb(1) : texture_at(index, hit);
@@ -173,7 +194,11 @@ class World {
   }
 
  private:
+  uint32_t size() const { return static_cast<uint32_t>(primitives_.size()); }
   void add_primitives();
+  void add_shape(uint32_t shape);
+  void add_instances();
+  void measure();
   void add_emitters();
   void add_coats();
   Rgb texture_at(int index, const Hit& hit) const;
@@ -181,6 +206,8 @@ class World {
 
   Scene scene_;
   std::vector<Primitive> primitives_;
+  std::vector<Range> groups_;
+  std::vector<PlacedGroup> instances_;
   std::vector<Emitter> emitters_;
   std::vector<double> emitter_cdf_;
   std::vector<int> side_bsdf_;  // two per shape: front, back; -1: black
@@ -196,7 +223,8 @@ class World {
 
 // Our own BVH in double, the photon mapper's in both arithmetics. The world must outlive it.
 std::unique_ptr<RayCaster> make_double_bvh(const World& world);
-// Embree finds the primitive, the hit is refined in double; the path tracer's.
+// Embree finds the primitive, the hit is refined in double; the path tracer's. With instances it is
+// our own BVH.
 std::unique_ptr<RayCaster> make_embree(const World& world);
 
 // A photon as it lands, in scene units.
@@ -229,6 +257,7 @@ struct DiffuseHit {
 
 // The camera's path of one sample: everything but the caustic estimate and the final gather.
 struct CameraSample {
+  Vec2 place{0};  // on the film, within its pixel
   // What the first hit shows; zero where the ray leaves the scene.
   Rgb albedo{0};
   Vec3 normal{0};    // world

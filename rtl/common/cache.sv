@@ -88,7 +88,7 @@ module cache #(
   end
 
   // ---- stages 0 to 2 ----
-  // A lookup is stale when a tag is written in the cycle in which it reads or the next: then it is made again.
+  // A lookup is stale when a tag of its set is written in the cycle in which it reads or the next: then it is made again.
   logic queue_valid, allocate;
   logic [ClientBits-1:0] queue_client, client_1_q, client_2_q, client_3_q;
   logic [AddressBits-1:0] queue_address, address_1_q, address_2_q, address_3_q;
@@ -96,11 +96,9 @@ module cache #(
   logic [SetBits-1:0] set_1, set_2, set_3_q;
   logic [Ways*TagBits-1:0] tags, tags_3_q;
   logic [Ways-1:0] pending_2, pending_3_q;
-  logic tag_write;
 
   assign set_1 = SetBits'(address_1_q) & set_mask_i;
   assign set_2 = SetBits'(address_2_q) & set_mask_i;
-  assign tag_write = sweeping_q || allocate;
 
   always_ff @(posedge clk_i) begin
     valid_1_q <= in_valid_i || queue_valid;
@@ -110,13 +108,13 @@ module cache #(
     valid_2_q <= valid_1_q;
     client_2_q <= client_1_q;
     address_2_q <= address_1_q;
-    stale_2_q <= tag_write;
+    stale_2_q <= sweeping_q || (allocate && set_1 == set_3_q);
 
     valid_3_q <= valid_2_q;
     client_3_q <= client_2_q;
     address_3_q <= address_2_q;
     set_3_q <= set_2;
-    stale_3_q <= stale_2_q || tag_write;
+    stale_3_q <= stale_2_q || sweeping_q || (allocate && set_2 == set_3_q);
     tags_3_q <= tags;
     pending_3_q <= pending_2;
     if (rst_i) begin
@@ -192,8 +190,8 @@ module cache #(
   end
 
   // ---- misses ----
-  // Allocations are at least three cycles apart, since each makes the two lookups behind it stale; so the free entry can
-  // be chosen a cycle ahead.
+  // Allocations are at least two cycles apart, since the request of one waits in its register for a cycle; so the free
+  // entry can be chosen a cycle ahead.
   logic [Misses-1:0] busy_q, filled_q;
   logic [PlaceBits-1:0] miss_place_q[0:Misses-1];
   logic serve, any_filled;

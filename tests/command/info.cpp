@@ -25,6 +25,11 @@ TEST_CASE("info: counts, bounds, powers, needs") {
   // A lamp of 0.6 x 0.6 radiates pi L A.
   CHECK(j["power"][0].get<double>() == Approx(3.14159265358979 * 14 * 0.36));
   CHECK(j["hash"].get<std::string>().size() == 16);
+  CHECK(j["film"]["filter"] == "box");
+  CHECK(j["camera"] == "perspective");
+  CHECK(j["instances"] == 0);
+  CHECK_THAT(text.out, ContainsSubstring("film       256 x 256, box filter of radius 0.5") &&
+                           ContainsSubstring("loaded     in "));
 }
 
 TEST_CASE("info and plan agree on maps and channels") {

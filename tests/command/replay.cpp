@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <filesystem>
 
 #include "golden/numeric/random.hpp"
 #include "golden/plan/plan_file.hpp"
@@ -92,6 +93,16 @@ TEST_CASE("golden, brute force and RTL answer the same gathers") {
   REQUIRE(rtl.status == 0);
   CHECK(read_file(f.scratch / "out.jsonl") == results);
   CHECK(read_file(f.scratch / "out.photons.jsonl") == found);
+}
+
+TEST_CASE("photons that an earlier run wrote do not stay beside results that have none") {
+  Files f;
+  const std::string golden = "--backend golden --photons " + (f.scratch / "photons.jsonl");
+  REQUIRE(f.replay("photon_gatherer", "queries.jsonl", golden).status == 0);
+  CHECK(std::filesystem::exists(f.scratch / "out.photons.jsonl"));
+  write_file(f.scratch / "none.jsonl", fmt::format(fmt::runtime(kQuery), 1, 0, 5, 6, 7));
+  REQUIRE(f.replay("photon_gatherer", "none.jsonl", golden).status == 0);
+  CHECK_FALSE(std::filesystem::exists(f.scratch / "out.photons.jsonl"));
 }
 
 TEST_CASE("addresses follow the photons, not their order") {

@@ -89,6 +89,21 @@ TEST_CASE("disc light over a point: E = pi L R^2 / (R^2 + h^2), within 1 %") {
                    0.5 / kPi * (kPi * 3 / (1 + 1.5 * 1.5)), 0.01);
 }
 
+TEST_CASE("tube light beside a point: E = pi L r / d, within 4 %") {
+  // For an endless tube; the ends of this one, along y above the point, hold 1 / 2000 of it.
+  Scene s;
+  add_quad(s, add_diffuse(s, Rgb(0.5)), Vec3(-1, -1, 0), Vec3(2, 0, 0), Vec3(0, 2, 0));
+  Shape& tube = add_sphere(s, -1, Vec3(0), 1);
+  tube.kind = ShapeKind::kCylinder;
+  tube.to_world = Mat4(glm::dvec4(0.5, 0, 0, 0), glm::dvec4(0, 0, -0.5, 0), glm::dvec4(0, 40, 0, 0),
+                       glm::dvec4(0, -20, 2, 1));
+  tube.radiance = Rgb(3);
+  set_camera(s, Vec3(0.3, 0, 0.5), Vec3(0), Vec3(0, 0, 1), 1e-3, 8, 8);
+  for (uint64_t seed : kSeeds)
+    check_estimate("tube", seed, image_estimate(path_image(s, 512, seed)),
+                   0.5 / kPi * (kPi * 3 * 0.5 / 2), 0.04);
+}
+
 TEST_CASE("polygon light over a point: E = L / 2 times the sum of beta_i cos gamma_i, within 1 %") {
   // Lambert's formula: beta_i is the angle an edge subtends, gamma_i the one between the normals of
   // the receiver and of the plane through the edge and the point.

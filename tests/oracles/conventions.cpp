@@ -7,6 +7,7 @@
 #include "golden/transport/bsdf.hpp"
 #include "golden/transport/camera.hpp"
 #include "golden/transport/emitters.hpp"
+#include "golden/transport/film_filter.hpp"
 #include "golden/transport/sampling.hpp"
 #include "tests/catch.hpp"
 #include "tests/oracles/scenes.hpp"
@@ -75,30 +76,118 @@ TEST_CASE("a film of some pixels of a frame: each as wide as the frame's, in its
     for (int x = 0; x < 7; ++x) {
       // The rays are those of one of the frame's pixels.
       const Vec3 inside = some.through(x + 0.25, y + 0.75).ray.direction;
-      double px, py, pixels, some_x, some_y, some_pixels;
+      Seen seen, some_seen;
       const Vec3 point = Vec3(s.camera.to_world[3]) + 4.0 * inside;
-      REQUIRE(whole.project(point, px, py, pixels));
+      REQUIRE(whole.project(point, Vec2(0), seen));
+      const double px = seen.x, py = seen.y;
       CHECK(px - std::floor(px) == Approx(0.25));
       CHECK(py - std::floor(py) == Approx(0.75));
       CHECK((px >= x * 60 / 7 && px < (x + 1) * 60 / 7));
       CHECK((py >= y * 44 / 5 && py < (y + 1) * 44 / 5));
       moved |= std::floor(px) != x * 60 / 7;
       // What is seen there is in that pixel of the film, with the frame's density.
-      REQUIRE(some.project(point, some_x, some_y, some_pixels));
-      CHECK(some_x == Approx(x + 0.25));
-      CHECK(some_y == Approx(y + 0.75));
-      CHECK(some_pixels == pixels);
+      REQUIRE(some.project(point, Vec2(0), some_seen));
+      CHECK(some_seen.x == Approx(x + 0.25));
+      CHECK(some_seen.y == Approx(y + 0.75));
+      CHECK(some_seen.density == seen.density);
     }
   CHECK(moved);
   // All other pixels of the frame are not in the film.
-  int seen = 0;
+  int count = 0;
   for (int y = 0; y < 44; ++y)
     for (int x = 0; x < 60; ++x) {
-      double px, py, pixels;
+      Seen seen;
       const Vec3 direction = whole.through(x + 0.5, y + 0.5).ray.direction;
-      seen += some.project(Vec3(s.camera.to_world[3]) + 4.0 * direction, px, py, pixels) ? 1 : 0;
+      const Vec3 point = Vec3(s.camera.to_world[3]) + 4.0 * direction;
+      count += some.project(point, Vec2(0), seen) ? 1 : 0;
     }
-  CHECK(seen == 7 * 5);
+  CHECK(count == 7 * 5);
+}
+
+TEST_CASE("what a ray of a camera meets, it sees at that place of the film, with its density") {
+  Scene pinhole;
+  set_camera(pinhole, Vec3(1, 2, 3), Vec3(2, 4, 1), Vec3(0, 1, 0), 50, 40, 30);
+  pinhole.camera.near_clip = 0.5;
+  pinhole.camera.offset_x = 0.1;
+  Scene thin = pinhole, flat = pinhole;
+  thin.camera.kind = CameraKind::kThinLens;
+  thin.camera.aperture_radius = 0.3;
+  thin.camera.focus_distance = 4;
+  flat.camera.kind = CameraKind::kOrthographic;
+  flat.camera.offset_x = 0;
+  flat.camera.to_world[0] *= 3;  // wider and higher
+  flat.camera.to_world[1] *= 2;
+  for (const Scene* s : {&pinhole, &thin, &flat}) {
+    const Lens lens(*s);
+    CHECK(lens.has_aperture() == (s == &thin));
+    for (uint64_t i = 0; i < 100; ++i) {
+      const Random r(1, Phase::kPath, i);
+      const Vec2 u(r.unit(0, 0), r.unit(0, 1));
+      const double x = 40 * r.unit(0, 2), y = 30 * r.unit(0, 3), t = 1 + 8 * r.unit(0, 4);
+      const CameraRay camera = lens.through(x, y, u);
+      const Vec3 point = camera.ray.origin + camera.ray.direction * t;
+      Seen seen;
+      CAPTURE(i);
+      REQUIRE(lens.project(point, u, seen));
+      CHECK(seen.x == Approx(x).margin(1e-10));
+      CHECK(seen.y == Approx(y).margin(1e-10));
+      CHECK(seen.distance == Approx(t - camera.near));
+      CHECK(glm::length(seen.to_camera + camera.ray.direction) < 1e-12);
+      // Area across the ray of one pixel at the point, by differences.
+      const double h = 1e-4;
+      const auto moved = [&](double dx, double dy) {
+        const Ray ray = lens.through(x + dx, y + dy, u).ray;
+        const Vec3 n = camera.ray.direction;
+        return ray.origin +
+               ray.direction * (glm::dot(point - ray.origin, n) / glm::dot(ray.direction, n));
+      };
+      const Vec3 along = (moved(h, 0) - moved(-h, 0)) / (2 * h);
+      const Vec3 down = (moved(0, h) - moved(0, -h)) / (2 * h);
+      CHECK(seen.density * glm::length(glm::cross(along, down)) == Approx(1).epsilon(1e-6));
+    }
+  }
+}
+
+TEST_CASE("a thin lens: sharp in its plane of focus, a disk of r |1 - z / f| elsewhere") {
+  Scene s;
+  s.film = {40, 30};
+  s.camera.kind = CameraKind::kThinLens;
+  s.camera.aperture_radius = 0.25;
+  s.camera.focus_distance = 3;
+  const Lens lens(s);
+  s.camera.kind = CameraKind::kPerspective;
+  const Lens pinhole(s);
+  const Ray middle = pinhole.through(11, 7).ray;
+  for (const double z : {0.0, 1.5, 3.0, 12.0}) {
+    double furthest = 0, sum = 0;
+    const int count = 2000;
+    for (uint64_t i = 0; i < count; ++i) {
+      const Random r(2, Phase::kPath, i);
+      const Ray ray = lens.through(11, 7, Vec2(r.unit(0, 0), r.unit(0, 1))).ray;
+      const Vec3 at = ray.origin + ray.direction * ((z - ray.origin.z) / ray.direction.z);
+      const double off = glm::length(at - middle.direction * (z / middle.direction.z));
+      furthest = std::max(furthest, off);
+      sum += off * off;
+    }
+    const double radius = 0.25 * std::fabs(1 - z / 3);
+    CHECK(furthest <= radius + 1e-12);
+    // Evenly over the disk: the mean square is half of the radius's.
+    CHECK(sum / count == Approx(radius * radius / 2).epsilon(0.05).margin(1e-20));
+  }
+}
+
+TEST_CASE("an orthographic camera: a lamp of a third of its width covers a third of the film") {
+  Scene s;
+  const int black = add_diffuse(s, Rgb(0));
+  s.film = {30, 20};
+  s.camera.kind = CameraKind::kOrthographic;
+  s.camera.to_world = Mat4(6);  // shows x from -6 to 6, y from -4 to 4
+  s.camera.to_world[3] = {0, 0, -5, 1};
+  add_quad(s, black, Vec3(2, -10, 100), Vec3(0, 20, 0), Vec3(4, 0, 0)).radiance = Rgb(2);
+  const Image image = path_image(s, 4, 1);
+  for (size_t x = 0; x < 30; ++x)
+    CHECK(image.find("G")->pixels[10 * 30 + x] == (x < 10 ? 2.0f : 0.0f));  // +x is left
+  CHECK(static_cast<double>(image.find("Z")->pixels[0]) == Approx(105));
 }
 
 TEST_CASE("area emitters radiate from the normal side only") {
@@ -261,9 +350,12 @@ TEST_CASE(
   }
 }
 
-TEST_CASE("the path tracer finds a point light through a glass ball, within 4 %") {
-  // The caustic layer against photons shot at the same floor, each weighed by what the camera sees
-  // of it: rho / pi times cosine over distance^2, in pixels per solid angle.
+namespace {
+
+// The caustic layer of a floor below a glass ball against photons shot at the same floor, each
+// weighed by what the camera sees of it: rho / pi times cosine, in pixels per area, and with a
+// filter by what it counts in the pixels around.
+void check_caustic_layer(const std::function<void(Scene&)>& change, int spp, uint64_t seed) {
   Scene s;
   add_quad(s, add_diffuse(s, Rgb(0.7)), Vec3(-1, -1, 0), Vec3(2, 0, 0), Vec3(0, 2, 0));
   add_sphere(s, add_glass(s, 1.5), Vec3(0.1, 0, 0.35), 0.15);
@@ -272,24 +364,67 @@ TEST_CASE("the path tracer finds a point light through a glass ball, within 4 %"
   light.intensity = Rgb(1);
   s.lights.push_back(light);
   set_camera(s, Vec3(0, -0.8, 0.15), Vec3(0.15, 0, 0), Vec3(0, 0, 1), 30, 16, 16);
+  change(s);
   const World world(s);
   const auto caster = make_double_bvh(world);
   const Lens lens(s);
-  const Vec3 eye(s.camera.to_world[3]);
+  const FilterTable filter(s.film.filter);
+  const auto counts = [&](double place, int size) {
+    const int pixel = static_cast<int>(place);
+    double sum = 0;
+    for (int i = std::max(0, pixel - filter.reach());
+         i <= std::min(size - 1, pixel + filter.reach()); ++i)
+      sum += filter.weight(i - pixel, FilterTable::place(place - pixel)) /
+             std::ldexp(filter.mean_sum(i, size), FilterTable::kOneBits);
+    return sum;
+  };
+  const PhotonPass pass = trace_caustic_photons(world, *caster, 160000, seed);
+  const Estimate photons = per_path(pass, [&](const Photon& p) {
+    Seen seen;
+    const Random r(seed, Phase::kPath, p.path);
+    const Vec2 u(r.unit(p.bounce, 0), r.unit(p.bounce, 1));
+    if (!lens.project(p.position, u, seen)) return 0.0;
+    const Vec3 eye = p.position + seen.to_camera * seen.distance;
+    if (caster->occluded(Ray{eye, -seen.to_camera}, seen.distance * (1 - 1e-9), nullptr, nullptr))
+      return 0.0;
+    return p.power.y * 0.7 / kPi * seen.to_camera.z * seen.density * counts(seen.x, 16) *
+           counts(seen.y, 16) / (16 * 16);
+  });
+  const Image image = path_image(s, spp, seed);
+  const double error = std::hypot(photons.error, image_estimate(image).error);
+  check_estimate("caustic", seed, {channel_mean(image, "caustic.G"), error}, photons.mean, 0.04);
+  CHECK(photons.mean > 0);
+}
+
+}  // namespace
+
+TEST_CASE("the path tracer finds a point light through a glass ball, within 4 %") {
+  for (uint64_t seed : kSeeds) check_caustic_layer([](Scene&) {}, 4096, seed);
+}
+
+TEST_CASE("so it does through a lens, without perspective and with filters, within 4 %", "[slow]") {
+  const auto thin = [](Scene& s) {
+    s.camera.kind = CameraKind::kThinLens;
+    s.camera.aperture_radius = 0.05;
+    s.camera.focus_distance = 0.5;
+  };
+  const auto flat = [](Scene& s) {
+    s.camera.kind = CameraKind::kOrthographic;
+    for (int i : {0, 1}) s.camera.to_world[i] *= 0.2;
+  };
   for (uint64_t seed : kSeeds) {
-    const PhotonPass pass = trace_caustic_photons(world, *caster, 160000, seed);
-    const Estimate photons = per_path(pass, [&](const Photon& p) {
-      double x, y, density;
-      if (!lens.project(p.position, x, y, density)) return 0.0;
-      const Vec3 d = eye - p.position;
-      const double distance = glm::length(d);
-      if (caster->occluded(Ray{eye, -d / distance}, distance * (1 - 1e-9), nullptr, nullptr))
-        return 0.0;
-      return p.power.y * 0.7 / kPi * (d.z / distance) * density / (distance * distance) / (16 * 16);
-    });
-    const Image image = path_image(s, 4096, seed);
-    const double error = std::hypot(photons.error, image_estimate(image).error);
-    check_estimate("caustic", seed, {channel_mean(image, "caustic.G"), error}, photons.mean, 0.04);
-    CHECK(photons.mean > 0);
+    check_caustic_layer(thin, 4096, seed);
+    check_caustic_layer(flat, 4096, seed);
+    check_caustic_layer(
+        [](Scene& s) {
+          s.film.filter = {FilterKind::kGaussian, 2, 0.5};
+        },
+        4096, seed);
+    check_caustic_layer(
+        [&](Scene& s) {
+          thin(s);
+          s.film.filter = {FilterKind::kMitchell, 2, 0, 1.0 / 3, 1.0 / 3};
+        },
+        4096, seed);
   }
 }

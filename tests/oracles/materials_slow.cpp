@@ -52,18 +52,20 @@ Light sky(const Rgb& radiance) {
 
 }  // namespace
 
-// A coat throws back 4 % of what arrives: its caustic is faint, and the path tracer's is noisy.
-TEST_CASE("layers agree: plastics, smooth and rough, on a textured floor, caustic within 15 %") {
-  Scene s = room(true);
+// A dense coat and a wide lamp: the path tracer finds caustics by chance, and those of a common
+// plastic, which throws back 4 %, under a small lamp are too noisy to judge.
+TEST_CASE("layers agree: plastics, smooth and rough, on a textured floor, caustic within 5 %") {
+  Scene s = room(false);
+  add_quad(s, -1, Vec3(0.1, 0.998, 0.1), Vec3(0.8, 0, 0), Vec3(0, 0, 0.8)).radiance = Rgb(2.5);
   Bsdf floor;
   floor.diffuse = Rgb(1);
   set_texture(floor, Slot::kDiffuse, add_texture(s, Rgb(0.8, 0.5, 0.2), Rgb(0.1, 0.3, 0.6), 3));
   add_textured_quad(s, add_bsdf(s, floor), Vec3(0, 0.002, 0), Vec3(0, 0, 1), Vec3(1, 0, 0));
-  add_sphere(s, add_bsdf(s, glossy(BsdfKind::kPlastic, Microfacets::kGgx, 0.1, Rgb(0.7), 1.5)),
+  add_sphere(s, add_bsdf(s, glossy(BsdfKind::kPlastic, Microfacets::kGgx, 0.1, Rgb(0.7), 2.4)),
              Vec3(0.3, 0.21, 0.65), 0.2);
   add_sphere(s, add_bsdf(s, glossy(BsdfKind::kRoughPlastic, Microfacets::kGgx, 0.3, Rgb(0.6), 1.5)),
              Vec3(0.7, 0.21, 0.35), 0.2);
-  check_layers("plastics", s, 3072, 11, 0.15);
+  check_layers("plastics", s, 2048, 11, 0.05);
 }
 
 TEST_CASE("layers agree: rough metal, rough glass and thin glass, caustic within 5 %") {

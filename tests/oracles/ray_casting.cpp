@@ -2,6 +2,7 @@
 // The BVH against every primitive in turn, and what may not happen at edges and at other scales.
 #include <cmath>
 
+#include "golden/scene/mesh.hpp"
 #include "golden/transport/emitters.hpp"
 #include "golden/transport/intersect.hpp"
 #include "golden/transport/sampling.hpp"
@@ -23,9 +24,7 @@ Hit brute_force(const World& world, const Ray& ray) {
     Meeting m;
     const bool met = p.kind == PrimitiveKind::kTriangle
                          ? meet_triangle(p.a, p.b, p.c, ray.origin, Shear(ray.direction), m)
-                     : p.kind == PrimitiveKind::kSphere
-                         ? meet_sphere(p, ray.origin, ray.direction, false, m)
-                         : meet_disk(p, ray.origin, ray.direction, m);
+                         : meet_round(p, ray.origin, ray.direction, false, m);
     if (met && m.t < best.t) {
       best = m;
       primitive = i;
@@ -55,6 +54,14 @@ Scene soup(uint64_t seed, int triangles) {
     Shape& disk = add_sphere(s, grey, Vec3(r.unit(1, 0), r.unit(1, 1), r.unit(1, 2)), 0.2);
     disk.kind = ShapeKind::kDisk;
     disk.to_world[0] *= 0.5;
+    // A tube from the sphere's place to another, as the file's cylinders.
+    const Vec3 from(r.unit(2, 0), r.unit(2, 1), r.unit(2, 2));
+    const Vec3 along = 0.5 * (Vec3(r.unit(3, 0), r.unit(3, 1), r.unit(3, 2)) - 0.5);
+    const Frame frame(glm::normalize(along));
+    Shape& tube = add_sphere(s, grey, from, 1);
+    tube.kind = ShapeKind::kCylinder;
+    tube.to_world = Mat4(glm::dvec4(frame.s * 0.07, 0), glm::dvec4(frame.t * 0.07, 0),
+                         glm::dvec4(along, 0), glm::dvec4(from, 1));
   }
   s.shapes[0].radiance = Rgb(1);
   return s;
@@ -112,6 +119,140 @@ TEST_CASE("no ray leaves a closed room, at any scale and any place") {
         }
       }
     }
+}
+
+TEST_CASE("instances: the hits of explicit copies, to the last bit") {
+  const int triangles = 500;
+  Scene copies, instanced;
+  Shape mesh = soup(4, triangles).shapes[0];
+  mesh.radiance.reset();
+  mesh.mesh.normals.clear();
+  for (const auto& t : mesh.mesh.triangles)
+    for (int i = 0; i < 3; ++i)
+      mesh.mesh.normals.push_back(
+          glm::normalize(glm::cross(mesh.mesh.positions[t[1]] - mesh.mesh.positions[t[0]],
+                                    mesh.mesh.positions[t[2]] - mesh.mesh.positions[t[0]]) +
+                         Vec3(0, 1e-3 * i, 0)));
+  for (const auto& t : mesh.mesh.triangles)
+    for (const uint32_t v : t)
+      mesh.mesh.uvs.emplace_back(mesh.mesh.positions[v].x, mesh.mesh.positions[v].y);
+  const auto lamp = [](Scene& s) {
+    add_quad(s, add_diffuse(s, Rgb(0.5)), Vec3(-9, -9, -9), Vec3(18, 0, 0), Vec3(0, 18, 0))
+        .radiance = Rgb(1);
+  };
+  lamp(copies);
+  lamp(instanced);
+  Mat4 far(1), turned(1), sheared(1), mirrored(1);
+  far[3] = {1e4, 0.1, 3, 1};
+  const Vec2 c = cos_sin_turns(0.1);
+  turned[0] = glm::dvec4(c.x, c.y, 0, 0) * 1.7;
+  turned[1] = glm::dvec4(-c.y, c.x, 0, 0) * 1.7;
+  turned[2] *= 1.7;
+  turned[3] = {0.2, -0.3, 2, 1};
+  sheared[1] = {0.4, 0.3, 0.1, 0};
+  sheared[3] = {2, 0, 0, 1};
+  mirrored[0] *= -1;
+  const Mat4 places[] = {Mat4(1), far, turned, sheared, mirrored};
+  for (const Mat4& m : places) {
+    Shape copy = mesh;
+    const bool turn = &m == &places[4];
+    copy.mesh.positions.clear();
+    for (const Vec3& p : mesh.mesh.positions)
+      copy.mesh.positions.push_back(Vec3(m * glm::dvec4(p, 1)));
+    for (Vec3& n : copy.mesh.normals)
+      n = carried_normal(glm::transpose(glm::inverse(glm::dmat3(m))), n);
+    for (auto& t : copy.mesh.triangles)
+      if (turn) std::swap(t[1], t[2]);
+    copies.shapes.push_back(copy);
+    instanced.instances.push_back({0, m});
+  }
+  mesh.group = 0;
+  instanced.shapes.push_back(mesh);
+  const World explicit_world(copies), world(instanced);
+  CHECK(world.lower() == explicit_world.lower());
+  CHECK(world.upper() == explicit_world.upper());
+  CHECK(world.radius() == explicit_world.radius());
+  CHECK(world.surface_area() == Approx(explicit_world.surface_area()));
+  CHECK(world.diffuse_area() == Approx(explicit_world.diffuse_area()));
+  CHECK(world.primitives().size() == 2 + triangles);
+  const auto expected_caster = make_double_bvh(explicit_world), caster = make_double_bvh(world);
+  int hits[5] = {};
+  for (uint64_t i = 0; i < 20000; ++i) {
+    const Random r(5, Phase::kCamera, i);
+    const uint64_t at = i % 5;
+    const Vec3 inside = Vec3(places[at] * glm::dvec4(r.unit(0, 0), r.unit(0, 1), r.unit(0, 2), 1));
+    Ray ray{inside, sample_sphere({r.unit(0, 3), r.unit(0, 4)})};
+    ray.origin -= ray.direction * (3 * r.unit(0, 5));
+    Hit expected, found;
+    for (int bounce = 0; bounce < 2; ++bounce) {
+      const Hit before_expected = expected, before = found;
+      expected = expected_caster->closest(ray, bounce ? &before_expected : nullptr);
+      found = caster->closest(ray, bounce ? &before : nullptr);
+      CAPTURE(i, bounce);
+      REQUIRE(found.valid() == expected.valid());
+      if (!found.valid()) break;
+      const bool is_copy = expected.shape > 0;
+      REQUIRE((found.instance != ~0u) == is_copy);
+      if (is_copy) {
+        REQUIRE(found.instance + 1 == expected.shape);
+        REQUIRE(world.primitives()[found.primitive].index ==
+                explicit_world.primitives()[expected.primitive].index);
+        ++hits[found.instance];
+      }
+      if (found.instance == 4) {  // another order of the corners
+        REQUIRE(found.distance == Approx(expected.distance).epsilon(1e-12));
+        REQUIRE(glm::length(found.normal - expected.normal) < 1e-12);
+        break;
+      }
+      REQUIRE(found.distance == expected.distance);
+      REQUIRE(found.position == expected.position);
+      REQUIRE(found.normal == expected.normal);
+      REQUIRE(found.shading_normal == expected.shading_normal);
+      if (is_copy) {
+        REQUIRE(world.uv(found) == explicit_world.uv(expected));
+        REQUIRE(world.tangent(found) == explicit_world.tangent(expected));
+      }
+      const double beyond = found.distance * (1 + 1e-9);
+      REQUIRE(caster->occluded(ray, beyond, bounce ? &before : nullptr, nullptr));
+      REQUIRE_FALSE(caster->occluded(ray, beyond, bounce ? &before : nullptr, &found));
+      ray = {found.position, sample_sphere({r.unit(1, 3), r.unit(1, 4)})};
+    }
+  }
+  for (const int n : hits) CHECK(n > 500);
+}
+
+TEST_CASE("a cylinder: its inside, its open ends, and no second meeting with itself") {
+  Scene s;
+  Shape& tube = add_sphere(s, add_diffuse(s, Rgb(0.5)), Vec3(0), 1);
+  tube.kind = ShapeKind::kCylinder;
+  tube.to_world = Mat4(1);
+  tube.to_world[2] = glm::dvec4(0, 0, 4, 0);
+  tube.radiance = Rgb(1);
+  const World world(s);
+  CHECK(world.surface_area() == Approx(8 * kPi));
+  CHECK(world.lower() == Vec3(-1, -1, 0));
+  CHECK(world.upper() == Vec3(1, 1, 4));
+  for (const auto& caster : {make_double_bvh(world), make_embree(world)}) {
+    // Through an end onto the far inside; along the axis through both ends.
+    const Hit inside = caster->closest({Vec3(-1.5, 0, -1), glm::normalize(Vec3(1, 0, 1))}, nullptr);
+    REQUIRE(inside.valid());
+    CHECK(glm::length(inside.position - Vec3(1, 0, 1.5)) < 1e-14);
+    CHECK(glm::length(inside.normal - Vec3(1, 0, 0)) < 1e-15);
+    CHECK(world.uv(inside).y == Approx(0.375));
+    CHECK(std::fabs(glm::dot(world.tangent(inside), Vec3(0, 0, 1))) < 1e-15);
+    CHECK_FALSE(caster->closest({Vec3(0.3, 0.2, -1), Vec3(0, 0, 1)}, nullptr).valid());
+    // A chord from the inside meets the wall once more, and leaves by an end.
+    for (uint64_t i = 0; i < 1000; ++i) {
+      const Random r(3, Phase::kPath, i);
+      const Vec3 d = sample_sphere({r.unit(0, 0), r.unit(0, 1)});
+      const Hit again = caster->closest({inside.position, d}, &inside);
+      const double across = d.x * d.x + d.y * d.y, t = -2 * d.x / across;
+      const bool expected = d.x < 0 && 1.5 + t * d.z > 0 && 1.5 + t * d.z < 4;
+      CAPTURE(i);
+      REQUIRE(again.valid() == expected);
+      if (expected) REQUIRE(again.distance == Approx(t).epsilon(1e-12));
+    }
+  }
 }
 
 TEST_CASE("rays through shared edges and vertices meet one of the neighbours") {

@@ -10,6 +10,7 @@
 #include <functional>
 #include <map>
 
+#include "golden/numeric/elementary.hpp"
 #include "golden/pipeline/prepare.hpp"
 #include "golden/unit/cdf_sampler.hpp"
 #include "tests/catch.hpp"
@@ -546,4 +547,36 @@ TEST_CASE("a cached image is near the one without, in both arithmetics") {
     CHECK(std::fabs(g / r - 1) < 2e-3);
     CHECK(std::fabs(g / channel_mean(without, name) - 1) < 3e-2);
   }
+}
+
+TEST_CASE("a frame of instances is that of explicit copies, byte by byte") {
+  Scene copies = room(1, false);
+  copies.film = {12, 12};
+  Scene instanced = copies;
+  // A tetrahedron, faceted.
+  Shape piece;
+  piece.bsdf = add_diffuse(copies, Rgb(0.4, 0.6, 0.2));
+  add_diffuse(instanced, Rgb(0.4, 0.6, 0.2));
+  piece.mesh.positions = {{0, 0, 0}, {0.2, 0, 0}, {0.1, 0.25, 0.05}, {0.1, 0.05, 0.2}};
+  piece.mesh.triangles = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}};
+  for (int i = 0; i < 6; ++i) {
+    const Vec2 c = cos_sin_turns(0.13 * i);
+    Mat4 m(1);
+    m[0] = {c.x, 0, -c.y, 0};
+    m[2] = {c.y, 0, c.x, 0};
+    m[3] = {0.15 + 0.12 * i, 0.1 + 0.05 * i, 0.4 + 0.05 * (i % 3), 1};
+    Shape copy = piece;
+    for (Vec3& p : copy.mesh.positions) p = Vec3(m * glm::dvec4(p, 1));
+    copies.shapes.push_back(copy);
+    instanced.instances.push_back({0, m});
+  }
+  piece.group = 0;
+  instanced.shapes.push_back(piece);
+  FrameRequest request = small_request();
+  request.radius = 0.2;
+  request.photons = 5000;
+  const Image a = rendered(prepared(copies, request)), b = rendered(prepared(instanced, request));
+  CHECK(same_bytes(a, b));
+  instanced.instances.back().to_world[3].x += 0.01;
+  CHECK_FALSE(same_bytes(a, rendered(prepared(instanced, request))));
 }

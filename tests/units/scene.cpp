@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "golden/numeric/elementary.hpp"
+#include "golden/transport/emitters.hpp"
 #include "tests/catch.hpp"
 #include "tests/scene_files.hpp"
 
@@ -109,18 +110,133 @@ TEST_CASE("film size, sample count, and keys that do not change pixels") {
   CHECK(s.warnings.empty());
   CHECK(load_body("").film.width == 768);
   CHECK(load_body("").film.height == 576);
-  CHECK_THAT(load_error(scene_text(sensor("<film type=\"hdrfilm\"><rfilter type=\"gaussian\"/>"
-                                          "</film>"))),
-             ContainsSubstring("scene.xml:2") && ContainsSubstring("<rfilter type=\"gaussian\">") &&
-                 ContainsSubstring("box"));
-  CHECK_THAT(load_error(scene_text(sensor("<film type=\"hdrfilm\"><integer name=\"cropOffsetX\" "
-                                          "value=\"3\"/></film>"))),
-             ContainsSubstring("crop windows"));
-  const Scene unfiltered =
-      load_scene(folder.write("b.xml", scene_text(sensor("<film type=\"hdrfilm\"/>"))));
-  REQUIRE(unfiltered.warnings.size() == 1);
-  CHECK_THAT(unfiltered.warnings[0],
-             ContainsSubstring("b.xml:2") && ContainsSubstring("no rfilter"));
+}
+
+TEST_CASE("reconstruction filters and windows, in both versions' spelling") {
+  const TestFolder folder;
+  const auto film = [&](const std::string& inside, const std::string& type = "hdrfilm",
+                        const std::string& version = "0.6.0") {
+    return load_scene(
+        folder.write("a.xml", scene_text("<sensor type=\"perspective\"><film type=\"" + type +
+                                             "\">" + inside + "</film></sensor>" + kLamp,
+                                         version)));
+  };
+  const auto filter = [&](const std::string& type, const std::string& inside) {
+    return film("<rfilter type=\"" + type + "\">" + inside + "</rfilter>").film.filter;
+  };
+  const auto given = [](const char* name, const char* value) {
+    return std::string("<float name=\"") + name + "\" value=\"" + value + "\"/>";
+  };
+  CHECK(filter("box", "").is_plain_box());
+  CHECK(filter("box", given("radius", "1.5")).radius == 1.5);
+  CHECK(filter("tent", "").kind == FilterKind::kTent);
+  CHECK(filter("tent", "").radius == 1);
+  CHECK(filter("gaussian", given("stddev", "0.25")).stddev == 0.25);
+  CHECK(filter("gaussian", given("stddev", "0.25")).radius == 1);
+  CHECK(filter("mitchell", "").b == Approx(1.0 / 3));
+  CHECK(filter("mitchell", given("B", "0.2") + given("C", "0.4")).c == 0.4);
+  CHECK(filter("catmullrom", "").b == 0);
+  CHECK(filter("catmullrom", "").c == 0.5);
+  CHECK(filter("lanczos", "").radius == 3);
+  CHECK(filter("lanczos", "<integer name=\"lobes\" value=\"2\"/>").radius == 2);
+  // Mitsuba's default, but for mfilm.
+  CHECK(film("").film.filter.kind == FilterKind::kGaussian);
+  CHECK(film("").film.filter.stddev == 0.5);
+  CHECK(film("").warnings.empty());
+  CHECK(load_body("").film.filter.kind == FilterKind::kGaussian);
+  CHECK(film("", "mfilm").film.filter.is_plain_box());
+  CHECK(film("").hash != film("<rfilter type=\"box\"/>").hash);
+  const auto integer = [](const char* name, int value) {
+    return std::string("<integer name=\"") + name + "\" value=\"" + std::to_string(value) + "\"/>";
+  };
+  const std::string size = integer("width", 30) + integer("height", 20);
+  for (const Scene& s : {film(size + integer("cropOffsetX", 3) + integer("cropOffsetY", 4) +
+                              integer("cropWidth", 10) + integer("cropHeight", 6)),
+                         film(size + integer("crop_offset_x", 3) + integer("crop_offset_y", 4) +
+                                  integer("crop_width", 10) + integer("crop_height", 6),
+                              "hdrfilm", "3.0.0")}) {
+    CHECK(s.film.width == 10);
+    CHECK(s.film.height == 6);
+    CHECK(s.film.left == 3);
+    CHECK(s.film.top == 4);
+    CHECK(s.film.whole_width == 30);
+    CHECK(s.film.whole_height == 20);
+  }
+  CHECK_FALSE(film(size + integer("cropWidth", 30)).film.is_window());
+  CHECK(film(size + integer("cropOffsetX", 3)).film.width == 27);
+  const auto error = [&](const std::string& inside) {
+    try {
+      film(inside);
+    } catch (const SceneError& e) {
+      return std::string(e.what());
+    }
+    return std::string();
+  };
+  CHECK_THAT(error(size + integer("cropOffsetX", 30)),
+             ContainsSubstring("a.xml:2: cropOffsetX is 30, expected 0 to 29"));
+  CHECK_THAT(error(size + integer("cropOffsetY", 4) + integer("cropHeight", 17)),
+             ContainsSubstring("cropHeight is 17, expected 1 to 16"));
+  CHECK_THAT(error("<rfilter type=\"gaussian\">" + given("stddev", "9") + "</rfilter>"),
+             ContainsSubstring("a.xml:2: stddev is 9, expected 0.025 to 2"));
+  CHECK_THAT(error("<rfilter type=\"mitchell\">" + given("B", "2") + "</rfilter>"),
+             ContainsSubstring("B is 2, expected 0 to 1"));
+  CHECK_THAT(error("<rfilter type=\"wavelet\"/>"),
+             ContainsSubstring("<rfilter type=\"wavelet\">") && ContainsSubstring("lanczos"));
+}
+
+TEST_CASE("sensors: thinlens, orthographic, shifted principal point") {
+  const TestFolder folder;
+  const auto camera = [&](const std::string& type, const std::string& inside) {
+    return load_scene(folder.write("a.xml", scene_text("<sensor type=\"" + type + "\">" + inside +
+                                                       "</sensor>" + kLamp)))
+        .camera;
+  };
+  const std::string aperture = "<float name=\"apertureRadius\" value=\"0.1\"/>";
+  const Camera thin = camera("thinlens", aperture + "<float name=\"focusDistance\" value=\"2\"/>");
+  CHECK(thin.kind == CameraKind::kThinLens);
+  CHECK(thin.aperture_radius == 0.1);
+  CHECK(thin.focus_distance == 2);
+  CHECK(camera("thinlens", aperture).focus_distance == 10000);
+  CHECK(camera("thinlens", aperture + "<float name=\"farClip\" value=\"7\"/>").focus_distance == 7);
+  CHECK(camera("thinlens", "<float name=\"apertureRadius\" value=\"0\"/>").kind ==
+        CameraKind::kPerspective);
+  const Camera flat =
+      camera("orthographic", "<transform name=\"toWorld\"><scale x=\"3\" y=\"2\"/></transform>");
+  CHECK(flat.kind == CameraKind::kOrthographic);
+  CHECK(flat.to_world[0][0] == 3);
+  CHECK(camera("perspective", "<float name=\"principalPointOffsetX\" value=\"0.2\"/>").offset_x ==
+        0.2);
+  const auto error = [&](const std::string& type, const std::string& inside) {
+    return load_error(scene_text("<sensor type=\"" + type + "\">" + inside + "</sensor>" + kLamp));
+  };
+  CHECK_THAT(error("thinlens", ""),
+             ContainsSubstring("scene.xml:2") && ContainsSubstring("has no apertureRadius"));
+  CHECK_THAT(error("thinlens", aperture + "<float name=\"focusDistance\" value=\"0\"/>"),
+             ContainsSubstring("focusDistance is 0, expected more than 0"));
+  CHECK_THAT(error("spherical", ""),
+             ContainsSubstring("<sensor type=\"spherical\">") && ContainsSubstring("thinlens"));
+  CHECK_THAT(error("orthographic", "<float name=\"fov\" value=\"30\"/>"), ContainsSubstring("fov"));
+}
+
+TEST_CASE("cylinder: from p0 to p1 with a radius, then toWorld") {
+  const Scene s = load_body(
+      "<shape type=\"cylinder\"><point name=\"p0\" x=\"1\" y=\"0\" z=\"0\"/><point name=\"p1\" "
+      "x=\"1\" y=\"3\" z=\"4\"/><float name=\"radius\" value=\"0.5\"/><transform "
+      "name=\"toWorld\"><scale value=\"2\"/></transform></shape><shape type=\"cylinder\"/>");
+  CHECK(s.shapes[0].kind == ShapeKind::kCylinder);
+  CHECK(Vec3(s.shapes[0].to_world[3]) == Vec3(2, 0, 0));
+  CHECK(glm::length(Vec3(s.shapes[0].to_world[2]) - Vec3(0, 6, 8)) < 1e-15);
+  for (int i : {0, 1}) {
+    CHECK(glm::length(Vec3(s.shapes[0].to_world[i])) == Approx(1));
+    CHECK(std::fabs(glm::dot(Vec3(s.shapes[0].to_world[i]), Vec3(0, 6, 8))) < 1e-14);
+  }
+  CHECK(Vec3(s.shapes[1].to_world[2]) == Vec3(0, 0, 1));
+  CHECK_THAT(body_error("<shape type=\"cylinder\"><point name=\"p1\" x=\"0\" y=\"0\" z=\"0\"/>"
+                        "</shape>"),
+             ContainsSubstring("p0 and p1 are the same point"));
+  CHECK_THAT(body_error("<shape type=\"cylinder\"><transform name=\"toWorld\"><scale x=\"2\"/>"
+                        "</transform></shape>"),
+             ContainsSubstring("expected equal scales"));
 }
 
 TEST_CASE("parameters: defaults, -D, substitution everywhere") {
@@ -230,8 +346,6 @@ TEST_CASE("the camera's field of view and its axis") {
   CHECK(camera("").near_clip == 0);
   CHECK(std::isinf(camera("").far_clip));
   CHECK(camera("<float name=\"nearClip\" value=\"2\"/>").near_clip == 2);
-  CHECK_THAT(load_error(scene_text(std::string("<sensor type=\"thinlens\"/>") + kLamp)),
-             ContainsSubstring("<sensor type=\"thinlens\">") && ContainsSubstring("perspective"));
   CHECK_THAT(load_error(scene_text(std::string("<sensor type=\"perspective\"><float name=\"fov\" "
                                                "value=\"180\"/></sensor>") +
                                    kLamp)),
@@ -430,9 +544,11 @@ TEST_CASE("colors: rgb is linear, #rrggbb, spectrum as triple or scalar, srgb de
   CHECK(diffuse("<srgb name=\"reflectance\" value=\"#808080\"/>").x ==
         Approx(0.2158605).epsilon(1e-6));
   CHECK(diffuse("<rgb name=\"diffuseReflectance\" value=\"0.1\"/>") == Rgb(0.1));
+  const Rgb flat = diffuse("<spectrum name=\"reflectance\" value=\"300:0.4, 900:0.4\"/>");
+  for (int i = 0; i < 3; ++i) CHECK(flat[i] == Approx(0.4));
   CHECK_THAT(body_error("<bsdf type=\"diffuse\"><spectrum name=\"reflectance\" value=\"400:0.1, "
-                        "700:0.2\"/></bsdf>"),
-             ContainsSubstring("wavelengths"));
+                        "400:0.2\"/></bsdf>"),
+             ContainsSubstring("scene.xml:2: 400 nm does not lie above 400 nm"));
 }
 
 TEST_CASE("a BSDF that reflects more than arrives is scaled in 0.x files and refused in 3.x") {
@@ -567,20 +683,54 @@ TEST_CASE("all that is not supported is named in one message, each with its line
   CHECK(load_body("").substitutions.empty());
 }
 
-TEST_CASE("the nearest supported BSDF is the one inside, or a diffuse one of the same color") {
+TEST_CASE("the nearest supported BSDF is the one inside, or one of the same color") {
   const TestFolder folder;
-  const auto first = [&](const std::string& bsdf) {
+  const auto loaded = [&](const std::string& bsdf) {
     const Scene s = load_scene(folder.write("s.xml", scene_text("<shape type=\"disk\">" + bsdf +
                                                                 "</shape>" + kSensor + kLamp)),
                                {}, Unsupported::kSubstitute);
     CHECK(s.substitutions.size() == 1);
+    return s;
+  };
+  const auto first = [&](const std::string& bsdf) {
+    const Scene s = loaded(bsdf);
     return s.bsdfs[static_cast<size_t>(s.shapes[0].bsdf)];
   };
   CHECK(first("<bsdf type=\"coating\"><float name=\"thickness\" value=\"1\"/><bsdf "
               "type=\"roughconductor\"/></bsdf>")
             .kind == BsdfKind::kRoughConductor);
+  const Bsdf coated = first(
+      "<bsdf type=\"coating\"><float name=\"intIOR\" value=\"1.7\"/><float name=\"extIOR\" "
+      "value=\"1\"/><bsdf type=\"diffuse\"/></bsdf>");
+  CHECK(coated.kind == BsdfKind::kPlastic);
+  CHECK(coated.ior == 1.7);
+  CHECK(coated.diffuse == Rgb(0.5));
+  CHECK(first("<bsdf type=\"roughcoating\"><float name=\"alpha\" value=\"0.3\"/><bsdf "
+              "type=\"diffuse\"/></bsdf>")
+            .alpha_u == 0.3);
   CHECK(first("<bsdf type=\"principled\"><rgb name=\"base_color\" value=\"0.1 0.2 0.3\"/></bsdf>")
             .diffuse == Rgb(0.1, 0.2, 0.3));
+  // Of Mitsuba's principled BSDF the parts that there are.
+  const auto principled = [](const std::string& inside) {
+    return "<bsdf type=\"principled\"><rgb name=\"base_color\" value=\"0.1 0.2 0.3\"/>" + inside +
+           "</bsdf>";
+  };
+  const auto number = [](const char* name, const char* value) {
+    return std::string("<float name=\"") + name + "\" value=\"" + value + "\"/>";
+  };
+  const Bsdf plastic = first(principled(number("roughness", "0.4")));
+  CHECK(plastic.kind == BsdfKind::kRoughPlastic);
+  CHECK(plastic.alpha_u == Approx(0.16));
+  CHECK(plastic.ior == Approx(1.5));
+  const Bsdf metal = first(principled(number("metallic", "1")));
+  CHECK(metal.kind == BsdfKind::kRoughConductor);
+  CHECK(metal.specular == Rgb(0.1, 0.2, 0.3));
+  CHECK(first(principled(number("spec_trans", "1") + number("eta", "1.3"))).ior == 1.3);
+  const Scene mixed = loaded(principled(number("metallic", "0.25") + number("clearcoat", "1")));
+  const Bsdf& mixture = mixed.bsdfs[static_cast<size_t>(mixed.shapes[0].bsdf)];
+  CHECK(mixture.kind == BsdfKind::kMixture);
+  CHECK(mixture.shares == std::vector<double>{0.25, 0.75});
+  CHECK(first("<bsdf type=\"twosided\">" + principled("") + "</bsdf>").two_sided);
 }
 
 TEST_CASE("rough and coated BSDFs, their names and defaults") {
@@ -667,4 +817,87 @@ TEST_CASE("environments: one, of one radiance or with a map") {
   CHECK_THAT(body_error("<emitter type=\"envmap\"><string name=\"filename\" value=\"no.exr\"/>"
                         "</emitter>"),
              ContainsSubstring("no.exr' does not exist"));
+}
+
+TEST_CASE("groups and instances: meshes once, round shapes copied; merge as if outside") {
+  const std::string group =
+      "<shape type=\"shapegroup\" id=\"g\"><shape type=\"cube\"><bsdf type=\"dielectric\"/></shape>"
+      "<shape type=\"sphere\"/><shape type=\"cylinder\"><float name=\"radius\" "
+      "value=\"0.1\"/></shape></shape>";
+  const auto instance = [](const std::string& inside) {
+    return "<shape type=\"instance\"><ref id=\"g\"/>" + inside + "</shape>";
+  };
+  const std::string moved =
+      "<transform name=\"toWorld\"><scale value=\"2\"/><translate x=\"5\"/></transform>";
+  const Scene s = load_body(instance("") + group + instance(moved));
+  // The group's cube, a sphere and a cylinder of each instance, the lamp.
+  REQUIRE(s.shapes.size() == 6);
+  CHECK(s.shapes[0].kind == ShapeKind::kCube);
+  CHECK(s.shapes[0].group == 0);
+  CHECK(s.bsdfs[static_cast<size_t>(s.shapes[0].bsdf)].kind == BsdfKind::kDielectric);
+  REQUIRE(s.instances.size() == 2);
+  CHECK(s.instances[0].to_world == Mat4(1));
+  CHECK(Vec3(s.instances[1].to_world[3]) == Vec3(5, 0, 0));
+  CHECK(Vec3(s.shapes[3].to_world[3]) == Vec3(5, 0, 0));
+  CHECK(glm::length(Vec3(s.shapes[3].to_world[0])) == 2);
+  CHECK(glm::length(Vec3(s.shapes[4].to_world[0])) == Approx(0.2));
+  CHECK(Vec3(s.shapes[4].to_world[2]) == Vec3(0, 0, 2));
+  CHECK(s.hash != load_body(instance("") + group + instance("")).hash);
+  // A group that nobody shows is not there.
+  CHECK(load_body(group).shapes.size() == 1);
+  const Scene merged =
+      load_body("<shape type=\"merge\"><shape type=\"cube\"/><shape type=\"rectangle\"/></shape>");
+  CHECK(merged.shapes.size() == 3);
+  CHECK(merged.hash == load_body("<shape type=\"cube\"/><shape type=\"rectangle\"/>").hash);
+  CHECK_THAT(body_error("<shape type=\"instance\"/>"), ContainsSubstring("has no group"));
+  CHECK_THAT(body_error("<shape type=\"cube\" id=\"g\"/>" + instance("")),
+             ContainsSubstring("expected a reference to a shapegroup"));
+  CHECK_THAT(body_error("<shape type=\"shapegroup\"/>"), ContainsSubstring("has no id"));
+  CHECK_THAT(body_error("<shape type=\"shapegroup\" id=\"g\"/>" + instance("")),
+             ContainsSubstring("has no shapes"));
+  CHECK_THAT(body_error("<shape type=\"shapegroup\" id=\"g\"><shape type=\"cube\"><emitter "
+                        "type=\"area\"/></shape></shape>" +
+                        instance("")),
+             ContainsSubstring("emits and stands in <shape type=\"shapegroup\""));
+  CHECK_THAT(
+      body_error(group + instance("<transform name=\"toWorld\"><scale x=\"2\"/></transform>")),
+      ContainsSubstring("its group has a sphere"));
+}
+
+TEST_CASE("a collimated beam is refused; a narrow spot of its power stands for it") {
+  const std::string beam =
+      "<emitter type=\"collimated\"><spectrum name=\"power\" value=\"3\"/><transform "
+      "name=\"toWorld\"><translate x=\"1\"/></transform></emitter>";
+  CHECK_THAT(body_error(beam), ContainsSubstring("scene.xml:2") && ContainsSubstring("collimated"));
+  const TestFolder folder;
+  const Scene s = load_scene(folder.write("s.xml", scene_text(beam + kSensor + kLamp)), {},
+                             Unsupported::kSubstitute);
+  CHECK(s.substitutions.size() == 1);
+  REQUIRE(s.lights.size() == 1);
+  CHECK(s.lights[0].position == Vec3(1, 0, 0));
+  CHECK(light_power(s.lights[0], 1).x == Approx(3).epsilon(1e-9));
+}
+
+TEST_CASE("meshes are read at once: a file of several shapes, errors in the file's order") {
+  const TestFolder folder;
+  folder.write("a.obj", kTriangle);
+  const auto mesh = [](const std::string& file, const std::string& steps) {
+    return "<shape type=\"obj\"><string name=\"filename\" value=\"" + file +
+           "\"/><transform name=\"toWorld\">" + steps + "</transform></shape>\n";
+  };
+  const Scene s = load_scene(folder.write(
+      "scene.xml", scene_text(mesh("a.obj", "") + mesh("a.obj", "<translate z=\"2\"/>") +
+                              mesh("a.obj", "<scale value=\"3\"/>") + kSensor + kLamp)));
+  const Vec3 corner = s.shapes[0].mesh.positions[1];
+  CHECK(s.shapes[1].mesh.positions[1] == corner + Vec3(0, 0, 2));
+  CHECK(s.shapes[2].mesh.positions[1] == corner * 3.0);
+  folder.write("bad.obj", "v 1 2\n");
+  // Line 3 is read before line 4, whatever its mesh needs.
+  const std::string file = folder.write(
+      "scene.xml",
+      scene_text(mesh("a.obj", "") + mesh("bad.obj", "") + mesh("none.obj", "") + kSensor + kLamp));
+  CHECK_THROWS_WITH(load_scene(file), ContainsSubstring("bad.obj:1: 'v' has 2 numbers"));
+  folder.write("bad.obj", kTriangle);
+  CHECK_THROWS_WITH(load_scene(file),
+                    ContainsSubstring("scene.xml:4") && ContainsSubstring("none.obj"));
 }

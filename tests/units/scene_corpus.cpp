@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Forty small scenes in the style of public ones. Each renders by path tracing and by photons, or
-// is refused in one message that names every element that is not supported, with its line.
+// Sixty small scenes in the style of public ones. Each renders by path tracing and by photons,
+// or is refused in one message that names every element that is not supported, with its line.
 // Spellings are those of the plugin documentation: Mitsuba 0.5/0.6 (documentation.pdf, chapter 8)
 // in the files of version 0.x, Mitsuba 3 (mitsuba.readthedocs.io, plugin reference) in the others.
 #include <cmath>
@@ -21,6 +21,9 @@ struct File {
   const char* version;
   const char* body;     // lines from 4 on; line 3 is the camera
   const char* refused;  // "LINE WORD, LINE WORD": elements that the message must name; "": renders
+  const char* sensor = "perspective";          // its type
+  const char* lens = "";                       // its properties
+  const char* film = "<rfilter type='box'/>";  // what stands in the film, but for its size
 };
 
 constexpr File kFiles[] = {
@@ -157,7 +160,64 @@ constexpr File kFiles[] = {
      "value='10'/>"
      "<texture type='bitmap'><string name='filename' value='wood.png'/></texture></texture><bsdf "
      "type='roughplastic'/></bsdf></shape>",
-     "5 bumpmap"},
+     ""},
+    {"normal map 3", "3.0.0",
+     "<shape type='rectangle'><bsdf type='normalmap'><texture name='normalmap' "
+     "type='bitmap'><boolean name='raw' value='true'/><string name='filename' value='wood.png'/>"
+     "</texture><bsdf type='roughplastic'/></bsdf></shape>",
+     ""},
+    {"bump 3", "3.0.0",
+     "<shape type='sphere'><bsdf type='bumpmap'><texture name='arbitrary' type='bitmap'><boolean "
+     "name='raw' value='true'/><string name='filename' value='wood.png'/></texture><bsdf "
+     "type='twosided'><bsdf type='diffuse'/></bsdf><float name='scale' value='0.1'/></bsdf>"
+     "</shape>",
+     ""},
+    {"blended bumps", "0.6.0",
+     "<texture type='checkerboard' id='t'/><shape type='sphere'>\n<bsdf type='blendbsdf'><float "
+     "name='weight' value='0.5'/><bsdf type='diffuse'/><bsdf type='bumpmap'><ref id='t'/><bsdf "
+     "type='diffuse'/></bsdf></bsdf></shape>",
+     "5 blendbsdf"},
+    // Shapes.
+    {"cylinder", "0.6.0",
+     "<shape type='cylinder'><point name='p0' x='0' y='-1' z='0'/><point name='p1' x='0' y='1' "
+     "z='0'/><float name='radius' value='0.3'/><bsdf type='twosided'><bsdf "
+     "type='diffuse'/></bsdf></shape>",
+     ""},
+    {"instances", "0.6.0",
+     "<shape type='shapegroup' id='myShapeGroup'><shape type='ply'><string name='filename' "
+     "value='colored.ply'/><bsdf type='twosided'><bsdf type='roughconductor'/></bsdf></shape>"
+     "</shape><shape type='instance'><ref id='myShapeGroup'/><transform name='toWorld'><rotate "
+     "x='1' angle='45'/><scale value='1.5'/><translate z='1'/></transform></shape><shape "
+     "type='instance'><ref id='myShapeGroup'/></shape>",
+     ""},
+    {"instances 3", "3.0.0",
+     "<shape type='shapegroup' id='my_shape_group'><shape type='cube'/><shape type='sphere'/>"
+     "</shape><shape type='instance'><ref id='my_shape_group'/><transform name='to_world'><scale "
+     "value='0.3'/></transform></shape>",
+     ""},
+    {"merge 3", "3.0.0",
+     "<shape type='merge'><shape type='cube'/><shape type='rectangle'/></shape>", ""},
+    {"lamp in a group", "0.6.0",
+     "<shape type='shapegroup' id='g'>\n<shape type='cube'><emitter type='area'/></shape>"
+     "</shape><shape type='instance'><ref id='g'/></shape>",
+     "5 emits"},
+    // Spectra.
+    {"spectrum list", "0.6.0",
+     "<shape type='sphere'><bsdf type='diffuse'><spectrum name='reflectance' value='400:0.56, "
+     "500:0.18, 600:0.58, 700:0.24'/></bsdf></shape>",
+     ""},
+    {"spectrum file", "0.6.0",
+     "<shape type='sphere'><bsdf type='diffuse'><spectrum name='reflectance' "
+     "filename='paint.spd'/></bsdf></shape>",
+     ""},
+    {"blackbody 3", "3.0.0",
+     "<shape type='sphere'><emitter type='area'><spectrum type='blackbody' name='radiance'><float "
+     "name='temperature' value='5000'/></spectrum></emitter></shape>",
+     ""},
+    {"blackbody", "0.6.0",
+     "<shape type='sphere'/><emitter type='spot'><blackbody name='intensity' "
+     "temperature='5000K'/></emitter>",
+     ""},
     {"principled", "3.0.0",
      "<shape type='sphere'>\n<bsdf type='principled'><rgb name='base_color' "
      "value='1.0,0.44,0.33'/><float "
@@ -220,6 +280,26 @@ constexpr File kFiles[] = {
      "name='intensity' "
      "value='1'/></luminaire>",
      ""},
+    // Cameras and films.
+    {"thinlens", "0.6.0", "<shape type='cube'/>", "", "thinlens",
+     "<float name='apertureRadius' value='0.1'/><float name='focusDistance' value='3'/><float "
+     "name='fov' value='35'/><float name='shutterOpen' value='0'/>"},
+    {"thinlens 3", "3.0.0", "<shape type='cube'/>", "", "thinlens",
+     "<float name='aperture_radius' value='0.1'/><float name='focus_distance' value='3'/><float "
+     "name='fov' value='35'/><string name='fov_axis' value='smaller'/>"},
+    {"orthographic", "0.6.0", "<shape type='cube'/>", "", "orthographic"},
+    {"no filter", "0.6.0", "<shape type='cube'/>", "", "perspective", "", ""},
+    {"mitchell", "0.6.0", "<shape type='cube'/>", "", "perspective", "",
+     "<rfilter type='mitchell'><float name='B' value='0.2'/></rfilter><boolean name='banner' "
+     "value='false'/><string name='pixelFormat' value='rgb'/>"},
+    {"crop", "0.6.0", "<shape type='cube'/>", "", "perspective", "",
+     "<integer name='cropOffsetX' value='1'/><integer name='cropWidth' value='2'/><rfilter "
+     "type='lanczos'><integer name='lobes' value='2'/></rfilter>"},
+    {"crop 3", "3.0.0", "<shape type='cube'/>", "", "perspective",
+     "<float name='principal_point_offset_x' value='0.1'/>",
+     "<integer name='crop_offset_y' value='1'/><integer name='crop_height' value='3'/><rfilter "
+     "type='gaussian'><float name='stddev' value='0.4'/></rfilter>"},
+    {"spherical", "0.6.0", "<shape type='cube'/>", "3 spherical", "spherical"},
     // What stays outside.
     {"fog", "0.6.0",
      "<medium type='homogeneous' id='fog'><spectrum name='sigmaT' value='1'/></medium>\n<shape "
@@ -255,6 +335,7 @@ void write_pictures(const TestFolder& folder) {
   // A TGA by its bytes, so that there is one with alpha: 2 x 1, 32 bits.
   folder.write("leaf.png", std::string("\0\0\2\0\0\0\0\0\0\0\0\0\2\0\1\0\40\10", 18) +
                                std::string("\20\40\60\377\20\40\60\100", 8));
+  folder.write("paint.spd", "400 0.1\n550 0.7\n700 0.3\n");
   Image sky;
   sky.width = 4;
   sky.height = 2;
@@ -274,8 +355,8 @@ void write_pictures(const TestFolder& folder) {
 
 }  // namespace
 
-TEST_CASE("forty files in the style of public scenes render, or are refused whole") {
-  static_assert(std::size(kFiles) == 40);
+TEST_CASE("small files in the style of public scenes render, or are refused whole") {
+  static_assert(std::size(kFiles) == 60);
   const TestFolder folder;
   write_pictures(folder);
   for (const File& f : kFiles) {
@@ -286,11 +367,11 @@ TEST_CASE("forty files in the style of public scenes render, or are refused whol
         "scene.xml",
         "<scene version=\"" + std::string(f.version) + "\">\n\n" +
             with_double_quotes(
-                "<" + sensor +
-                " type='perspective'><transform name='toWorld'><translate z='-4'/>"
-                "</transform><film type='hdrfilm'><integer name='width' value='4'/><integer "
-                "name='height' value='4'/><rfilter type='box'/></film></" +
-                sensor + ">\n" + f.body) +
+                "<" + sensor + " type='" + f.sensor + "'>" + f.lens +
+                "<transform name='toWorld'><translate z='-4'/></transform><film "
+                "type='hdrfilm'><integer name='width' value='4'/><integer name='height' "
+                "value='4'/>" +
+                f.film + "</film></" + sensor + ">\n" + f.body) +
             "\n<" + (old ? "luminaire" : "emitter") + " type=\"point\"/></scene>");
     if (*f.refused) {
       std::string message;

@@ -52,9 +52,9 @@ void check_sides(const Mesh& mesh) {
 
 }  // namespace
 
-TEST_CASE("all eight scenes load without warnings, at 256 x 256") {
+TEST_CASE("all ten scenes load without warnings, at 256 x 256") {
   for (const char* name : {"cornell", "cornell_balls", "cornell_glossy", "doorway", "caustic_ring",
-                           "water_pool", "atrium", "table"}) {
+                           "water_pool", "atrium", "table", "sunroom", "lampshade"}) {
     INFO(name);
     const Scene s = shipped(name);
     CHECK(s.warnings.empty());
