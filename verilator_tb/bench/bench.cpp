@@ -192,6 +192,9 @@ void check_counters(const std::string& unit, const Counters& golden, const Count
         count > cycles)
       throw std::runtime_error(fmt::format(
           "unit {}: counts {} {}, expected no more than the {} cycles", unit, count, name, cycles));
+  if (seen("cycles waiting") > seen("cycles busy"))
+    throw std::runtime_error(fmt::format("unit {}: waits {} of {} busy cycles", unit,
+                                         seen("cycles waiting"), seen("cycles busy")));
   // Of a unit with two outputs the rig adds up both.
   if (!hardware.contains("stalled in")) return;
   expect("stalled in", seen("stalls in"), "the rig");

@@ -198,10 +198,10 @@ std::vector<StreamCase<CacheLookup>> cases() {
            return l;
          });
        }},
-      // Every field at random.
+      // Every field at random; after reset there is no record, cleared or not.
       {"anything",
        [](const Plan& plan, BenchRandom& random) -> In {
-         return tiles(plan, 3, many(plan), [&](int) {
+         In in = tiles(plan, 3, many(plan), [&](int) {
            CacheLookup l = lookup(plan, random, 0, 1u << plan.position_bits, 1);
            turn(plan, random, l, 1u << plan.normal_bits);
            l.insert = random.chance(0.8);
@@ -210,6 +210,8 @@ std::vector<StreamCase<CacheLookup>> cases() {
                static_cast<uint32_t>(random.bits() & ones(plan.cache_falloff_exponent_bits()));
            return l;
          });
+         in[0].clear = 0;
+         return in;
        }},
   };
 }

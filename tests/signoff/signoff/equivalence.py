@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Whether a mutant computes the same: each version of its module in a plan's unit beside the mutated one, register by register.
 
-Registers and outputs of the same name are taken to be equal, and shown to be equal a cycle later, for all inputs and states. What
-is equal only in states that can be reached is not shown."""
+For the same inputs and the same contents of all registers both give the same outputs and the same next contents. What is equal only in
+states that can be reached, or for inputs that come, is not shown."""
 import re
 import subprocess
 from pathlib import Path
@@ -25,7 +25,7 @@ def _yosys(yosys: str, script: str, log: Path) -> bool:
 def _versions(yosys: str, unit: str, module: str, files: list[Path], out: Path) -> list[str]:
     """The names under which the unit's hierarchy has the module, by parameters."""
     listing = out / "hierarchy.json"
-    if not _yosys(yosys, f"read_verilog -sv {' '.join(map(str, files))}; hierarchy -check -top {unit}; proc; write_json {listing}", out / "hierarchy.log"):
+    if not _yosys(yosys, f"read_verilog -nosynthesis -sv {' '.join(map(str, files))}; hierarchy -check -top {unit}; proc; write_json {listing}", out / "hierarchy.log"):
         return []
     names = read_json(listing)["modules"]
     return [name for name in names if name == module or re.fullmatch(rf"\$paramod(?:\$[0-9a-f]+)?\\{module}(?:\\.*)?", name)]
@@ -39,13 +39,15 @@ def proved(yosys: str, unit: str, module: str, files: list[Path], mutated: dict[
 
     def side(name: str, version: str, sources: list[Path]) -> str:
         top = f"\\{version}" if version == module else version
-        return (f"design -reset; read_verilog -sv {' '.join(map(str, sources))}; hierarchy -check -top {unit}; hierarchy -top {top}; "
-                f"proc; flatten; opt_clean; memory_map; opt_clean; rename {top} {name}; design -stash {name}; ")
+        return (f"design -reset; read_verilog -nosynthesis -sv {' '.join(map(str, sources))}; hierarchy -check -top {unit}; hierarchy -top {top}; "
+                f"proc; flatten; opt_clean; memory_map; dffunmap; opt_clean; expose -dff -evert-dff; rename {top} {name}; design -stash {name}; ")
 
     def same(version: str, number: int) -> bool:
         script = (side("gold", version, files) + side("gate", version, gate) +
-                  "design -copy-from gold -as gold gold; design -copy-from gate -as gate gate; equiv_make gold gate equiv; "
-                  "hierarchy -top equiv; opt_clean; equiv_struct; equiv_simple; equiv_induct -seq 2; equiv_status -assert")
+                  "design -copy-from gold -as gold gold; design -copy-from gate -as gate gate; "
+                  # What both have alike is one once their inputs are.
+                  "miter -equiv -flatten -make_assert gold gate miter; hierarchy -top miter; opt_merge; opt_clean; "
+                  f"sat -verify -prove-asserts -timeout {LIMIT} miter")
         return _yosys(yosys, script, out / f"equiv{number}.log")
 
     return bool(versions) and all(same(version, number) for number, version in enumerate(versions))

@@ -2,7 +2,6 @@
 """signoff [UNIT...]: what of each unit's RTL its bench reaches, what is proved of it, and every hole with its reason. Status 1 where
 a hole has no reason in tests/signoff/holes/UNIT.toml, a reason no hole, or a run a difference; a goal that is missed is said."""
 import argparse
-import hashlib
 import os
 import re
 from pathlib import Path
@@ -16,18 +15,10 @@ MEMORIES = frozenset({"block_ram", "block_ram_two_reads", "lut_ram", "pool_ram"}
 _TOTALS = re.compile(r": golden == rtl: (\d+) packets in \d+ runs, (\d+) with a reset in the middle, 0 differences, (\d+) cycles")
 
 
-def _made_from(program: Path) -> str:
-    """A hash of the bench and of all RTL."""
-    made_from = hashlib.sha256(program.read_bytes())
-    for file in sorted((ROOT / "rtl").glob("*/*.sv")):
-        made_from.update(file.read_bytes())
-    return made_from.hexdigest()
-
-
 def _run_plan(program: Path, plan: str, folder: Path, models: Path, again: bool) -> tuple[int, ...]:
     """Packets, resets in the middle and cycles of a plan, its counts in the folder; kept while bench and RTL are the same."""
     done = folder / "done.json"
-    made_from = _made_from(program)
+    made_from = units.made_from(program)
     if done.is_file() and not again:
         kept = read_json(done)
         if kept["made_from"] == made_from:

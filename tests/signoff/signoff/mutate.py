@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """mutate-auto [UNIT...]: operators, constants and conditions of each unit's RTL changed, one at a time, in one build a plan; the unit's
 bench must notice each. A survivor counts as equivalent only where that is proved. Status 1 where a survivor is neither that nor
-has a reason in tests/signoff/mutants/UNIT.toml, and where fewer than 95 % of those not proved equivalent are killed."""
+has a reason in tests/signoff/mutants/UNIT.toml, and where fewer than 95 % of those not proved equivalent are killed. A plan that was run
+with the same mutants, bench and RTL before is not run again."""
 import argparse
 import dataclasses
 import os
@@ -95,26 +96,24 @@ def _unmutated(bench: Bench, plan: str, policy: int | None) -> float:
     return float(taken[1])
 
 
-def try_all(bench: Bench, plans: list[str], tried: list[Tried]) -> None:
-    """A quick pass over all plans, the fastest first, then the whole of each for those that are left."""
-    order = sorted(plans, key=lambda plan: _unmutated(bench, plan, FIRST_POLICY))
+def try_plan(bench: Bench, plan: str, tried: list[Tried]) -> None:
+    """What is left of the mutants through a plan: a quick pass with one policy, then the whole."""
     for policy in (FIRST_POLICY, None):
-        for plan in order:
-            left = [entry for entry in tried if not entry.killed_by]
-            if not left:
-                return
-            limit = 10 + 10 * _unmutated(bench, plan, policy)
-            for entry in left:
-                status, output = bench.run(plan, policy, entry.number, limit)
-                if status == 0:
-                    continue
-                noticed = f"plan {plan}, without end" if status is None else _noticed(output)
-                if noticed is None:
-                    raise Failure(f"mutant {entry.number}, {entry.mutant.file}:{entry.mutant.line}: {bench.program.name} ended without a "
-                                  f"report: {output.strip()[-500:]}")
-                entry.killed_by = noticed
-            killed = sum(bool(entry.killed_by) for entry in tried)
-            say(f"{bench.program.name} --plan {plan}{'' if policy is None else f' --policy {policy}'}: {killed} of {len(tried)} killed so far")
+        left = [entry for entry in tried if not entry.killed_by]
+        if not left:
+            return
+        limit = 10 + 10 * _unmutated(bench, plan, policy)
+        for entry in left:
+            status, output = bench.run(plan, policy, entry.number, limit)
+            if status == 0:
+                continue
+            noticed = f"plan {plan}, without end" if status is None else _noticed(output)
+            if noticed is None:
+                raise Failure(f"mutant {entry.number}, {entry.mutant.file}:{entry.mutant.line}: {bench.program.name} ended without a "
+                              f"report: {output.strip()[-500:]}")
+            entry.killed_by = noticed
+        killed = sum(bool(entry.killed_by) for entry in tried)
+        say(f"{bench.program.name} --plan {plan}{'' if policy is None else f' --policy {policy}'}: {killed} of {len(tried)} killed so far")
 
 
 def prove_left(unit: str, tried: list[Tried], models: Path, work: Path, yosys: str) -> None:
@@ -161,7 +160,8 @@ def section(unit: str, tried: list[Tried], plans: list[str], population: int, se
     of = len(tried) - equivalent
     percent = int(10000 * killed / of) / 100 if of else 100.0
     text = [f"`make mutate-auto` writes this section: {len(tried)} of the {population:,} mutants of this unit's modules, drawn with seed {seed}, "
-            f"one at a time under `bench_{unit}` with the plans {', '.join(plans)}.", "", "| mutants | |", "|---|---|", f"| killed | {killed} |",
+            f"one at a time under `bench_{unit}` with the plans {', '.join(plans)}. Equivalent is what "
+            "Yosys proves the same at these plans' parameters, for any inputs and contents of registers.", "", "| mutants | |", "|---|---|", f"| killed | {killed} |",
             f"| proved equivalent | {equivalent} |", f"| survived | {of - killed} |",
             f"| killed of those not proved equivalent | {percent:.2f} %, goal {GOAL:g} %: {'met' if percent >= GOAL else '**MISSED**'} |", ""]
     left = [entry for entry in tried if not entry.killed_by]
@@ -173,17 +173,17 @@ def section(unit: str, tried: list[Tried], plans: list[str], population: int, se
     return "\n".join(text) + "\n"
 
 
-def _keep(tried: list[Tried], plans: list[str]) -> dict[str, Any]:
-    return {"plans": plans, "mutants": [dataclasses.asdict(entry) for entry in tried]}
+def _keep(tried: list[Tried], plans: list[str], made_from: str) -> dict[str, Any]:
+    return {"made_from": made_from, "plans": plans, "mutants": [dataclasses.asdict(entry) for entry in tried]}
 
 
-def _kept(file: Path, tried: list[Tried]) -> list[str] | None:
-    """Takes over the results of a run of the very same mutants; its plans, or none where there was no such run."""
+def _kept(file: Path, tried: list[Tried], made_from: str) -> list[str]:
+    """Takes over the results of runs of the very same mutants, bench and RTL; their plans, none where there were no such runs."""
     if not file.is_file():
-        return None
+        return []
     before = read_json(file)
-    if [entry["mutant"] for entry in before["mutants"]] != [dataclasses.asdict(entry.mutant) for entry in tried]:
-        return None
+    if before["made_from"] != made_from or [entry["mutant"] for entry in before["mutants"]] != [dataclasses.asdict(entry.mutant) for entry in tried]:
+        return []
     for entry, kept in zip(tried, before["mutants"], strict=True):
         entry.killed_by, entry.equivalent = kept["killed_by"], kept["equivalent"]
     return [str(plan) for plan in before["plans"]]
@@ -196,7 +196,7 @@ def main() -> int:
     parser.add_argument("--seed", type=int, default=1, help="of the sample (default 1)")
     parser.add_argument("--plan", action="append", default=[], metavar="PLAN", help="only this plan of the bench; may be repeated (default all)")
     parser.add_argument("--update", action="store_true", help="write the section of docs/UNIT.md; without, print it")
-    parser.add_argument("--read", action="store_true", help="run nothing: take the last results of these mutants")
+    parser.add_argument("--read", action="store_true", help="run nothing: take the results that there are of these mutants")
     parser.add_argument("--yosys", default="yosys", help="the Yosys that proves equivalence (default yosys)")
     parser.add_argument("--benches", type=Path, default=ROOT / "build" / "verilator_tb", help="where the benches are (default build/verilator_tb)")
     parser.add_argument("--work", type=Path, default=ROOT / "build" / "mutate-auto", help="where models and results go (default build/mutate-auto)")
@@ -211,20 +211,24 @@ def main() -> int:
         say(f"{unit}: {len(tried)} of {population} mutants, seed {arguments.seed}")
         work = arguments.work.resolve() / unit
         results = work / "results.json"
-        if arguments.read:
-            kept = _kept(results, tried)
-            if kept is None:
-                raise Failure(f"{unit}: these mutants were not run yet (no results of them in {results})")
-            plans = kept
-        else:
-            program = units.bench(arguments.benches.resolve(), unit)
-            plans = units.plans_of(program, arguments.plan)
+        program = units.bench(arguments.benches.resolve(), unit)
+        made_from = units.made_from(program)
+        plans = _kept(results, tried, made_from)
+        if arguments.read and not plans:
+            raise Failure(f"{unit}: these mutants were not run yet (no results of them in {results})")
+        if not arguments.read:
             models = work / "models"
-            shutil.rmtree(models, ignore_errors=True)
+            if not plans:
+                shutil.rmtree(models, ignore_errors=True)
             plant_all(tried, work / "rtl")
-            try_all(Bench(program, work / "rtl", models), plans, tried)
+            bench = Bench(program, work / "rtl", models)
+            for plan in sorted((plan for plan in units.plans_of(program, arguments.plan) if plan not in plans),
+                               key=lambda plan: _unmutated(bench, plan, FIRST_POLICY)):
+                try_plan(bench, plan, tried)
+                plans.append(plan)
+                write_json(results, _keep(tried, plans, made_from))
             prove_left(unit, tried, models, work / "equivalence", arguments.yosys)
-            write_json(results, _keep(tried, plans))
+            write_json(results, _keep(tried, plans, made_from))
         amiss = explain(unit, tried)
         for sentence in amiss:
             warn(f"{unit}: {sentence}")

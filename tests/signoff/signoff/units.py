@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The units, their benches and what a bench runs."""
+import hashlib
 import re
 from pathlib import Path
 
@@ -44,6 +45,14 @@ def plans_of(program: Path, named: list[str]) -> list[str]:
         if plan not in every:
             raise Failure(f"--plan {plan}: {program.name} has none of this name, expected one of {', '.join(every)}")
     return [plan for plan in every if plan in named] or every
+
+
+def made_from(program: Path) -> str:
+    """A hash of a bench and of all RTL."""
+    made = hashlib.sha256(program.read_bytes())
+    for file in sorted((ROOT / "rtl").glob("*/*.sv")):
+        made.update(file.read_bytes())
+    return made.hexdigest()
 
 
 def source(module: str) -> Path:
