@@ -32,6 +32,7 @@ RayCurve::RayCurve(std::string name, const std::vector<const StudyRow*>& rows)
 }
 
 std::string text_of(const RayPart& part) {
+  if (std::isnan(part.value)) return "–";  // no such plan in this scene
   if (part.beyond != 0) return fmt::format("{} {:.2g}", part.beyond > 0 ? ">" : "<", part.value);
   return fmt::format("{:.2f} ± {:.2f}", part.value, part.error);
 }
