@@ -37,6 +37,7 @@ def record(program: Program, scene: Path, random: Random, base: Plan, folder: Pa
                     for channels in (1, 3) for exponent in range(1, 6)))
     lines["gatherer.cache_bytes"] = stride * lines["photon.bucket"] * lines["gatherer.cache_ways"]
     lines["gatherer.beat_bits"] = random.choice((32, 64, 128))
+    lines["board.photon_memory"] = "block_ram"  # an SDRAM, which much room for further lines would ask for, has wider beats
     path = folder / "plan.toml"
     program.run("plan", scene, "--size", "12x12", "--spp", "2", "--gather-rays", "6",
                 "--photons", "1200", "--caustic-photons", "300", "-o", path,

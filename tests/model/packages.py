@@ -52,10 +52,16 @@ def packets(text: str, widths: Widths, name: str) -> tuple[str, list[Packet]]:
 
 
 def rebuilt(plan: Plan, data: bytes, leaves: int, number: int, tally: Tally) -> photon_map.PhotonMap:
-    """Map `number` of a memory image. Built again of the photons in it, its lines are the same."""
+    """Map `number` of a memory image. Built again of the photons in it, its lines are the same. Photons that are equal in all
+    their bits may lie in two leaves, so they go in by leaves from left to right, as their numbers in the input did."""
     line_bytes = plan["photon.bucket"] * plan["photon.photon_bytes"]
     lines = [data[start:start + line_bytes] for start in range(0, len(data), line_bytes)]
-    built = photon_map.build(plan, [photon for leaf in photon_map.leaves(plan, lines, leaves) for photon in leaf])
+    stored = photon_map.leaves(plan, lines, leaves)
+
+    def below(node: int) -> list[Packet]:
+        return stored[node - leaves] if node >= leaves else below(2 * node) + below(2 * node + 1)
+
+    built = photon_map.build(plan, below(1) if leaves else [])
     tally.compare("photon_gatherer", "memory line", [{"bytes": line.hex()} for line in lines],
                   [{"bytes": line.hex()} for line in photon_map.memory(plan, built, number)])
     return built

@@ -119,8 +119,8 @@ def leaves(plan: Plan, lines: list[bytes], count: int) -> list[list[Packet]]:
 
 def memory_lines(plan: Plan, section: str) -> int:
     """Lines that a map has room for."""
-    count = -(-plan[f"{section}.photons"] // plan["photon.bucket"])
-    percent = plan["photon.further_percent"] if plan["photon.lines"] == "compressed" else 0
+    count: int = -(-plan[f"{section}.photons"] // plan["photon.bucket"])
+    percent: int = plan["photon.further_percent"] if plan["photon.lines"] == "compressed" else 0
     return count + -(-count * percent // 100)
 
 
