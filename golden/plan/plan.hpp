@@ -273,7 +273,8 @@ struct Plan {
     v("sampler", "probability_bits", p.probability_bits, 4, 24, "width of a cell's weight");
     v("sampler", "u_bits", p.u_bits, 16, 48, "bits of the number that picks the cell");
     v("sampler", "v_bits", p.v_bits, 1, 12, "bits of each number that places the direction in it");
-    v("sampler", "combine", p.combine, 0, 0, "sum, product, weighted, cosine or photons: docs/sampling.md");
+    v("sampler", "combine", p.combine, 0, 0,
+      "sum, product, weighted, cosine or photons: docs/sampling.md");
     v("sampler", "levels", p.levels, 1, 7,
       "block sizes, from one cell up, over which a photon is spread");
     v("sampler", "cosine_samples", p.cosine_samples, 1, 255,

@@ -33,8 +33,8 @@ struct WidePlan {
   int k, contexts, lanes, nodes, candidates, powers;
   double ideal, slow;
 };
-// Of each: compressed lines of 80 bytes, 192 of them in 6 ways, which are within the options' 16 KB.
-constexpr int kWidePhotonBytes = 10, kWideCacheBytes = 15360, kWideWays = 6, kWideMisses = 16;
+// Of each: photons without padding, in 160 lines of 5 ways, which are within the options' 16 KB.
+constexpr int kWidePhotonBytes = 12, kWideCacheBytes = 15360, kWideWays = 5, kWideMisses = 16;
 constexpr WidePlan kWidePlans[] = {
     {8, 32, 8, 2, 2, 2, 15, 22},
     {16, 32, 8, 2, 2, 2, 20, 28},
@@ -178,7 +178,6 @@ int run(const Options& o) {
       wide.nodes_per_cycle = w.nodes;
       wide.candidates_per_cycle = w.candidates;
       wide.powers_per_cycle = w.powers;
-      wide.photon_lines = PhotonLines::kCompressed;
       wide.photon_bytes = kWidePhotonBytes;
       wide.photon_memory = PhotonMemory::kBlockRam;
       wide.cache_bytes = kWideCacheBytes;
