@@ -45,9 +45,9 @@ Conclusion conclude_layouts(const StudyOutcome& outcome) {
       plots += fmt::format("{}${} using 1:2 with linespoints title \"{}\" noenhanced",
                            plots.empty() ? "plot " : ", ", layout.column, layout.name);
     }
-    conclusion.page += "| compressed lines that take two |";
+    conclusion.page += "| further lines of compressed leaves, of the leaves |";
     for (const StudyRow* row : rows)
-      conclusion.page += fmt::format(" {:.1f} % |", 100 * row->value("layouts.overflow"));
+      conclusion.page += fmt::format(" {:.1f} % |", 100 * row->value("layouts.further"));
     conclusion.page += "\n\n";
     write_plot(outcome.folder, "layouts_" + scene,
                fmt::format("set logscale xy 2\nset grid\nset key outside right top\n"
