@@ -87,7 +87,10 @@ module photon_gatherer_decoder #(
   // ---- records ----
   for (genvar lane = 0; lane < Lanes; lane++) begin : gen_lane
     logic [RecordBits-1:0] record;
-    logic [3:0] shared, more_exponent;
+    logic [3:0] shared;
+    /* verilator lint_off UNUSEDSIGNAL */  // exponents may be shorter
+    logic [3:0] more_exponent;
+    /* verilator lint_on UNUSEDSIGNAL */
     logic [MantissasBits-1:0] mantissas;
     /* verilator lint_off UNUSEDSIGNAL */  // an offset has no more bits than a coordinate
     logic [B+1:0] first, second;
