@@ -1,27 +1,25 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "golden/pipeline/frame.hpp"
 
-#include <oneapi/tbb/blocked_range.h>
-#include <oneapi/tbb/parallel_for.h>
-
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <cmath>
 #include <limits>
 #include <numeric>
 #include <optional>
-#include <type_traits>
 #include <utility>
 #include <vector>
 
 #include "golden/numeric/octahedral.hpp"
-#include "golden/numeric/wide_sum.hpp"
+#include "golden/pipeline/batch.hpp"
+#include "golden/pipeline/light.hpp"
+#include "golden/pipeline/ray_budget.hpp"
+#include "golden/pipeline/splat_film.hpp"
+#include "golden/pipeline/tile_cache.hpp"
 #include "golden/plan/quantiser.hpp"
 #include "golden/transport/film_filter.hpp"
 #include "golden/transport/sampling.hpp"
 #include "golden/unit/cdf_sampler.hpp"
-#include "golden/unit/irradiance_cache.hpp"
 
 namespace photonloom {
 namespace {
@@ -29,83 +27,6 @@ namespace {
 // Rays and packets of one call to the units; bounds the memory, changes nothing else.
 constexpr size_t kChunk = size_t{1} << 15;
 constexpr uint32_t kNone = ~uint32_t{0};
-// Added to a squared radiance that noise is relative to, as in relMSE.
-constexpr double kDarkest = 0.01;
-
-template <class F>
-void parallel(size_t count, F&& f) {
-  tbb::parallel_for(tbb::blocked_range<size_t>(0, count, 16), [&](const auto& range) {
-    for (size_t i = range.begin(); i < range.end(); ++i) f(i);
-  });
-}
-
-// Light added up: exact integers in a golden frame, doubles in a reference frame.
-void add(PixelValue& sum, const PixelValue& value) {
-  for (size_t c = 0; c < 3; ++c) sum[c] += value[c];
-}
-void add(Rgb& sum, const Rgb& value) { sum += value; }
-
-template <class Value>
-struct Layers {
-  Value direct{}, caustic{}, indirect{}, emission{};
-};
-
-// Weighted light added up: exact in a golden frame.
-struct WideRgb {
-  std::array<WideSum, 3> sum;
-  void add(const WideRgb& other) {
-    for (size_t c = 0; c < 3; ++c) sum[c].add(other.sum[c]);
-  }
-  void add(const PixelValue& value, int32_t weight) {
-    for (size_t c = 0; c < 3; ++c) sum[c].add(value[c], weight);
-  }
-  double operator[](size_t c) const { return sum[c].value(); }
-};
-struct DoubleRgb {
-  Rgb sum{0};
-  void add(const DoubleRgb& other) { sum += other.sum; }
-  void add(const Rgb& value, int32_t weight) { sum += value * static_cast<double>(weight); }
-  double operator[](size_t c) const { return sum[static_cast<int>(c)]; }
-};
-
-// A pixel of a film whose samples count in several pixels: sums over samples, times their weights.
-template <class Sum>
-struct FilmPixel {
-  Layers<Sum> layers;
-  int64_t weight = 0;
-};
-
-// A value times part / whole, rounded half up where it is an integer.
-PixelValue scaled(const PixelValue& value, uint64_t part, uint64_t whole) {
-  PixelValue result;
-  for (size_t c = 0; c < 3; ++c)
-    result[c] = value[c] / whole * part + (2 * (value[c] % whole) * part + whole) / (2 * whole);
-  return result;
-}
-Rgb scaled(const Rgb& value, uint64_t part, uint64_t whole) {
-  return value * (static_cast<double>(part) / static_cast<double>(whole));
-}
-
-// A camera sample that waits for its estimates.
-struct Entry {
-  bool diffuse = false;  // x exists
-  bool first = false;
-  DiffuseHit x;
-  Rgb weight{0};
-};
-
-// How an irradiance cache lets a sample come by its indirect light.
-enum class Role : uint8_t {
-  kAlone,    // its own gather
-  kRecord,   // its own gather, which is a record's
-  kSharing,  // records of others
-};
-
-// The records whose light a sample takes, by the entries that they belong to.
-struct Shared {
-  uint32_t count = 0;
-  CacheList entry{}, weight{};
-};
 
 // What the first hits of a pixel show, summed over its samples.
 struct Features {
@@ -117,11 +38,9 @@ struct Features {
 
 template <Arithmetic kArithmetic>
 class Renderer {
-  static constexpr bool kGolden = kArithmetic == Arithmetic::kGolden;
-  using Value = std::conditional_t<kGolden, PixelValue, Rgb>;
-  // What a query's answer is multiplied with.
-  using QueryWeight = std::conditional_t<kGolden, Weight, Rgb>;
-  using FilmSum = std::conditional_t<kGolden, WideRgb, DoubleRgb>;
+  static constexpr bool kGolden = LightValues<kArithmetic>::kGolden;
+  using Value = typename LightValues<kArithmetic>::Value;
+  using QueryWeight = typename LightValues<kArithmetic>::QueryWeight;
 
  public:
   Renderer(const FrameInput& in, FrameUnits& units, FrameCounts& counts, Progress* progress)
@@ -136,12 +55,11 @@ class Renderer {
         first_rays_(static_cast<size_t>(in.plan.first_rays)),
         ray_seed_(in.ray_seed.value_or(in.seed)),
         filter_(in.world.scene().film.filter),
+        batch_{pixels_, spp_},
+        cache_(in, units, counts, shader_),
         place_(static_cast<size_t>(in.plan.width) * static_cast<size_t>(in.plan.height), kNone) {
     make_channels();
-    if (filtered()) {
-      film_.assign(place_.size(), {});
-      spread_.assign(place_.size(), Rgb(0));
-    }
+    if (!filter_.is_plain_box()) film_.emplace(plan_, filter_);
   }
 
   Image render() {
@@ -166,7 +84,7 @@ class Renderer {
       render_batch();
       for (const uint32_t pixel : pixels_) place_[pixel] = kNone;
     }
-    if (filtered()) finish_film();
+    if (film_) film_->finish(image_);
     return std::move(image_);
   }
 
@@ -175,10 +93,11 @@ class Renderer {
     return static_cast<size_t>(y) * static_cast<size_t>(plan_.width) + static_cast<size_t>(x);
   }
   // Whether samples count in other pixels than their own too; their layers are kept apart then.
-  bool filtered() const { return !filter_.is_plain_box(); }
+  bool filtered() const { return film_.has_value(); }
   Layers<Value>& layers_of(size_t entry) { return layers_[filtered() ? entry : entry / spp_]; }
-  uint32_t pixel_of(size_t entry) const { return pixels_[entry / spp_]; }
-  uint32_t sample_of(size_t entry) const { return static_cast<uint32_t>(entry % spp_); }
+  uint32_t pixel_of(size_t entry) const { return batch_.pixel_of(entry); }
+  uint32_t sample_of(size_t entry) const { return batch_.sample_of(entry); }
+  Random random_of(size_t entry) const { return batch_.random_of(in_, entry); }
 
   // The entry that a packet belongs to; kNone for one that no question of this batch explains.
   uint32_t entry_of(uint32_t pixel, uint32_t sample) const {
@@ -201,12 +120,7 @@ class Renderer {
                                                                        : adaptive ? first_rays_
                                                                                   : rays_)));
     caching_ = gathers_ && plan_.cache_present;
-    if (caching_) {
-      roles_.assign(entries, Role::kAlone);
-      shared_.assign(entries, {});
-      record_light_.assign(entries, {});
-      tile_begin_ = tile_ = 0;
-    }
+    if (caching_) cache_.begin(batch_, entries_, tile_ends_);
     {
       const ProgressPhase phase(progress_, "camera", entries, "samples");
       for (size_t begin = 0, end; begin < entries; begin = end) {
@@ -218,7 +132,8 @@ class Renderer {
     }
     if (gathers_) gather_finally("final gather");
     if (adaptive) {
-      begin_pass(first_rays_, second_rays());
+      begin_pass(first_rays_, second_rays(plan_, pixels_, tile_begins_,
+                                          [&](size_t entry) { return first_pass_of(entry); }));
       {
         const ProgressPhase phase(progress_, "second tables", entries, "samples");
         for (size_t begin = 0, end; begin < entries; begin = end) {
@@ -234,9 +149,22 @@ class Renderer {
         add_indirect(entry, scaled(first, first_rays_, first_rays_ + rays_of(entry)));
       }
     }
-    if (caching_) share_light(entries);
+    if (caching_)
+      cache_.share_light([&](size_t entry, const Value& value) { add_layers(entry, value); });
     finish_pixels();
-    if (filtered()) splat_samples();
+    if (film_) film_->splat(batch_, place_, kNone, layers_, places_);
+  }
+
+  FirstPass first_pass_of(size_t entry) const {
+    FirstPass seen;
+    seen.diffuse = entries_[entry].diffuse;
+    for (int c = 0; c < 3; ++c) {
+      const double even = radiance(halves_[2 * entry], c);
+      const double odd = radiance(halves_[2 * entry + 1], c);
+      seen.light[c] = radiance(totals_[entry], c) + even + odd;
+      seen.difference[c] = even - odd;
+    }
+    return seen;
   }
 
   // A pass casts rays [first_tag, first_tag + count) of each sample.
@@ -311,100 +239,6 @@ class Renderer {
     }
   }
 
-  // Rays of the second pass, by sample. The pixels of a tile are two halves, as a chessboard; what
-  // one half gets is decided by the noise that the other showed in the first pass, so that a
-  // sample's rays and their number are independent (docs/sampling.md). A fixed order of sums makes
-  // it the same everywhere.
-  std::vector<uint32_t> second_rays() const {
-    struct Half {
-      double noise = 0;  // of a ray, relative to the half's mean
-      double samples = 0;
-    };
-    const size_t tiles = tile_begins_.size();
-    const auto end_of = [&](size_t tile) {
-      return tile + 1 < tiles ? tile_begins_[tile + 1] : pixels_.size();
-    };
-    const auto half_of = [&](size_t pixel) {
-      const auto width = static_cast<uint32_t>(plan_.width);
-      return (pixels_[pixel] % width + pixels_[pixel] / width) % 2;
-    };
-    std::vector<std::array<Half, 2>> halves(tiles);
-    parallel(tiles, [&](size_t tile) {
-      std::array<Rgb, 2> mean{Rgb(0), Rgb(0)}, noise{Rgb(0), Rgb(0)};
-      std::array<double, 2> pixels{};
-      for (size_t pixel = tile_begins_[tile]; pixel < end_of(tile); ++pixel) {
-        const size_t h = half_of(pixel);
-        ++pixels[h];
-        for (size_t entry = pixel * spp_; entry < (pixel + 1) * spp_; ++entry) {
-          halves[tile][h].samples += entries_[entry].diffuse;
-          for (int c = 0; c < 3; ++c) {
-            const double even = radiance(halves_[2 * entry], c);
-            const double odd = radiance(halves_[2 * entry + 1], c);
-            mean[h][c] += radiance(totals_[entry], c) + even + odd;
-            noise[h][c] += (even - odd) * (even - odd);
-          }
-        }
-      }
-      for (size_t h = 0; h < 2; ++h) {
-        if (!(halves[tile][h].samples > 0)) continue;
-        double sum = 0;
-        for (int c = 0; c < 3; ++c) {
-          const double b = mean[h][c] / (pixels[h] * static_cast<double>(spp_));
-          sum += noise[h][c] / (b * b + kDarkest);
-        }
-        halves[tile][h].noise = std::sqrt(sum / halves[tile][h].samples);
-      }
-    });
-    std::vector<uint32_t> counts(entries_.size(), 0);
-    for (size_t h = 0; h < 2; ++h) {
-      const size_t other = 1 - h;
-      double noise = 0, known = 0, samples = 0;
-      for (const auto& tile : halves) {
-        noise += tile[other].noise * tile[other].samples;
-        known += tile[other].samples;
-        samples += tile[h].samples;
-      }
-      const double mean_noise = known > 0 ? noise / known : 0;
-      // What a tile's samples want; none less than an eighth of the mean, for noise that a few
-      // samples did not show.
-      std::vector<double> wish(tiles, 1.0);
-      if (mean_noise > 0)
-        for (size_t tile = 0; tile < tiles; ++tile) {
-          const Half& seen = halves[tile][other];
-          wish[tile] = std::max(seen.samples > 0 ? seen.noise / mean_noise : 1.0, 0.125);
-        }
-      // What the most rays cut off goes to the others.
-      const double most = static_cast<double>(rays_ - first_rays_);
-      double factor = 0;
-      for (int round = 0; round < 8; ++round) {
-        double left = samples * (plan_.mean_rays - plan_.first_rays), open = 0;
-        for (size_t tile = 0; tile < tiles; ++tile) {
-          if (factor * wish[tile] >= most && round > 0)
-            left -= most * halves[tile][h].samples;
-          else
-            open += wish[tile] * halves[tile][h].samples;
-        }
-        if (!(open > 0)) break;
-        factor = std::max(factor, left / open);
-      }
-      for (size_t tile = 0; tile < tiles; ++tile) {
-        const double rays = std::min(factor * wish[tile], most);
-        double given = 0, wanted = 0;
-        for (size_t pixel = tile_begins_[tile]; pixel < end_of(tile); ++pixel) {
-          if (half_of(pixel) != h) continue;
-          for (size_t entry = pixel * spp_; entry < (pixel + 1) * spp_; ++entry) {
-            if (!entries_[entry].diffuse) continue;
-            wanted += rays;
-            const double n = std::min(std::floor(wanted - given), most);
-            given += n;
-            counts[entry] = static_cast<uint32_t>(n);
-          }
-        }
-      }
-    }
-    return counts;
-  }
-
   // Named conversion of light that no photon carries.
   Value value_of(const Rgb& radiance, ShaderCounts& counts) const {
     if constexpr (kGolden)
@@ -418,21 +252,6 @@ class Renderer {
     else
       return (void)is_caustic, (void)counts, weight;
   }
-
-  // Sums the saturations of parallel work, which are nearly always none.
-  struct SharedCounts {
-    std::atomic<uint64_t> weights{0}, direct{0}, not_finite{0};
-    void take(const ShaderCounts& c) {
-      if (c.not_finite) not_finite += c.not_finite;
-      if (c.weights) weights += c.weights;
-      if (c.direct) direct += c.direct;
-    }
-    void give(ShaderCounts& to) const {
-      to.weights += weights;
-      to.direct += direct;
-      to.not_finite += not_finite;
-    }
-  };
 
   void walk_cameras(size_t begin, size_t end) {
     struct Walk {
@@ -485,7 +304,7 @@ class Renderer {
   }
 
   GatherQuery camera_query(size_t entry, bool is_caustic) const {
-    const Entry& e = entries_[entry];
+    const WaitingSample& e = entries_[entry];
     const OctCode normal = oct_encode(e.x.normal, plan_.normal_bits);
     return {.pixel = pixel_of(entry),
             .sample = sample_of(entry),
@@ -538,7 +357,7 @@ class Renderer {
       }
       asked[entry - begin] = 0;
       count(r);
-      const Entry& e = entries_[entry];
+      const WaitingSample& e = entries_[entry];
       if (r.map) {
         if constexpr (kGolden)
           add_caustic(entry, shader_.contribution(r, shader_.weight(e.weight, true, saturated)));
@@ -558,7 +377,13 @@ class Renderer {
       counts_.unanswered += static_cast<uint64_t>(std::count(asked->begin(), asked->end(), 1));
     counts_.unmatched += photons_.size() - next_photon;
 
-    if (caching_) ask_cache(begin, end);
+    if (caching_) {
+      cache_.ask(begin, end, tables_);
+      for (size_t entry = begin; entry < end; ++entry) {
+        const auto& [answered, photons] = tables_[entry - begin];
+        if (answered && !cache_.is_sharing(entry)) request_directions(entry, photons);
+      }
+    }
     if (inputs_.empty()) return;
     samples_.clear();
     units_.cdf_sampler->process(inputs_, samples_);
@@ -572,171 +397,6 @@ class Renderer {
       directions_[*place] = sampled_code(s);
     }
     counts_.directions += samples_.size();
-  }
-
-  // Looks up the samples of a chunk, tile by tile; a tile that ends is looked up again where the
-  // plan says so. Whoever is covered by no record asks for directions.
-  void ask_cache(size_t begin, size_t end) {
-    for (size_t at = begin; at < end;) {
-      if (at == tile_begin_) {
-        clear_ = true;
-        owners_.clear();
-      }
-      const size_t tile_end = tile_ends_[tile_], until = std::min(end, tile_end);
-      look_up(at, until, begin, true);
-      at = until;
-      if (until < tile_end) break;
-      if (plan_.cache_passes == 2) look_up(tile_begin_, tile_end, begin, false);
-      counts_.cache_most_records = std::max<uint64_t>(counts_.cache_most_records, owners_.size());
-      tile_begin_ = tile_end;
-      ++tile_;
-    }
-    for (size_t entry = begin; entry < end; ++entry) {
-      const auto& [answered, photons] = tables_[entry - begin];
-      if (answered && roles_[entry] != Role::kSharing) request_directions(entry, photons);
-    }
-  }
-
-  // Whether an entry takes part in the cache.
-  bool looks_up(size_t entry) const {
-    return entries_[entry].diffuse && (entries_[entry].first || plan_.cache_glossy);
-  }
-
-  void look_up(size_t from, size_t to, size_t begin, bool insert) {
-    std::vector<uint32_t> asking;
-    for (size_t entry = from; entry < to; ++entry)
-      if (looks_up(entry) && (insert ? tables_[entry - begin].first : shared_[entry].count > 0))
-        asking.push_back(static_cast<uint32_t>(entry));
-    lookups_.resize(asking.size());
-    parallel(asking.size(), [&](size_t i) {
-      const Entry& e = entries_[asking[i]];
-      CacheLookup& lookup = lookups_[i];
-      lookup = {};
-      lookup.pixel = pixel_of(asking[i]);
-      lookup.sample = sample_of(asking[i]);
-      lookup.insert = insert;
-      lookup.position = quantise_position(plan_, e.x.position);
-      lookup.normal = quantise_normal(plan_, e.x.shading_normal);
-      if (!insert) return;
-      const Reciprocal falloff =
-          cache_falloff(plan_, split_sphere_radius(asking[i], tables_[asking[i] - begin].second));
-      lookup.falloff = falloff.mantissa;
-      lookup.falloff_exponent = falloff.exponent;
-    });
-    if (lookups_.empty()) return;
-    if (insert) {
-      lookups_.front().clear = clear_;
-      clear_ = false;
-      counts_.cache_samples += asking.size();
-      if (plan_.cache_radius == CacheRadius::kProbe)
-        counts_.probe_rays += asking.size() * static_cast<size_t>(plan_.cache_probe_rays);
-    }
-    found_.clear();
-    units_.irradiance_cache->process(lookups_, found_);
-    if (found_.size() > asking.size()) counts_.unmatched += found_.size() - asking.size();
-    for (size_t i = 0; i < asking.size(); ++i) {
-      if (i >= found_.size()) {
-        ++counts_.unanswered;
-        continue;
-      }
-      const CacheResult& r = found_[i];
-      const size_t entry = asking[i];
-      if (r.pixel != lookups_[i].pixel || r.sample != lookups_[i].sample || !take_hits(entry, r)) {
-        ++counts_.unmatched;
-        continue;
-      }
-      if (!insert) continue;
-      if (r.inserted) {
-        roles_[entry] = Role::kRecord;
-        shared_[entry] = {1, {static_cast<uint32_t>(entry)}, {1}};
-        owners_.push_back(static_cast<uint32_t>(entry));
-        ++counts_.cache_records;
-      } else if (r.count > 0) {
-        roles_[entry] = Role::kSharing;
-        ++counts_.cache_hits;
-      } else {
-        ++counts_.cache_full;
-      }
-    }
-  }
-
-  // False for an answer that no cache with these records gives.
-  bool take_hits(size_t entry, const CacheResult& r) {
-    if (r.count > static_cast<uint32_t>(plan_.cache_hits)) return false;
-    if (r.inserted ? r.count > 0 || r.number != owners_.size() : false) return false;
-    Shared shared;
-    shared.count = r.count;
-    for (uint32_t i = 0; i < r.count; ++i) {
-      if (r.record[i] >= owners_.size() || r.weight[i] == 0) return false;
-      shared.entry[i] = owners_[r.record[i]];
-      shared.weight[i] = r.weight[i];
-    }
-    if (r.count > 0) shared_[entry] = shared;
-    return true;
-  }
-
-  // Harmonic mean distance to what lights or surrounds x, scene units; 0 where nothing is known.
-  double split_sphere_radius(size_t entry, std::span<const GatherPhoton> photons) const {
-    double inverse = 0;
-    uint32_t known = 0;
-    if (plan_.cache_radius == CacheRadius::kPhotons) {
-      for (const GatherPhoton& p : photons) {
-        if (p.index >= in_.global.slots.size()) continue;
-        const double flight = in_.global.slots[p.index].flight;
-        if (!(flight > 0)) continue;
-        inverse += 1 / flight;
-        ++known;
-      }
-      return known > 0 ? known / inverse : 0;
-    }
-    const Entry& e = entries_[entry];
-    const Random random = random_of(entry);
-    const Vec3& n = e.x.shading_normal;
-    const Vec3 side =
-        glm::normalize(std::fabs(n.x) < 0.5 ? Vec3(0, n.z, -n.y) : Vec3(n.z, 0, -n.x));
-    const Vec3 other = glm::cross(n, side);
-    const auto rays = static_cast<uint32_t>(plan_.cache_probe_rays);
-    for (uint32_t ray = 0; ray < rays; ++ray) {
-      const double u = (ray + random.unit(ray, 5)) / rays;
-      const Vec3 d = sample_cosine(Vec2(u, random.unit(ray, 6)));
-      const Vec3 direction = side * d.x + other * d.y + n * d.z;
-      if (!(glm::dot(direction, e.x.normal) > 0)) continue;
-      const Hit hit = in_.caster.closest({e.x.position, direction}, &e.x.hit);
-      ++known;
-      if (hit.valid() && hit.distance > 0) inverse += 1 / hit.distance;
-    }
-    return inverse > 0 ? known / inverse : known > 0 ? plan_.extent : 0;
-  }
-
-  // Adds the records' light to the samples that share it.
-  void share_light(size_t entries) {
-    std::vector<Value> values(entries);
-    SharedCounts shared;
-    parallel(entries, [&](size_t entry) {
-      const Shared& s = shared_[entry];
-      if (s.count == 0) return;
-      uint32_t total = 0;
-      for (uint32_t i = 0; i < s.count; ++i) total += s.weight[i];
-      const Rgb weight = entries_[entry].weight * kPi;
-      ShaderCounts own;
-      const QueryWeight share = share_of(weight, own);
-      shared.take(own);
-      for (uint32_t i = 0; i < s.count; ++i) {
-        const Value& light = record_light_[s.entry[i]];
-        if constexpr (kGolden)
-          add(values[entry], shader_.interpolated(light, s.weight[i], total, share));
-        else
-          add(values[entry], light * share * (static_cast<double>(s.weight[i]) / total));
-      }
-    });
-    shared.give(counts_.shader);
-    for (size_t entry = 0; entry < entries; ++entry) add_layers(entry, values[entry]);
-  }
-  QueryWeight share_of(const Rgb& weight, ShaderCounts& counts) const {
-    if constexpr (kGolden)
-      return shader_.share(weight, counts);
-    else
-      return (void)counts, weight;
   }
 
   void add_caustic(size_t entry, const Value& value) {
@@ -782,10 +442,6 @@ class Renderer {
     }
   }
 
-  Random random_of(size_t entry) const {
-    return Random(ray_seed_, Phase::kSampler, (uint64_t{pixel_of(entry)} << 20) | sample_of(entry));
-  }
-
   // A final gather ray of this pass: its sample, and its place in directions_ and slot_of_.
   struct Ray {
     size_t entry, place;
@@ -820,7 +476,7 @@ class Renderer {
     parallel(gathers.size(), [&](size_t i) {
       Gather& g = gathers[i];
       const size_t entry = rays[i].entry, ray = tag_of(rays[i]);
-      const Entry& e = entries_[entry];
+      const WaitingSample& e = entries_[entry];
       const SampledCode& sampled = directions_[rays[i].place];
       if (!e.diffuse || sampled.probability == 0) return;
       const Random random = random_of(entry);
@@ -837,7 +493,7 @@ class Renderer {
       const GatherSample s =
           trace_gather(in_.world, in_.caster, e.x, direction, pixel, sample, ray, ray_seed_);
       // A record keeps the light that a white surface would send on.
-      const Rgb to_pixel = caching_ && roles_[entry] == Role::kRecord ? Rgb(1 / kPi) : e.weight;
+      const Rgb to_pixel = caching_ && cache_.is_record(entry) ? Rgb(1 / kPi) : e.weight;
       // The second pass knows how many rays there are in all.
       const Rgb weight =
           to_pixel * (cosine * inverse_pdf / static_cast<double>(first_tag_ + rays_of(entry)));
@@ -887,8 +543,8 @@ class Renderer {
       add_indirect(entry, value);
   }
   void add_indirect(size_t entry, const Value& value) {
-    if (caching_ && roles_[entry] == Role::kRecord)
-      add(record_light_[entry], value);
+    if (caching_ && cache_.is_record(entry))
+      cache_.add_to_record(entry, value);
     else
       add_layers(entry, value);
   }
@@ -971,7 +627,7 @@ class Renderer {
       if (!plan_.caustic.present) return;
       std::vector<Rgb> values(end - begin, Rgb(0));
       parallel(values.size(), [&](size_t i) {
-        const Entry& e = entries_[begin + i];
+        const WaitingSample& e = entries_[begin + i];
         if (e.diffuse)
           values[i] = estimate_in_double(*in_.reference_caustic, plan_.caustic, e.x, e.weight);
       });
@@ -1033,7 +689,7 @@ class Renderer {
           variance += d * d;
         }
         if (filtered()) {
-          if (spp_ > 1) spread_[pixels_[p]][c] = variance / (n - 1);
+          if (spp_ > 1) film_->spread(pixels_[p])[c] = variance / (n - 1);
         } else {
           const Layers<Value>& l = layers_[p];
           set(i, mean);
@@ -1051,95 +707,6 @@ class Renderer {
     });
   }
 
-  // Calls f(x, y) for the pixels within the filter's reach of (x, y), row by row.
-  template <class F>
-  void around(int x, int y, F&& f) const {
-    const int reach = filter_.reach();
-    for (int v = std::max(0, y - reach); v <= std::min(plan_.height - 1, y + reach); ++v)
-      for (int u = std::max(0, x - reach); u <= std::min(plan_.width - 1, x + reach); ++u) f(u, v);
-  }
-
-  // Adds the batch's samples to all pixels in which they count. Each pixel collects its own.
-  void splat_samples() {
-    int x0 = plan_.width, y0 = plan_.height, x1 = 0, y1 = 0;
-    for (const uint32_t pixel : pixels_) {
-      const int x = static_cast<int>(pixel) % plan_.width;
-      const int y = static_cast<int>(pixel) / plan_.width;
-      x0 = std::min(x0, x);
-      x1 = std::max(x1, x);
-      y0 = std::min(y0, y);
-      y1 = std::max(y1, y);
-    }
-    const int reach = filter_.reach();
-    x0 = std::max(0, x0 - reach);
-    y0 = std::max(0, y0 - reach);
-    x1 = std::min(plan_.width - 1, x1 + reach);
-    y1 = std::min(plan_.height - 1, y1 + reach);
-    const auto columns = static_cast<size_t>(x1 - x0 + 1);
-    parallel(columns * static_cast<size_t>(y1 - y0 + 1), [&](size_t i) {
-      const int x = x0 + static_cast<int>(i % columns), y = y0 + static_cast<int>(i / columns);
-      FilmPixel<FilmSum> sum;
-      around(x, y, [&](int u, int v) {
-        const uint32_t place = place_[pixel_number(u, v)];
-        if (place == kNone) return;
-        for (size_t entry = place * spp_; entry < (place + 1) * spp_; ++entry) {
-          const int32_t w =
-              filter_.weight(x - u, places_[entry][0]) * filter_.weight(y - v, places_[entry][1]);
-          if (w == 0) continue;
-          const Layers<Value>& l = layers_[entry];
-          sum.layers.direct.add(l.direct, w);
-          sum.layers.caustic.add(l.caustic, w);
-          sum.layers.indirect.add(l.indirect, w);
-          sum.layers.emission.add(l.emission, w);
-          sum.weight += w;
-        }
-      });
-      FilmPixel<FilmSum>& film = film_[pixel_number(x, y)];
-      film.layers.direct.add(sum.layers.direct);
-      film.layers.caustic.add(sum.layers.caustic);
-      film.layers.indirect.add(sum.layers.indirect);
-      film.layers.emission.add(sum.layers.emission);
-      film.weight += sum.weight;
-    });
-  }
-
-  // Light over weight, pixel by pixel; nothing where lobes took all weight away.
-  void finish_film() {
-    const auto n = static_cast<double>(spp_);
-    parallel(film_.size(), [&](size_t p) {
-      const FilmPixel<FilmSum>& film = film_[p];
-      if (film.weight <= 0) return;
-      const auto whole = static_cast<double>(film.weight);
-      const auto set = [&](size_t channel, double value) {
-        image_.channels[channel].pixels[p] = static_cast<float>(value);
-      };
-      const auto mean = [&](const FilmSum& sum, size_t c) {
-        if constexpr (kGolden)
-          return std::ldexp(sum[c], -plan_.fraction_bits) / whole;
-        else
-          return sum[c] / whole;
-      };
-      const Layers<FilmSum>& l = film.layers;
-      FilmSum sum = l.direct;
-      for (const FilmSum* layer : {&l.caustic, &l.indirect, &l.emission}) sum.add(*layer);
-      Rgb variance(0);
-      const int x = static_cast<int>(p) % plan_.width, y = static_cast<int>(p) / plan_.width;
-      around(x, y, [&](int u, int v) {
-        variance +=
-            spread_[pixel_number(u, v)] * (filter_.mean_square(x - u) * filter_.mean_square(y - v));
-      });
-      const double share = whole / (int64_t{1} << (2 * FilterTable::kOneBits));
-      for (size_t c = 0; c < 3; ++c) {
-        set(c, mean(sum, c));
-        set(3 + c, mean(l.direct, c));
-        set(6 + c, mean(l.caustic, c));
-        set(9 + c, mean(l.indirect, c));
-        set(12 + c, mean(l.emission, c));
-        set(15 + c, std::sqrt(n * variance[static_cast<int>(c)]) / share);
-      }
-    });
-  }
-
   const FrameInput& in_;
   const Plan& plan_;
   FrameUnits& units_;
@@ -1149,17 +716,17 @@ class Renderer {
   const size_t spp_, rays_, first_rays_;
   const uint64_t ray_seed_;
   const FilterTable filter_;
+  const BatchSamples batch_;
+  TileCache<kArithmetic> cache_;
   bool gathers_ = false;  // whether samples send final gather rays
   Image image_;
-  // Of a filtered film.
-  std::vector<FilmPixel<FilmSum>> film_;
-  std::vector<Rgb> spread_;  // variance of a pixel's samples
+  std::optional<SplatFilm<kArithmetic>> film_;  // where samples count in several pixels
 
   // Of the batch.
   std::vector<uint32_t> pixels_;                // in packet order
   std::vector<uint32_t> place_;                 // of a pixel in pixels_
   std::vector<size_t> tile_begins_;             // in pixels_
-  std::vector<Entry> entries_;                  // a sample each
+  std::vector<WaitingSample> entries_;          // a sample each
   std::vector<Layers<Value>> layers_;           // of pixels; filtered: of samples
   std::vector<std::array<uint8_t, 2>> places_;  // filtered: of samples within their pixel
   std::vector<Value> totals_;                   // of samples
@@ -1170,14 +737,8 @@ class Renderer {
   std::vector<size_t> ray_begins_;       // of a sample in directions_
   std::vector<SampledCode> directions_;  // probability 0: not answered yet
   bool caching_ = false;
-  std::vector<size_t> tile_ends_;     // in entries
-  std::vector<Role> roles_;           // of samples
-  std::vector<Shared> shared_;        // of samples
-  std::vector<Value> record_light_;   // of the samples that are records
-  size_t tile_ = 0, tile_begin_ = 0;  // the one whose samples look up
-  bool clear_ = false;                // its first lookup has not been sent
-  std::vector<uint32_t> owners_;      // entries of its records
-  std::vector<uint32_t> slot_of_;     // a final gather query's place in slots_
+  std::vector<size_t> tile_ends_;  // in entries
+  std::vector<uint32_t> slot_of_;  // a final gather query's place in slots_
   std::vector<QueryWeight> slots_;
   std::vector<uint32_t> free_slots_;
 
@@ -1187,9 +748,7 @@ class Renderer {
   std::vector<GatherPhoton> photons_;
   std::vector<SamplerInput> inputs_;
   std::vector<Sample> samples_;
-  std::vector<std::pair<bool, std::span<const GatherPhoton>>> tables_;  // answered; its photons
-  std::vector<CacheLookup> lookups_;
-  std::vector<CacheResult> found_;
+  std::vector<Table> tables_;
 };
 
 }  // namespace
