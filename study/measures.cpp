@@ -39,6 +39,7 @@ Plan without_cache(Plan plan) {
   plan.cache_angle_bits = usual.cache_angle_bits;
   plan.cache_weight_bits = usual.cache_weight_bits;
   plan.cache_glossy = usual.cache_glossy;
+  plan.cache_gradients = usual.cache_gradients;
   return plan;
 }
 

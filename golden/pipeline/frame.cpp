@@ -146,7 +146,7 @@ class Renderer {
       for (size_t entry = 0; entry < entries; ++entry) {
         Value first = halves_[2 * entry];
         add(first, halves_[2 * entry + 1]);
-        add_indirect(entry, scaled(first, first_rays_, first_rays_ + rays_of(entry)));
+        add_layers(entry, scaled(first, first_rays_, first_rays_ + rays_of(entry)));
       }
     }
     if (caching_)
@@ -174,6 +174,7 @@ class Renderer {
     for (const uint32_t n : counts) ray_begins_.push_back(ray_begins_.back() + n);
     directions_.assign(ray_begins_.back(), {});
     if constexpr (kGolden) slot_of_.assign(ray_begins_.back(), kNone);
+    gradients_.assign(cache_.has_gradients() ? ray_begins_.back() : 0, {});
   }
   bool second_pass() const { return first_tag_ > 0; }
   size_t rays_of(size_t entry) const { return ray_begins_[entry + 1] - ray_begins_[entry]; }
@@ -464,6 +465,7 @@ class Renderer {
     struct Gather {
       bool below = false, asks = false;
       Value glossy{};
+      Value estimate{};  // where no unit gives it
       QueryWeight weight{};
       GatherQuery query{};
       DiffuseHit y;
@@ -494,6 +496,10 @@ class Renderer {
           trace_gather(in_.world, in_.caster, e.x, direction, pixel, sample, ray, ray_seed_);
       // A record keeps the light that a white surface would send on.
       const Rgb to_pixel = caching_ && cache_.is_record(entry) ? Rgb(1 / kPi) : e.weight;
+      if (caching_ && cache_.has_gradients() && cache_.is_record(entry)) {
+        const bool straight = s.diffuse && s.y.segments == e.x.segments + 1;
+        gradients_[rays[i].place] = ray_gradient(plan_, e.x, direction, straight ? &s.y : nullptr);
+      }
       // The second pass knows how many rays there are in all.
       const Rgb weight =
           to_pixel * (cosine * inverse_pdf / static_cast<double>(first_tag_ + rays_of(entry)));
@@ -513,7 +519,7 @@ class Renderer {
                      .position = quantise_position(plan_, s.y.position),
                      .normal = {normal.u, normal.v}};
         } else {
-          add(g.glossy, estimate_in_double(*in_.reference_global, plan_.global, s.y, g.weight));
+          g.estimate = estimate_in_double(*in_.reference_global, plan_.global, s.y, g.weight);
         }
       }
       shared.take(own);
@@ -525,8 +531,10 @@ class Renderer {
       const Gather& g = gathers[i];
       counts_.below_horizon += g.below;
       counts_.final_gathers += g.asks;
-      add_ray(rays[i].entry, tag_of(rays[i]), g.glossy);
-      if constexpr (kGolden) {
+      add_ray(rays[i].entry, tag_of(rays[i]), g.glossy, false);
+      if constexpr (!kGolden) {
+        if (g.asks) add_ray(rays[i].entry, tag_of(rays[i]), g.estimate, true);
+      } else {
         if (!g.asks) continue;
         slot_of_[rays[i].place] = take_slot(g.weight);
         queries_.push_back(g.query);
@@ -536,17 +544,17 @@ class Renderer {
   }
 
   // What a final gather ray found. That of a first pass waits for the number of all rays.
-  void add_ray(size_t entry, size_t ray, const Value& value) {
-    if (first_rays_ > 0 && !second_pass())
+  void add_ray(size_t entry, size_t ray, const Value& value, bool from_diffuse) {
+    if (first_rays_ > 0 && !second_pass()) {
       add(halves_[2 * entry + ray % 2], value);
-    else
-      add_indirect(entry, value);
-  }
-  void add_indirect(size_t entry, const Value& value) {
-    if (caching_ && cache_.is_record(entry))
-      cache_.add_to_record(entry, value);
-    else
+    } else if (caching_ && cache_.is_record(entry)) {
+      RayGradient gradient;
+      if (cache_.has_gradients()) gradient = gradients_[*place_of(entry, ray)];
+      if (!from_diffuse) gradient.way = {};
+      cache_.add_to_record(entry, value, gradient);
+    } else {
       add_layers(entry, value);
+    }
   }
   void add_layers(size_t entry, const Value& value) {
     add(layers_of(entry).indirect, value);
@@ -597,7 +605,7 @@ class Renderer {
       });
       for (size_t i = 0; i < results_.size(); ++i) {
         if (slots[i] == kNone) continue;
-        add_ray(entries[i], results_[i].tag, values[i]);
+        add_ray(entries[i], results_[i].tag, values[i], true);
         free_slots_.push_back(slots[i]);
       }
     } else {
@@ -737,8 +745,9 @@ class Renderer {
   std::vector<size_t> ray_begins_;       // of a sample in directions_
   std::vector<SampledCode> directions_;  // probability 0: not answered yet
   bool caching_ = false;
-  std::vector<size_t> tile_ends_;  // in entries
-  std::vector<uint32_t> slot_of_;  // a final gather query's place in slots_
+  std::vector<RayGradient> gradients_;  // of rays, where records have them
+  std::vector<size_t> tile_ends_;       // in entries
+  std::vector<uint32_t> slot_of_;       // a final gather query's place in slots_
   std::vector<QueryWeight> slots_;
   std::vector<uint32_t> free_slots_;
 

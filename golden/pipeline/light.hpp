@@ -40,6 +40,10 @@ inline Rgb scaled(const Rgb& value, uint64_t part, uint64_t whole) {
   return value * (static_cast<double>(part) / static_cast<double>(whole));
 }
 
+// A colour's light, in the unit of the sums below.
+inline double light_of(const PixelValue& value, size_t c) { return static_cast<double>(value[c]); }
+inline double light_of(const Rgb& value, size_t c) { return value[static_cast<int>(c)]; }
+
 // Light times small weights, added up.
 struct WideRgb {
   std::array<WideSum, 3> sum;

@@ -12,6 +12,7 @@
 
 #include "golden/pipeline/batch.hpp"
 #include "golden/pipeline/light.hpp"
+#include "golden/pipeline/light_gradient.hpp"
 #include "golden/plan/quantiser.hpp"
 #include "golden/transport/sampling.hpp"
 #include "golden/unit/irradiance_cache.hpp"
@@ -41,6 +42,8 @@ class TileCache {
     roles_.assign(entries.size(), Role::kAlone);
     shared_.assign(entries.size(), {});
     record_light_.assign(entries.size(), {});
+    if (has_gradients()) gradient_of_.assign(entries.size(), 0);
+    gradients_.clear();
     tile_begin_ = tile_ = 0;
   }
 
@@ -69,7 +72,11 @@ class TileCache {
   bool is_sharing(size_t entry) const { return roles_[entry] == Role::kSharing; }
 
   // What a record's ray found.
-  void add_to_record(size_t entry, const Value& value) { add(record_light_[entry], value); }
+  void add_to_record(size_t entry, const Value& value, const RayGradient& gradient) {
+    add(record_light_[entry], value);
+    if (has_gradients()) gradients_[gradient_of_[entry]].add(value, gradient);
+  }
+  bool has_gradients() const { return plan_.cache_gradients != CacheGradients::kNone; }
 
   // Calls add_share(entry, value) with what each sample takes of its records' light.
   template <class F>
@@ -84,15 +91,16 @@ class TileCache {
       for (uint32_t i = 0; i < s.count; ++i) total += s.weight[i];
       const Rgb weight = (*entries_)[entry].weight * kPi;
       ShaderCounts own;
-      const QueryWeight share = share_of(weight, own);
-      shared.take(own);
+      QueryWeight share = share_of(weight, own);
       for (uint32_t i = 0; i < s.count; ++i) {
         const Value& light = record_light_[s.entry[i]];
+        if (has_gradients()) share = share_of(weight * change_between(s.entry[i], entry), own);
         if constexpr (kGolden)
           add(values[entry], shader_.interpolated(light, s.weight[i], total, share));
         else
           add(values[entry], light * share * (static_cast<double>(s.weight[i]) / total));
       }
+      shared.take(own);
     });
     shared.give(counts_.shader);
     for (size_t entry = 0; entry < entries; ++entry) add_share(entry, values[entry]);
@@ -164,6 +172,10 @@ class TileCache {
         roles_[entry] = Role::kRecord;
         shared_[entry] = {1, {static_cast<uint32_t>(entry)}, {1}};
         owners_.push_back(static_cast<uint32_t>(entry));
+        if (has_gradients()) {
+          gradient_of_[entry] = static_cast<uint32_t>(gradients_.size());
+          gradients_.emplace_back();
+        }
         ++counts_.cache_records;
       } else if (r.count > 0) {
         roles_[entry] = Role::kSharing;
@@ -222,6 +234,18 @@ class TileCache {
     return inverse > 0 ? known / inverse : known > 0 ? plan_.extent : 0;
   }
 
+  // What a record's light is multiplied with at a sample, for its gradients.
+  Rgb change_between(size_t record, size_t entry) const {
+    if (record == entry) return Rgb(1);
+    const DiffuseHit &from = (*entries_)[record].x, &to = (*entries_)[entry].x;
+    const Vec3 turn = to.shading_normal - from.shading_normal;
+    const Vec3 way = (to.position - from.position) / plan_.extent;
+    Rgb change;
+    for (size_t c = 0; c < 3; ++c)
+      change[static_cast<int>(c)] =
+          gradients_[gradient_of_[record]].factor(c, light_of(record_light_[record], c), turn, way);
+    return change;
+  }
   QueryWeight share_of(const Rgb& weight, ShaderCounts& counts) const {
     if constexpr (kGolden)
       return shader_.share(weight, counts);
@@ -241,7 +265,9 @@ class TileCache {
   const std::vector<size_t>* tile_ends_ = nullptr;
   std::vector<Role> roles_;
   std::vector<Shared> shared_;
-  std::vector<Value> record_light_;   // of the samples that are records
+  std::vector<Value> record_light_;    // of the samples that are records
+  std::vector<uint32_t> gradient_of_;  // their place in gradients_
+  std::vector<RecordGradient<kArithmetic>> gradients_;
   size_t tile_ = 0, tile_begin_ = 0;  // the one whose samples look up
   bool clear_ = false;                // its first lookup has not been sent
   std::vector<uint32_t> owners_;      // entries of its records

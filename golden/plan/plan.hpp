@@ -23,6 +23,8 @@ enum class FrameOrder { kPixel, kTile, kDirectionBins };
 enum class PhotonMemory { kBlockRam, kSdram };  // of a board
 enum class PhotonLines { kPlain, kCompressed };
 enum class CacheRadius { kPhotons, kProbe };  // what an irradiance record's radius comes from
+// How a record's light may change over its reach.
+enum class CacheGradients { kNone, kRotation, kTranslation, kBoth };
 
 // One photon map as the hardware sees it.
 struct MapPlan {
@@ -111,6 +113,7 @@ struct Plan {
   int cache_angle_bits = 11;  // squared distance of normals at which a record has no weight: 2^this
   int cache_weight_bits = 8;  // fraction bits of a weight
   bool cache_glossy = false;  // surfaces reached through a glossy lobe too
+  CacheGradients cache_gradients = CacheGradients::kNone;
   // [board]: what a board's top holds beside one gatherer; never which packets come
   int gatherers = 1;
   PhotonMemory photon_memory = PhotonMemory::kBlockRam;
@@ -298,6 +301,8 @@ struct Plan {
     v("cache", "weight_bits", p.cache_weight_bits, 4, 12, "fraction bits of a record's weight");
     v("cache", "glossy", p.cache_glossy, 0, 1,
       "surfaces that were reached through a glossy lobe too");
+    v("cache", "gradients", p.cache_gradients, 0, 0,
+      "how a record's light changes over its reach: none, rotation, translation or both");
     v("board", "gatherers", p.gatherers, 1, 16, "gatherers behind a board's dispatcher");
     v("board", "photon_memory", p.photon_memory, 0, 0,
       "where a board keeps the photon lines: block_ram or sdram");

@@ -28,6 +28,8 @@ constexpr std::array<const char*, 3> kOrderNames{"pixel", "tile", "direction_bin
 constexpr std::array<const char*, 2> kPhotonMemoryNames{"block_ram", "sdram"};
 constexpr std::array<const char*, 2> kPhotonLinesNames{"plain", "compressed"};
 constexpr std::array<const char*, 2> kCacheRadiusNames{"photons", "probe"};
+constexpr std::array<const char*, 4> kCacheGradientsNames{"none", "rotation", "translation",
+                                                          "both"};
 constexpr uint64_t kSdramBytes = uint64_t{32} << 20;  // 256 Mbit
 constexpr const auto& names_of(ReorderKey) { return kKeyNames; }
 constexpr const auto& names_of(ReorderDrain) { return kDrainNames; }
@@ -37,6 +39,7 @@ constexpr const auto& names_of(FrameOrder) { return kOrderNames; }
 constexpr const auto& names_of(PhotonMemory) { return kPhotonMemoryNames; }
 constexpr const auto& names_of(PhotonLines) { return kPhotonLinesNames; }
 constexpr const auto& names_of(CacheRadius) { return kCacheRadiusNames; }
+constexpr const auto& names_of(CacheGradients) { return kCacheGradientsNames; }
 
 template <class T>
 constexpr bool kIsInteger = std::is_integral_v<T> && !std::is_same_v<T, bool>;
@@ -487,6 +490,7 @@ bool may_be_left_out(const std::string& line) {
                                             "cache.angle_bits",
                                             "cache.weight_bits",
                                             "cache.glossy",
+                                            "cache.gradients",
                                             "photon.lines",
                                             "photon.further_percent",
                                             "gatherer.nodes_per_cycle",

@@ -202,7 +202,9 @@ std::vector<CacheLookup> drawn_packets(std::type_identity<IrradianceCache>, cons
       lookup.insert = draw.below(4) != 0;
       for (uint32_t& x : lookup.position) x &= (1u << size) - 1;
       const auto common = static_cast<uint32_t>(draw.below(3));
-      for (uint32_t& x : lookup.normal) x = (x & 3) + (common << (plan.normal_bits - 2));
+      const auto top = static_cast<uint32_t>(ones(plan.normal_bits));
+      for (uint32_t& x : lookup.normal)
+        x = std::min(top, (x & 3) + (common << (plan.normal_bits - 2)));
       lookup.falloff =
           (1u << (w - 1)) + static_cast<uint32_t>(draw.below((uint64_t{1} << (w - 1)) + 1));
       lookup.falloff_exponent = static_cast<uint32_t>(draw.below(2 * static_cast<uint64_t>(size)));

@@ -2,6 +2,7 @@
 #include "hls_kernels/generate/schedule.hpp"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 
@@ -31,9 +32,11 @@ double further_insertions(const Plan& plan) { return 1 - 1 / std::max(1.0, plan.
 // of a query stand between its leaves is not known, so they are spread evenly.
 class SearchTurns {
  public:
-  SearchTurns(const Plan& plan, std::span<const GatherQuery> in, std::span<const GatherResult> out)
+  SearchTurns(const Plan& plan, std::span<const GatherQuery> in, std::span<const GatherResult> out,
+              const LinesALeaf& lines)
       : contexts_(static_cast<size_t>(kernel_contexts(plan))),
-        beats_(static_cast<uint64_t>(8 * plan.line_bytes() / plan.beat_bits)),
+        beats_{lines.global * 8.0 * plan.line_bytes() / plan.beat_bits,
+               lines.caustic * 8.0 * plan.line_bytes() / plan.beat_bits},
         parts_(parts_of(plan)),
         further_(further_insertions(plan)),
         in_(in),
@@ -121,8 +124,8 @@ class SearchTurns {
 
   void ask(Context& c) {
     c.state = State::kWait;
-    port_ = std::max(port_, turn_) + beats_;
-    c.wake = port_ + GathererTiming::kLineTurns;
+    port_ = std::max(port_, static_cast<double>(turn_)) + beats_[in_[c.query].map];
+    c.wake = static_cast<uint64_t>(std::ceil(port_)) + GathererTiming::kLineTurns;
   }
 
   // A result or a photon of the oldest query.
@@ -140,14 +143,15 @@ class SearchTurns {
   }
 
   std::vector<Context> contexts_;
-  uint64_t beats_;
+  std::array<double, 2> beats_;  // of a leaf of each map
   double parts_, further_;
   std::span<const GatherQuery> in_;
   std::span<const GatherResult> out_;
   std::vector<bool> ready_;
   std::vector<size_t> context_of_;
   size_t started_ = 0, given_ = 0;
-  uint64_t turn_ = 0, port_ = 0, giving_ = 0;
+  uint64_t turn_ = 0, giving_ = 0;
+  double port_ = 0;  // turn in which the line port is free
 };
 
 }  // namespace
@@ -205,8 +209,8 @@ std::vector<KernelLoop> kernel_loops(std::type_identity<IrradianceCache>, const 
 }
 
 TripCounts trip_counts(const Plan& plan, std::span<const GatherQuery> in,
-                       std::span<const GatherResult> out) {
-  const auto turns = static_cast<double>(SearchTurns(plan, in, out).play());
+                       std::span<const GatherResult> out, const LinesALeaf& lines) {
+  const auto turns = static_cast<double>(SearchTurns(plan, in, out, lines).play());
   double nodes = 0, subtrees = 0, leaves = 0, insertions = 0;
   for (const GatherResult& r : out) {
     nodes += r.nodes;

@@ -46,14 +46,18 @@ struct TurnTerm {
 };
 
 // Turns of each loop for these packets, in the order of kernel_loops, and cycles before the first
-// and after the last packet in which loops do not overlap. `out` is what golden gives.
+// and after the last packet in which loops do not overlap. `out` is what golden gives; `lines` are
+// those of a leaf in the mean, more than one where lines are compressed.
 struct TripCounts {
   std::vector<double> turns;
   double fill = 0;
   std::vector<TurnTerm> terms{};  // of the first loop's turns, which are their sum
 };
+struct LinesALeaf {
+  double global = 1, caustic = 1;
+};
 TripCounts trip_counts(const Plan& plan, std::span<const GatherQuery> in,
-                       std::span<const GatherResult> out);
+                       std::span<const GatherResult> out, const LinesALeaf& lines);
 TripCounts trip_counts(const Plan& plan, std::span<const GatherQuery> in);
 TripCounts trip_counts(const Plan& plan, std::span<const SamplerInput> in);
 TripCounts trip_counts(const Plan& plan, std::span<const CacheLookup> in);

@@ -528,7 +528,8 @@ TEST_CASE("each line of the cache changes what it says") {
   CHECK(probed.probe_rays == 4 * probed.cache_samples);
   CHECK(counts.probe_rays == 0);
   for (const char* line :
-       {"cache.hits=1", "cache.passes=1", "cache.weight_bits=4", "cache.radius=probe"}) {
+       {"cache.hits=1", "cache.passes=1", "cache.weight_bits=4", "cache.radius=probe",
+        "cache.gradients=translation", "cache.gradients=both"}) {
     INFO(line);
     CHECK(!same_bytes(run({line}).first, usual));
   }

@@ -164,8 +164,9 @@ std::vector<StreamCase<CacheLookup>> cases() {
        [](const Plan& plan, BenchRandom& random) -> In {
          In in;
          const uint32_t middle = edge_of(plan), all = 2 * middle;
+         const uint32_t least = std::min(8u, middle / 2);
          for (int tile = 0; tile < 40; ++tile) {
-           const auto half = static_cast<uint32_t>(8 + random.below(middle - 9));
+           const auto half = static_cast<uint32_t>(least + random.below(middle - least));
            const bool cube = tile % 2 == 0;
            const size_t first = in.size();
            const int others = std::max(0, plan.cache_records - 8);

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "golden/unit/photon_lines.hpp"
 #include "hls_kernels/generate/recording.hpp"
 
 namespace photonloom {
@@ -24,6 +25,12 @@ double mean_in_flight(const Clocked& clocked, uint64_t cycles) {
   uint64_t sum = 0;
   for (size_t i = 0; i < std::min(in.size(), out.size()); ++i) sum += out[i] - in[i];
   return static_cast<double>(sum) / static_cast<double>(std::max<uint64_t>(1, cycles));
+}
+
+double lines_a_leaf(const Plan& plan, const PhotonMap& map, bool is_caustic) {
+  uint64_t further = 0;
+  for (const auto& [leaf, lines] : further_lines(plan, map, is_caustic)) further += lines.size();
+  return 1 + static_cast<double>(further) / std::max<uint64_t>(1, map.lines);
 }
 
 template <class Unit>
@@ -70,8 +77,10 @@ DrawnRun run_drawn(std::type_identity<PhotonGatherer> unit, const Plan& plan,
   clocked->process(in, results, photons);
   expect_equal(results == due && photons == due_photons, unit_name<PhotonGatherer>, options);
   const uint64_t cycles = clocked->cycles() - before;
-  return {in.size(), cycles, trip_counts(plan, in, due), clocked->counters(),
-          mean_in_flight(*clocked, cycles)};
+  return {in.size(), cycles,
+          trip_counts(plan, in, due,
+                      {lines_a_leaf(plan, maps[0], false), lines_a_leaf(plan, maps[1], true)}),
+          clocked->counters(), mean_in_flight(*clocked, cycles)};
 }
 
 }  // namespace photonloom
