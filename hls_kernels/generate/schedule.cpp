@@ -6,6 +6,7 @@
 #include <bit>
 #include <cmath>
 
+#include "golden/unit/reorder_buffer.hpp"
 #include "hls_kernels/cdf_sampler/timing.hpp"
 #include "hls_kernels/irradiance_cache/timing.hpp"
 #include "hls_kernels/photon_gatherer/timing.hpp"
@@ -27,6 +28,15 @@ double parts_of(const Plan& plan) { return static_cast<double>(plan.bucket) / pl
 // query, so many insertions come in one part, whose first is in the part's own step.
 double further_insertions(const Plan& plan) { return 1 - 1 / std::max(1.0, plan.lanes / 2.0); }
 
+// Whether a query ended at the plan's bound on leaves, with subtrees that nobody looked at.
+bool ends_early(uint32_t leaf_limit, const GatherResult& r) {
+  return leaf_limit > 0 && r.leaves == leaf_limit;
+}
+// Subtrees that were taken off the stack: each one, or those that led to a leaf.
+double unstacked(uint32_t leaf_limit, const GatherResult& r) {
+  return ends_early(leaf_limit, r) ? r.leaves - 1.0 : r.nodes;
+}
+
 // The turns of the gatherer's loop `search`, played out from each query's counts: whose turn it is
 // takes a step, the line port gives a beat, the oldest query that is done leaves. Where the steps
 // of a query stand between its leaves is not known, so they are spread evenly.
@@ -37,6 +47,7 @@ class SearchTurns {
       : contexts_(static_cast<size_t>(kernel_contexts(plan))),
         beats_{lines.global * 8.0 * plan.line_bytes() / plan.beat_bits,
                lines.caustic * 8.0 * plan.line_bytes() / plan.beat_bits},
+        leaf_limit_(plan.leaf_limit),
         parts_(parts_of(plan)),
         further_(further_insertions(plan)),
         in_(in),
@@ -102,7 +113,7 @@ class SearchTurns {
         walk(c);
       } else {
         c.state = State::kLast;  // no subtree is left; the result
-        c.steps = 2;
+        c.steps = ends_early(leaf_limit_, result(c)) ? 1 : 2;
       }
     } else {
       ready_[c.query] = true;
@@ -117,7 +128,8 @@ class SearchTurns {
   // Each inner node once down and, its other child, once up.
   void walk(Context& c) {
     c.state = State::kWalk;
-    c.steps = share(2.0 * result(c).nodes, c.leaf, result(c).leaves);
+    const GatherResult& r = result(c);
+    c.steps = share(r.nodes + unstacked(leaf_limit_, r), c.leaf, r.leaves);
     if (c.steps == 0 && c.leaf > 0) c.steps = 1;
     if (c.steps == 0) ask(c);
   }
@@ -144,6 +156,7 @@ class SearchTurns {
 
   std::vector<Context> contexts_;
   std::array<double, 2> beats_;  // of a leaf of each map
+  uint32_t leaf_limit_;
   double parts_, further_;
   std::span<const GatherQuery> in_;
   std::span<const GatherResult> out_;
@@ -214,7 +227,8 @@ TripCounts trip_counts(const Plan& plan, std::span<const GatherQuery> in,
   double nodes = 0, subtrees = 0, leaves = 0, insertions = 0;
   for (const GatherResult& r : out) {
     nodes += r.nodes;
-    subtrees += r.leaves > 0 ? r.nodes + 1 : 0;
+    subtrees +=
+        unstacked(plan.leaf_limit, r) + (r.leaves > 0 && !ends_early(plan.leaf_limit, r) ? 1 : 0);
     leaves += r.leaves;
     insertions += r.insertions;
   }
@@ -236,19 +250,28 @@ TripCounts trip_counts(const Plan& plan, std::span<const GatherQuery> in) {
   const auto packets = static_cast<double>(in.size());
   if (plan.reorder_key == ReorderKey::kNone) return {{packets}, 0, {{"packets", packets}}};
   const auto capacity = static_cast<size_t>(plan.reorder_packets);
-  const double bins = plan.reorder_bins;
   double flushed = 0, looks = 0;  // how often the fullest bin is looked for
-  size_t held = 0;
+  std::vector<size_t> length(static_cast<size_t>(plan.reorder_bins), 0);
+  size_t held = 0, current = 0, fixed = 0;
+  const auto leave = [&] {
+    if (fixed == 0) {
+      ++looks;
+      const auto fullest_bin = std::max_element(length.begin(), length.end());
+      current = static_cast<size_t>(fullest_bin - length.begin());
+      fixed = *fullest_bin;
+    }
+    --length[current];
+    --fixed;
+    --held;
+  };
   for (const GatherQuery& q : in) {
     if (q.flush) {
       flushed += static_cast<double>(held);  // one of them leaves in the flush's own turn
-      looks += bins * (1 - std::exp(-static_cast<double>(held) / bins));  // bins that hold any
-      held = 0;
-    } else if (held + 1 == capacity) {
-      looks +=
-          1 / std::max(1.0, 2 * static_cast<double>(capacity) / bins);  // twice the mean length
+      while (held > 0) leave();
+      fixed = 0;
     } else {
-      ++held;
+      ++length[reorder_bin(plan, q.position)];
+      if (++held == capacity) leave();
     }
   }
   // 8 bins a turn; the packet that was to leave does so a turn later.
