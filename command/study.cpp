@@ -11,6 +11,7 @@
 #include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <stdexcept>
 
 #include "command/command.hpp"
 #include "command/console.hpp"
@@ -148,15 +149,22 @@ std::string StudyRow::line(const std::string& name, const std::string& otherwise
   return found == lines.end() ? otherwise : found->second;
 }
 
-double StudyRow::value(const std::string& name) const {
-  const auto found = values.find(name);
-  return found == values.end() ? std::numeric_limits<double>::quiet_NaN() : found->second;
+namespace {
+
+double column(const StudyRow& row, const std::map<std::string, double>& columns,
+              const std::string& name) {
+  const auto found = columns.find(name);
+  if (found != columns.end()) return found->second;
+  throw std::runtime_error(
+      fmt::format("study {}, scene {}: the results have no column {}; expected measure \"{}\" in "
+                  "the study's file",
+                  row.study, row.scene, name, name.substr(0, name.find('.'))));
 }
 
-double StudyRow::error(const std::string& name) const {
-  const auto found = errors.find(name);
-  return found == errors.end() ? std::numeric_limits<double>::quiet_NaN() : found->second;
-}
+}  // namespace
+
+double StudyRow::value(const std::string& name) const { return column(*this, values, name); }
+double StudyRow::error(const std::string& name) const { return column(*this, errors, name); }
 
 std::vector<const StudyRow*> StudyOutcome::rows_of(const std::string& study,
                                                    const std::string& scene) const {

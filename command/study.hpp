@@ -20,6 +20,7 @@ struct StudyRow {
 
   // The line's value, or what it is without.
   std::string line(const std::string& name, const std::string& otherwise = "") const;
+  // Of a column that the study measured; a std::runtime_error for others.
   double value(const std::string& name) const;
   double error(const std::string& name) const;
 };
