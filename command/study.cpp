@@ -49,6 +49,10 @@ const ShippedStudy kStudies[] = {
      "Final gather rays that two passes save",
      {"adaptive", "adaptive_means"},
      conclude_adaptive},
+    {"system",
+     "Units, memory and area that the dissertation's load would take",
+     {"system"},
+     conclude_system},
 };
 
 struct StudyOptions {

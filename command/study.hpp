@@ -55,6 +55,7 @@ Conclusion conclude_layouts(const StudyOutcome& outcome);
 Conclusion conclude_caching(const StudyOutcome& outcome);
 Conclusion conclude_sampling(const StudyOutcome& outcome);
 Conclusion conclude_adaptive(const StudyOutcome& outcome);
+Conclusion conclude_system(const StudyOutcome& outcome);
 
 // FOLDER/NAME.svg and FOLDER/NAME.png from gnuplot commands, which stay beside them as NAME.gp.
 // Says so where gnuplot is missing, and leaves the commands.
