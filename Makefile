@@ -122,12 +122,14 @@ soak: ## PACKETS (10000000) random packets through the gatherer and the reorder 
 	@cmake --build build --target bench_photon_gatherer bench_reorder_buffer
 	@scripts/soak $(PACKETS)
 
-fpga-tools: ## Yosys, nextpnr-ecp5 and ecppack in build/fpga-tools, without touching the host
-	@scripts/fpga-tools
+FPGA_TOOLS = case "$(BOARD)" in arty-a7-100t | nexys-video) scripts/fpga-tools --xilinx ;; *) scripts/fpga-tools ;; esac
+
+fpga-tools: ## Yosys, nextpnr-ecp5 and ecppack in build/fpga-tools, without touching the host; for an Artix-7 BOARD its nextpnr too
+	@$(FPGA_TOOLS)
 
 fpga: build ## resources, Fmax and bitstream of PLAN on BOARD (SEEDS=3, UNITS=... for some parts)
 	@scripts/setup fpga
-	@case "$(BOARD)" in up5k) ;; *) scripts/fpga-tools ;; esac
+	@case "$(BOARD)" in up5k) ;; *) $(FPGA_TOOLS) ;; esac
 	@scripts/fpga $(if $(PLAN),"$(PLAN)") $(if $(BOARD),--board $(BOARD)) $(if $(SEEDS),--seeds $(SEEDS)) $(if $(UNITS),--units $(UNITS)) $(if $(CLOCK),--clock $(CLOCK)) $(FPGA_FLAGS)
 
 headline: build ## gathers a second of a routed board beside one core of this machine (hours where nothing is routed yet; goes on where it was ended; PLAN, SEEDS, CLOCK)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """From a plan to resources, Fmax and bitstreams: synthesis and place-and-route of each unit out of context and of the
 board's whole top, with several seeds. Writes build/fpga/BOARD-PLANHASH/report.json and report.md; exit status 1 where a
-median misses the clock that it is constrained to."""
+median misses the clock that it is constrained to. Of an Artix-7 clocks are the tool's estimate, which is not judged."""
 import argparse
 import os
 from collections.abc import Sequence
@@ -52,6 +52,8 @@ def measure(o: Options, folder: Path, name: str, tools: Tools) -> Entry:
         entry["route_speed"] = o.route_speed
     if o.placer != "heap":
         entry["placer"] = o.placer
+    if o.board.family.estimated:
+        entry["estimated"] = True
     if o.synthesis_only:
         return entry
     full = entry["binding"]
@@ -72,13 +74,17 @@ def table(entries: Sequence[Entry]) -> str:
             fmax = [f"{f['median']:.1f}", f"{f['low']:.1f} – {f['high']:.1f}", str(len(e["seeds"]))]
         rows.append([f"`{e['name']}`"] + [f"{e['resources'][r]:,}" for r in resources] + fmax +
                     [f"{e['constraint_mhz']:g}", f"{full['resource']} {full['used']:,} of {full['of']:,}"])
-    return markdown(rows, [""] + resources + ["Fmax, MHz", "range", "seeds", "constraint", "fullest"])
+    if not any(e.get("estimated") for e in entries):
+        return markdown(rows, [""] + resources + ["Fmax, MHz", "range", "seeds", "constraint", "fullest"])
+    return (markdown(rows, [""] + resources + ["tool's estimate, MHz", "range", "seeds", "asked for", "fullest"]) +
+            "\nMHz are what nextpnr estimates. Its delays of this family have not been shown to be those of the part, so no "
+            "frequency is claimed; nor is there a bitstream.\n")
 
 
 def parser() -> argparse.ArgumentParser:
     p = argparse.ArgumentParser(prog="fpga", description=__doc__)
     p.add_argument("plan", nargs="?", help="a plan.toml (default: fpga/gatherer.toml, that of make bench-rtl; for up5k "
-                                           "the small fpga/up5k.toml)")
+                                           "the small fpga/up5k.toml; each board.toml names its own)")
     p.add_argument("--board", default="ulx3s-85f", help=" or ".join(board_names()))
     p.add_argument("--units", help="these alone, separated by commas: photon_gatherer, reorder_buffer, cdf_sampler, "
                                    "board (default: all that the plan has, and the board's top; on a UP5K the reorder buffer)")
@@ -93,11 +99,12 @@ def parser() -> argparse.ArgumentParser:
     p.add_argument("--synthesis-only", action="store_true", help="counts alone")
     p.add_argument("--tools", action="store_true", help="only say which tools there are, or what is missing")
     p.add_argument("--readme", action="store_true", help="put the table into README.md too")
+    p.add_argument("--page", action="store_true", help="put the table into docs/fpga.md too, where it has marks of the board")
     return p
 
 
-def options() -> tuple[Options, list[str] | None, bool]:
-    """What was asked for: how, which parts (None: the default ones), and whether README.md takes the table."""
+def options() -> tuple[Options, list[str] | None, dict[Path, str]]:
+    """What was asked for: how, which parts (None: the default ones), and the pages that take the table, with its mark."""
     p = parser()
     o = p.parse_args()
     try:
@@ -115,15 +122,20 @@ def options() -> tuple[Options, list[str] | None, bool]:
     for unit in asked or []:
         if unit not in PARTS:
             p.error(f"--units: there is no {unit}, expected some of {', '.join(PARTS)}")
+    pages = {}
+    if o.readme:
+        pages[ROOT / "README.md"] = "size and speed"
+    if o.page:
+        pages[ROOT / "docs" / "fpga.md"] = board.name
     plan = Path(o.plan) if o.plan else board.plan
     if not plan.is_file():
         raise Failure(f"{plan}: there is no such plan")
     return Options(plan, board, range(o.first_seed, o.first_seed + o.seeds), o.clock, o.route_speed, o.placer,
-                   o.synthesis_only, o.tools), asked, o.readme
+                   o.synthesis_only, o.tools), asked, pages
 
 
 def main() -> int:
-    o, asked, readme = options()
+    o, asked, pages = options()
     tools = find_tools(o.board)
     for name, version in tools.versions.items():
         say(f"{name}: {version}")
@@ -148,8 +160,8 @@ def main() -> int:
     (folder / "report.md").write_text(f"{o.board.name}, plan {what['hash']}; {by}\n\n{text}")
     print("\n" + text)
     print(f"wrote {os.path.relpath(path, ROOT)}")
-    if readme:
-        replace_between(ROOT / "README.md", "size and speed", f"{text}\n{by}.\n")
+    for page, mark in pages.items():
+        replace_between(page, mark, f"{text}\n{by}.\n")
     missed = [(e["name"], clock, c) for e in entries for clock, c in missed_clocks(e)]
     for name, clock, c in missed:
         warn(f"{name}: {clock} reaches {c['median']:.1f} MHz, constrained to {c['constraint']:.1f} MHz")

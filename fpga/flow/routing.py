@@ -7,7 +7,7 @@ import subprocess
 import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any, TypedDict, TypeVar
+from typing import Any, NotRequired, TypedDict, TypeVar
 
 from flow.shell import ROOT, Failure, beside, complaint, read_json, read_text, run, say
 from flow.tools import Tools
@@ -25,12 +25,12 @@ class Clock(TypedDict):
 
 
 class Placement(TypedDict):
-    """What one seed gave; `bitstream` is below the repository's root."""
+    """What one seed gave; `bitstream` is below the repository's root, where the family has one."""
     seed: int
     placer: str
     clocks: dict[str, Clock]
     utilization: dict[str, Any]
-    bitstream: str
+    bitstream: NotRequired[str]
 
 
 def clocks_of(report_file: Path) -> tuple[dict[str, Clock], dict[str, Any]]:
@@ -90,8 +90,10 @@ def place(folder: Path, top: str, seed: int, tools: Tools, route_speed: int | No
     else:
         run(command, log=log)
     clocks, utilization = clocks_of(built / f"{routed}.json")
-    return {"seed": seed, "placer": placer, "clocks": clocks, "utilization": utilization,
-            "bitstream": os.path.relpath(built / f"{routed}.bit", ROOT)}
+    placed: Placement = {"seed": seed, "placer": placer, "clocks": clocks, "utilization": utilization}
+    if (bitstream := built / f"{routed}.bit").is_file():
+        placed["bitstream"] = os.path.relpath(bitstream, ROOT)
+    return placed
 
 
 def placements(name: str, seeds: Sequence[int], placer: str, place_one: Callable[[int, str], Found | None]) -> list[Found]:

@@ -9,7 +9,6 @@ from flow.shell import Failure, beside, read_json, run
 from flow.tools import Tools
 
 Counts = dict[str, int]
-LUT_EQ = "LUT-eq"
 
 
 class Binding(TypedDict):
@@ -20,16 +19,15 @@ class Binding(TypedDict):
 
 
 def counts_of(stat_file: Path, family: Family, module: str) -> Counts:
-    """Resources of a module in the JSON of Yosys' stat, and LUT-equivalents where the family has them."""
+    """Resources of a module in the JSON of Yosys' stat, and what the family counts together."""
     modules = read_json(stat_file)["modules"]
     if "\\" + module not in modules:
         raise Failure(f"{stat_file}: has no module {module}, only {', '.join(modules)}")
     cells: dict[str, int] = modules["\\" + module]["num_cells_by_type"]
     counts = {name: sum(n for cell, n in cells.items() if any(is_cell(cell, pattern) for pattern in patterns))
               for name, patterns in family.cells.items()}
-    if family.lut_equivalents:
-        counts[LUT_EQ] = sum(luts * counts[name] for name, luts in family.lut_equivalents.items())
-    return counts
+    return counts | {together: sum(each * counts[name] for name, each in parts.items())
+                     for together, parts in family.equivalents.values()}
 
 
 def is_cell(cell: str, pattern: str) -> bool:
@@ -38,10 +36,10 @@ def is_cell(cell: str, pattern: str) -> bool:
 
 
 def binding(counts: Mapping[str, int], board: Board) -> Binding:
-    """The fullest resource of the part; LUTs count as equivalents."""
+    """The fullest resource of the part; what the family counts together is counted so."""
     shares = []
     for name, capacity in board.resources.items():
-        counted = LUT_EQ if name == "LUT4" and LUT_EQ in counts else name
+        counted = board.family.equivalents[name][0] if name in board.family.equivalents else name
         shares.append((counts[counted] / capacity, counted, counts[counted], capacity))
     _, name, used, of = max(shares)
     return {"resource": name, "used": used, "of": of}

@@ -31,7 +31,7 @@ def find_tools(board: Board) -> Tools:
         ours = str(FETCHED / name)
         path = ours if board.family.fetched and os.access(ours, os.X_OK) else shutil.which(name)
         if not path:
-            raise Failure(f"{name} is not there; run 'make fpga-tools'" if board.family.fetched else
+            raise Failure(f"{name} is not there; run 'make fpga-tools BOARD={board.name}'" if board.family.fetched else
                           f"{name} is not on PATH; install Debian's package of it")
         variables.append(f"{variable}={path}")
         versions[name] = version_said(name, path)

@@ -7,7 +7,7 @@
 // is inside. Line ports are the gatherers' own side by side, gatherer 0 lowest, for photon_ram or photon_sdram.
 //
 // Throughput: Gatherers times that of photon_gatherer until the line memory is busy; one query and one result a cycle at
-// best. Latency: that of the gatherer and 5 cycles, and the reorder buffer's.
+// best. Latency: that of the gatherer and 7 cycles, and the reorder buffer's.
 module gather_cluster #(
     parameter int unsigned Gatherers = photonloom_pkg::Gatherers,
     parameter int unsigned BeatBits = photonloom_pkg::LineBeatBits,
@@ -54,6 +54,7 @@ module gather_cluster #(
     output logic [                      39:0] count_stalled_photons_o,  // cycles a photon waited to be taken
     output logic [                      39:0] count_reordered_o  // packets into the reorder buffer
 );
+  localparam int unsigned QueryBits = photonloom_pkg::GatherQueryPacketBits;
   localparam int unsigned ResultBits = photonloom_pkg::GatherResultPacketBits;
   localparam int unsigned PhotonBits = photonloom_pkg::GatherPhotonPacketBits;
 
@@ -82,9 +83,9 @@ module gather_cluster #(
 
   // ---- gatherers ----
   logic [Gatherers-1:0] query_valid, query_ready, result_valid, result_ready, photon_valid, photon_ready;
+  logic [Gatherers*QueryBits-1:0] queries;
   logic [Gatherers*ResultBits-1:0] results;
   logic [Gatherers*PhotonBits-1:0] photons;
-  photonloom_pkg::gather_query_t query;
   logic fetched, no_photons;
   /* verilator lint_off UNUSEDSIGNAL */  // its counts alone
   photonloom_pkg::gather_result_t fetched_result;
@@ -106,7 +107,7 @@ module gather_cluster #(
       .photon_o(photon_o),
       .query_valid_o(query_valid),
       .query_ready_i(query_ready),
-      .query_o(query),
+      .query_o(queries),
       .result_valid_i(result_valid),
       .result_ready_o(result_ready),
       .result_i(results),
@@ -141,7 +142,7 @@ module gather_cluster #(
         .rst_i(rst_i),
         .in_valid_i(query_valid[g]),
         .in_ready_o(query_ready[g]),
-        .in_i(query),
+        .in_i(queries[QueryBits*g+:QueryBits]),
         .result_valid_o(result_valid[g]),
         .result_ready_i(result_ready[g]),
         .result_o(result),

@@ -9,10 +9,14 @@
 // results on. Each gatherer gives both streams in the order of its queries, and the query that is next in either order is
 // the oldest of its gatherer: so there is always one that can go on (docs/gather_cluster.md).
 //
-// One query, one result and one photon a cycle; latency of each 2 to 3 cycles.
+// Each stream from and to a gatherer passes a skid buffer here, so no path leads from one gatherer through the dispatcher
+// to another, nor back to the same one; up to two queries wait for a gatherer that is full.
+//
+// One query, one result and one photon a cycle; latency of each 2 to 4 cycles.
 module gather_dispatcher #(
     parameter int unsigned Gatherers = photonloom_pkg::Gatherers,
     parameter int unsigned Pending = 64 * Gatherers,
+    localparam int unsigned QueryBits = photonloom_pkg::GatherQueryPacketBits,
     localparam int unsigned ResultBits = photonloom_pkg::GatherResultPacketBits,
     localparam int unsigned PhotonBits = photonloom_pkg::GatherPhotonPacketBits
 ) (
@@ -33,7 +37,7 @@ module gather_dispatcher #(
     // the gatherers' streams, gatherer 0 lowest
     output logic [             Gatherers-1:0] query_valid_o,
     input  logic [             Gatherers-1:0] query_ready_i,
-    output photonloom_pkg::gather_query_t     query_o,  // to all
+    output logic [   Gatherers*QueryBits-1:0] query_o,
     input  logic [             Gatherers-1:0] result_valid_i,
     output logic [             Gatherers-1:0] result_ready_o,
     input  logic [  Gatherers*ResultBits-1:0] result_i,
@@ -46,16 +50,16 @@ module gather_dispatcher #(
     output photonloom_pkg::gather_result_t    fetched_result_o
 );
   localparam int unsigned SourceBits = Gatherers > 1 ? $clog2(Gatherers) : 1;
-  localparam int unsigned QueryBits = photonloom_pkg::GatherQueryPacketBits;
   localparam int unsigned OrderDepth = Pending > 2 ? 1 << $clog2(Pending) : 2;
   // Photons of so many queries wait in a gatherer at most: of those that keep a context for them, and of a few that gave it
-  // back but whose last photons are still at its port.
-  localparam int unsigned HoldersOfPhotons = Gatherers * (photonloom_pkg::Contexts + 8);
+  // back but whose last photons are still at its port or in the skid buffer behind it.
+  localparam int unsigned HoldersOfPhotons = Gatherers * (photonloom_pkg::Contexts + 10);
   localparam int unsigned PhotonDepth = HoldersOfPhotons > 2 ? 1 << $clog2(HoldersOfPhotons) : 2;
 
   // ---- deal ----
   logic query_valid, query_taken, order_ready;
-  logic [Gatherers-1:0] above_q, first, any, grant;
+  photonloom_pkg::gather_query_t query;
+  logic [Gatherers-1:0] above_q, room, first, any, grant, deal;
   logic [SourceBits-1:0] grant_source;
 
   skid_buffer #(
@@ -68,15 +72,15 @@ module gather_dispatcher #(
       .in_i(in_i),
       .out_valid_o(query_valid),
       .out_ready_i(query_taken),
-      .out_o(query_o)
+      .out_o(query)
   );
 
   // Gatherers above the last one served come before the others.
-  assign first = query_ready_i & above_q;
-  assign any = first != '0 ? first : query_ready_i;
+  assign first = room & above_q;
+  assign any = first != '0 ? first : room;
   assign grant = any & (~any + 1'b1);
-  assign query_valid_o = query_valid && order_ready ? grant : '0;
-  assign query_taken = query_valid_o != '0;
+  assign deal = query_valid && order_ready ? grant : '0;
+  assign query_taken = deal != '0;
   always_comb begin
     grant_source = '0;
     for (int unsigned g = 0; g < Gatherers; g++) if (grant[g]) grant_source = grant_source | SourceBits'(g);
@@ -84,6 +88,50 @@ module gather_dispatcher #(
   always_ff @(posedge clk_i) begin
     if (query_taken) above_q <= ~(grant | (grant - 1'b1));
     if (rst_i) above_q <= '1;
+  end
+
+  // ---- what lies between a gatherer and the rest ----
+  logic [Gatherers-1:0] result_valid, result_ready, photon_valid, photon_ready;
+  logic [Gatherers*ResultBits-1:0] result_words;
+  logic [Gatherers*PhotonBits-1:0] photon_words;
+
+  for (genvar g = 0; g < Gatherers; g++) begin : gen_gatherer
+    skid_buffer #(
+        .Width(QueryBits)
+    ) query_out (
+        .clk_i(clk_i),
+        .rst_i(rst_i),
+        .in_valid_i(deal[g]),
+        .in_ready_o(room[g]),
+        .in_i(query),
+        .out_valid_o(query_valid_o[g]),
+        .out_ready_i(query_ready_i[g]),
+        .out_o(query_o[QueryBits*g+:QueryBits])
+    );
+    skid_buffer #(
+        .Width(ResultBits)
+    ) result_in (
+        .clk_i(clk_i),
+        .rst_i(rst_i),
+        .in_valid_i(result_valid_i[g]),
+        .in_ready_o(result_ready_o[g]),
+        .in_i(result_i[ResultBits*g+:ResultBits]),
+        .out_valid_o(result_valid[g]),
+        .out_ready_i(result_ready[g]),
+        .out_o(result_words[ResultBits*g+:ResultBits])
+    );
+    skid_buffer #(
+        .Width(PhotonBits)
+    ) photon_in (
+        .clk_i(clk_i),
+        .rst_i(rst_i),
+        .in_valid_i(photon_valid_i[g]),
+        .in_ready_o(photon_ready_o[g]),
+        .in_i(photon_i[PhotonBits*g+:PhotonBits]),
+        .out_valid_o(photon_valid[g]),
+        .out_ready_i(photon_ready[g]),
+        .out_o(photon_words[PhotonBits*g+:PhotonBits])
+    );
   end
 
   logic order_valid, order_taken, next_valid, next_taken, next_wants;
@@ -98,7 +146,7 @@ module gather_dispatcher #(
       .rst_i(rst_i),
       .in_valid_i(query_taken),
       .in_ready_o(order_ready),
-      .in_i({query_o.want_photons && !query_o.flush, grant_source}),
+      .in_i({query.want_photons && !query.flush, grant_source}),
       .out_valid_o(order_valid),
       .out_ready_i(order_taken),
       .out_o(order_word)
@@ -127,11 +175,11 @@ module gather_dispatcher #(
     for (int unsigned g = 0; g < Gatherers; g++)
       if (next_source == SourceBits'(g)) begin
         result_turn[g] = 1'b1;
-        result_word = result_word | result_i[ResultBits*g+:ResultBits];
+        result_word = result_word | result_words[ResultBits*g+:ResultBits];
       end
   end
-  assign result_ready_o = next_valid && results_ready ? result_turn : '0;
-  assign next_taken = (result_ready_o & result_valid_i) != '0;
+  assign result_ready = next_valid && results_ready ? result_turn : '0;
+  assign next_taken = (result_ready & result_valid) != '0;
 
   fifo #(
       .Width(ResultBits),
@@ -191,11 +239,11 @@ module gather_dispatcher #(
     for (int unsigned g = 0; g < Gatherers; g++)
       if (turn_source == SourceBits'(g)) begin
         photon_turn[g] = 1'b1;
-        photon_bits = photon_bits | photon_i[PhotonBits*g+:PhotonBits];
+        photon_bits = photon_bits | photon_words[PhotonBits*g+:PhotonBits];
       end
   end
-  assign photon_ready_o = turn_valid && photons_ready ? photon_turn : '0;
-  assign photon_offered = (photon_turn & photon_valid_i) != '0 && turn_valid;
+  assign photon_ready = turn_valid && photons_ready ? photon_turn : '0;
+  assign photon_offered = (photon_turn & photon_valid) != '0 && turn_valid;
   assign turn_taken = photon_offered && photons_ready && photon_word.last;
 
   skid_buffer #(

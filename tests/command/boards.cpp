@@ -114,7 +114,7 @@ TEST_CASE("a board added by files alone is generated, linted and checked") {
              ContainsSubstring("there is no board ulx3s-85f, expected one of my-board"));
 }
 
-TEST_CASE("a board of the vendor's flow is copied the same way") {
+TEST_CASE("a board of two flows is copied the same way") {
   const Boards boards("arty-a7-100t", "other");
   replace(boards.folder + "/core.xdc", "PACKAGE_PIN T10", "PACKAGE_PIN T11");
   const Outcome made = boards.generate("--board other");
@@ -124,6 +124,8 @@ TEST_CASE("a board of the vendor's flow is copied the same way") {
   CHECK_THAT(read_file(boards.scratch / "hw/board/other.xdc"), ContainsSubstring("T11"));
   CHECK_THAT(read_file(boards.scratch / "hw/board/vivado.tcl"),
              ContainsSubstring("read_xdc board/other.xdc"));
+  CHECK_THAT(read_file(boards.scratch / "hw/Makefile"),
+             ContainsSubstring("--device xc7a100tcsg324-1"));
 }
 
 TEST_CASE("files of a board that do not fit together are named, with the key or the place") {
@@ -149,7 +151,7 @@ TEST_CASE("files of a board that do not fit together are named, with the key or 
            Case{"board.toml", "LUT4 = 83640", "LUT4 = -1",
                 "b/board.toml: part.resources.LUT4 is -1, expected a number from 1"},
            Case{"board.toml", "name = \"ecp5\"", "name = \"ecp6\"",
-                "b/board.toml: flow.name is ecp6, expected one of ecp5, ice40, vivado"},
+                "b/board.toml: flow.name is ecp6, expected one of ecp5, ice40, xc7"},
            Case{"board.toml", "\"core.lpf\"", "\"pins.lpf\"",
                 "b/board.toml: top.block_ram names pins.lpf, expected a file of"},
            Case{"board.toml", "[clock]", "[clock", "board.toml, line 16: not TOML"},
@@ -215,7 +217,7 @@ TEST_CASE("a folder without boards is named") {
 }
 
 TEST_CASE("dividers are exact and within the PLL's limits") {
-  for (const char* name : {"ulx3s-85f", "arty-a7-100t"}) {
+  for (const char* name : {"ulx3s-85f", "arty-a7-100t", "nexys-video"}) {
     const BoardDescription board = read_board(name);
     int made = 0;
     for (int khz = 10000; khz <= 100000; khz += 2500) {
@@ -242,7 +244,7 @@ TEST_CASE("dividers are exact and within the PLL's limits") {
 TEST_CASE("docs/fpga.md tells of each board what its folder says") {
   const std::string page = read_file(source("docs/fpga.md"));
   const std::vector<std::string> names = board_names();
-  CHECK(names == std::vector<std::string>{"arty-a7-100t", "ulx3s-85f", "up5k"});
+  CHECK(names == std::vector<std::string>{"arty-a7-100t", "nexys-video", "ulx3s-85f", "up5k"});
   for (const std::string& name : names) {
     const BoardDescription board = read_board(name);
     const size_t at = page.find(fmt::format("| `{}` | {} |", name, board.part));

@@ -263,7 +263,7 @@ TEST_CASE("packages for boards lint and are checked") {
   Plan plan = gatherer_plan();
   plan.gather_rays = 4;
   // An empty unit is the whole board; "sdram" is that with its photons in SDRAM.
-  for (const char* board : {"ulx3s-85f", "up5k", "arty-a7-100t"})
+  for (const char* board : {"ulx3s-85f", "up5k", "arty-a7-100t", "nexys-video"})
     for (const char* unit : {"sdram", "", "reorder_buffer", "cdf_sampler", "photon_gatherer"}) {
       plan.photon_memory =
           std::string(unit) == "sdram" ? PhotonMemory::kSdram : PhotonMemory::kBlockRam;
@@ -324,7 +324,8 @@ TEST_CASE("a board that cannot hold the plan is refused") {
     CHECK_THROWS_WITH(generate_hardware({plan, {}, unit, "", board, clock_khz, {}}),
                       ContainsSubstring(why));
   };
-  refused("nexys", "", 0, "there is no board nexys, expected one of arty-a7-100t, ulx3s-85f, up5k");
+  refused("nexys", "", 0,
+          "there is no board nexys, expected one of arty-a7-100t, nexys-video, ulx3s-85f, up5k");
   refused("up5k", "", 0, "room for one unit alone");
   refused("ulx3s-85f", "", 51300, "the PLL cannot make 51300 kHz");
   refused("arty-a7-100t", "", 51300, "the PLL cannot make 51300 kHz");
@@ -444,9 +445,7 @@ TEST_CASE("a package of a board that there is not names the file") {
   const size_t at = text.find("\"board\": \"\"");
   REQUIRE(at != std::string::npos);
   write_file(hw + "/package.json", text.replace(at, 11, "\"board\": \"foo\""));
-  CHECK(
-      run("generate --check " + hw)
-          .err.find(hw +
-                    "/package.json: board is foo, expected one of arty-a7-100t, ulx3s-85f, up5k") !=
-      std::string::npos);
+  CHECK(run("generate --check " + hw)
+            .err.find(hw + "/package.json: board is foo, expected one of arty-a7-100t, "
+                           "nexys-video, ulx3s-85f, up5k") != std::string::npos);
 }

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from flow.headline.data import read_data
+from flow.measure import table
 from flow.package import PHOTONLOOM
 from flow.plans.fit import fit_one, least_squares, relative_error, twins_of
 from flow.plans.measurements import Measurement, Measurements, merge
@@ -58,6 +59,17 @@ class Seeds(unittest.TestCase):
         entry = self.entry((60, 120), (52, 99), (55, 98))
         self.assertFalse(entry["met"])
         self.assertEqual([name for name, _ in missed_clocks(entry)], ["sdram"])
+
+    def test_an_estimate_misses_nothing(self) -> None:
+        entry = self.entry((60, 99))
+        slow = entry["seeds"]
+        del entry["met"]
+        entry["estimated"] = True
+        add_placements(entry, slow, Path("there"))
+        self.assertEqual(missed_clocks(entry), [])
+        self.assertNotIn("met", entry)
+        self.assertIn("| tool's estimate, MHz |", table([entry]))
+        self.assertIn("no frequency is claimed", table([entry]))
 
     def test_a_core_without_its_clock(self) -> None:
         entry = self.entry((60, 120))

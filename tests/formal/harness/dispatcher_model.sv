@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 // A photon gatherer as gather_dispatcher sees it, at most two queries at a time: results, and the photons of those that
 // want and have some, come in the order of its queries whenever it likes, either first. A result carries a query's first
-// tag bit and whether there are photons; two photons of a query carry its second. has_photons_i is drawn as it is taken.
+// tag bit and whether there are photons, which the query says; two photons of a query carry its second.
 module dispatcher_model (
     input  logic       clk_i,
     input  logic       rst_i,
-    input  logic       has_photons_i,
     input  logic [2:0] idle_i,          // no query, no result, no photon now
     input  logic       query_valid_i,
     output logic       query_ready_o,
     input  logic [1:0] query_tag_i,
     input  logic       query_wants_i,
+    input  logic       query_has_i,
     output logic       result_valid_o,
     input  logic       result_ready_i,
     output logic [1:0] result_o,
@@ -36,7 +36,7 @@ module dispatcher_model (
       .rst_i(rst_i),
       .in_valid_i(take),
       .in_ready_o(results_ready),
-      .in_i({query_tag_i[0], has_photons_i}),
+      .in_i({query_tag_i[0], query_has_i}),
       .out_valid_o(result_there),
       .out_ready_i(result_valid_o && result_ready_i),
       .out_o(result_o)
@@ -47,7 +47,7 @@ module dispatcher_model (
   ) photons (
       .clk_i(clk_i),
       .rst_i(rst_i),
-      .in_valid_i(take && query_wants_i && has_photons_i),
+      .in_valid_i(take && query_wants_i && query_has_i),
       .in_ready_o(photons_ready),
       .in_i(query_tag_i[1]),
       .out_valid_o(photon_there),

@@ -4,7 +4,8 @@
 // sources: tests/formal/harness/stream_checks.sv
 // gather_dispatcher with two gatherers that take as long as they like: results come out in the order of the queries, once
 // and unchanged (Photons 0); photons come out query by query in that order, each query's together and whole (Photons 1); a
-// FIFO that may not overflow does not. The queries that stream_checks follows are those that have photons with Photons 1.
+// FIFO that may not overflow does not. A query's lowest position bit says whether it has photons if it wants them; those that
+// have some are what stream_checks follows with Photons 1.
 module dispatcher_order #(
     parameter int unsigned Photons = 0,
     parameter int unsigned Law = 0
@@ -15,16 +16,15 @@ module dispatcher_order #(
     input photonloom_pkg::gather_query_t in_i,
     input logic result_ready_i,
     input logic photon_ready_i,
-    input logic [1:0] has_photons_i,
     input logic [5:0] idle_i
 );
   logic in_ready, result_valid, photon_valid;
   photonloom_pkg::gather_result_t result;
   photonloom_pkg::gather_photon_t photon;
-  photonloom_pkg::gather_query_t  query;
   logic [1:0] query_valid, query_ready, gatherer_result_valid, gatherer_result_ready, gatherer_photon_valid,
       gatherer_photon_ready;
   logic [3:0] gatherer_result, gatherer_photon;
+  logic [2*photonloom_pkg::GatherQueryPacketBits-1:0] queries;
 
   gather_dispatcher #(
       .Gatherers(2),
@@ -43,7 +43,7 @@ module dispatcher_order #(
       .photon_o(photon),
       .query_valid_o(query_valid),
       .query_ready_i(query_ready),
-      .query_o(query),
+      .query_o(queries),
       .result_valid_i(gatherer_result_valid),
       .result_ready_o(gatherer_result_ready),
       .result_i(gatherer_result),
@@ -56,15 +56,17 @@ module dispatcher_order #(
   );
 
   for (genvar g = 0; g < 2; g++) begin : gen_gatherer
+    photonloom_pkg::gather_query_t query;
+    assign query = queries[photonloom_pkg::GatherQueryPacketBits*g+:photonloom_pkg::GatherQueryPacketBits];
     dispatcher_model gatherer (
         .clk_i(clk_i),
         .rst_i(rst_i),
-        .has_photons_i(has_photons_i[g]),
         .idle_i(idle_i[3*g+:3]),
         .query_valid_i(query_valid[g]),
         .query_ready_o(query_ready[g]),
         .query_tag_i(query.tag),
         .query_wants_i(query.want_photons && !query.flush),
+        .query_has_i(query.position[0]),
         .result_valid_o(gatherer_result_valid[g]),
         .result_ready_i(gatherer_result_ready[g]),
         .result_o(gatherer_result[2*g+:2]),
@@ -94,11 +96,8 @@ module dispatcher_order #(
         .out_i(result.tag)
     );
   end else begin : gen_photons
-    // Whether a query has photons is drawn when it is dealt: it is followed from there.
-    logic [1:0] dealt;
     logic has;
-    assign dealt = query_valid & query_ready;
-    assign has = (dealt & has_photons_i) != '0 && query.want_photons && !query.flush;
+    assign has = in_i.want_photons && !in_i.flush && in_i.position[0];
     stream_checks #(
         .Order(1 - Law),
         .Law(Law),
@@ -106,9 +105,9 @@ module dispatcher_order #(
     ) checks (
         .clk_i(clk_i),
         .rst_i(rst_i),
-        .in_valid_i(has),
-        .in_ready_i(1'b1),
-        .in_i(query.tag[1]),
+        .in_valid_i(in_valid_i && has),
+        .in_ready_i(in_ready),
+        .in_i(in_i.tag[1]),
         .out_valid_i(Law == 1 ? photon_valid : photon_valid && photon.last),
         .out_ready_i(photon_ready_i),
         .out_i(photon.tag)

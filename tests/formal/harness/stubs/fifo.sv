@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// In place of fifo where its depth does not matter: the same four words deep. That the real one keeps its words is proved
-// by itself.
+// In place of fifo where its depth does not matter: the same four words deep, and eight where it is 32 or more. That the real
+// one keeps its words is proved by itself.
 module fifo #(
     parameter int unsigned Width = 8,
     parameter int unsigned Depth = 16
@@ -15,7 +15,7 @@ module fifo #(
     output logic [Width-1:0] out_o
 );
   // Words in a row, the oldest lowest: no pointers.
-  localparam int unsigned Words = Depth < 4 ? Depth : 4;
+  localparam int unsigned Words = Depth < 4 ? Depth : Depth < 32 ? 4 : 8;
   logic [Words-1:0] valid_q;
   logic [Words*Width-1:0] words_q;
   logic push, pop;
