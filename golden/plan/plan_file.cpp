@@ -487,6 +487,8 @@ bool may_be_left_out(const std::string& line) {
                                             "cache.angle_bits",
                                             "cache.weight_bits",
                                             "cache.glossy",
+                                            "board.parity",
+                                            "board.self_test",
                                             "photon.lines",
                                             "photon.further_percent",
                                             "gatherer.nodes_per_cycle",
