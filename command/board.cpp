@@ -48,6 +48,21 @@ std::string megahertz(uint32_t khz) {
   return khz ? fmt::format("{} MHz", khz / 1000.0) : "none, it is simulated";
 }
 
+const char* self_test_text(uint32_t state) {
+  switch (state) {
+    case kTestNone:
+      return "none";
+    case kTestRunning:
+      return "running";
+    case kTestPassed:
+      return "passed";
+    case kTestFailed:
+      return "FAILED";
+    default:
+      return "unknown";
+  }
+}
+
 void info(const DeviceOptions& o) {
   Board board = o.open();
   const BoardState& s = board.first_state();
@@ -67,6 +82,8 @@ void info(const DeviceOptions& o) {
   all["output_end"] = s.output_end;
   all["frames_bad"] = s.frames_bad;
   all["bytes_lost"] = s.bytes_lost;
+  all["self_test"] = self_test_text(s.self_test);
+  all["faults"] = s.faults;
   all["counters"] = s.counters;
   if (o.json) {
     fmt::print("{}\n", all.dump(2));
@@ -85,6 +102,8 @@ void info(const DeviceOptions& o) {
              s.output_first, s.output_end);
   fmt::print("  {:<28}{} bad frames, {} bytes lost, {} bytes of frames held\n", "link",
              s.frames_bad, s.bytes_lost, s.rx_bytes);
+  fmt::print("  {:<28}{}\n", "power-up self-test", self_test_text(s.self_test));
+  fmt::print("  {:<28}{}\n", "wrong words of memory", s.faults);
   for (const char* name : link_counter_names())
     fmt::print("  {:<28}{}\n", name, s.counters.at(name));
 }

@@ -68,6 +68,8 @@ BoardState Board::state() {
   s.flags = r[kRegFlags];
   s.frames_bad = r[kRegFramesBad];
   s.bytes_lost = r[kRegBytesLost];
+  s.self_test = r[kRegSelfTest];
+  s.faults = r[kRegFaults];
   s.replay_cycles = both(kRegReplayCycles);
   s.replay_signature = both(kRegReplaySignature);
   s.replay_results = both(kRegReplayResults);

@@ -29,6 +29,8 @@ struct BoardState {
   uint32_t input_room = 0, input_position = 0, output_first = 0, output_end = 0;
   uint32_t clock_khz = 0;  // 0: simulated
   uint32_t flags = 0, frames_bad = 0, bytes_lost = 0;
+  uint32_t self_test = 0;  // a SelfTestState
+  uint32_t faults = 0;     // words of memory that were not right
   uint64_t replay_cycles = 0, replay_signature = 0, replay_results = 0;
   Counters counters;
 };

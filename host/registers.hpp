@@ -37,12 +37,17 @@ enum LinkRegister : uint32_t {
   kRegReplayCycles = 20,
   kRegReplaySignature = 22,
   kRegReplayResults = 24,
+  kRegSelfTest = 26,
+  kRegFaults = 27,
   kRegCounters = 32,
 };
 
 // Bits of kRegFlags and kRegReplayMode.
 constexpr uint32_t kFlagQueriesInside = 1, kFlagMemoryReady = 2, kFlagReplayBusy = 4;
 constexpr uint32_t kReplayReordered = 1, kReplayCold = 2;
+
+// Of kRegSelfTest.
+enum SelfTestState : uint32_t { kTestNone, kTestRunning, kTestPassed, kTestFailed };
 
 // Names of the 64-bit counters from kRegCounters on, in order.
 std::span<const char* const> link_counter_names();

@@ -57,7 +57,9 @@ using CacheList = std::array<uint32_t, 8>;
   FIELD(uint32_t, nodes, 1, plan.line_bits() + 1, "nodes", "inner nodes processed")             \
   FIELD(uint32_t, leaves, 1, plan.line_bits() + 1, "lines", "leaves processed")                 \
   FIELD(uint32_t, insertions, 1, plan.index_bits() + 1, "photons",                              \
-        "candidates that entered the list")
+        "candidates that entered the list")                                                     \
+  FIELD(uint32_t, faulty, 1, plan.parity ? 1 : 0, "",                                           \
+        "1: a memory gave a wrong word, the numbers are not to be used")
 
 // One of the k nearest photons, in (d2, index) order.
 #define PHOTONLOOM_GATHER_PHOTON(FIELD)                                                      \

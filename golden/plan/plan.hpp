@@ -120,6 +120,8 @@ struct Plan {
   int board_cache_bytes = 65536;  // of photon lines, before an SDRAM
   int replay_queries = 1024;      // block RAM of the query replayer
   int lut_ram_words = 0;          // memories of so many words at most are made of LUTs
+  bool parity = false;            // of memories of photons, nodes and cached lines
+  bool self_test = false;         // a board asks itself stored queries after reset
   // [frame]
   int width = 256, height = 256;
   int spp = 16;
@@ -312,6 +314,10 @@ struct Plan {
       "queries that a board's replayer holds, a power of two");
     v("board", "lut_ram_words", p.lut_ram_words, 0, 1024,
       "memories of so many words at most are made of LUTs, not of block RAM");
+    v("board", "parity", p.parity, 0, 1,
+      "a bit for each word of photons, nodes and cached lines; results tell of wrong ones");
+    v("board", "self_test", p.self_test, 0, 1,
+      "whether a board asks itself stored queries after reset");
     v("frame", "width", p.width, 1, 16384, "pixels");
     v("frame", "height", p.height, 1, 16384, "pixels");
     v("frame", "spp", p.spp, 1, 1 << 20, "samples per pixel");

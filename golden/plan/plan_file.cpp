@@ -491,6 +491,8 @@ bool may_be_left_out(const std::string& line) {
                                             "cache.weight_bits",
                                             "cache.glossy",
                                             "cache.gradients",
+                                            "board.parity",
+                                            "board.self_test",
                                             "photon.lines",
                                             "photon.further_percent",
                                             "gatherer.nodes_per_cycle",

@@ -428,6 +428,8 @@ PlannedFrame make_plan(const World& world, const PlanRequest& request, const Pho
   why["board.cache_bytes"] = "used before an SDRAM: some 26 block RAMs of an LFE5U-85F";
   why["board.replay_queries"] = "the rate of a board without its link";
   why["board.lut_ram_words"] = "block RAM is short where several gatherers share it";
+  why["board.parity"] = "set by hand where flipped bits must be told";
+  why["board.self_test"] = "set by hand where a board must try itself";
 
   // The frame.
   why["frame.first_rays"] = why["frame.mean_rays"] = "one pass, the same number of rays everywhere";

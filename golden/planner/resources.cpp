@@ -9,6 +9,7 @@
 
 #include "golden/packet/layout.hpp"
 #include "golden/planner/resource_fit.hpp"
+#include "golden/unit/self_test.hpp"
 
 namespace photonloom {
 namespace {
@@ -93,15 +94,19 @@ class Memories {
   uint64_t lut_words_;
 };
 
+// Of a word of photons, nodes or cached lines.
+int parity_bits(const Plan& p) { return p.parity ? 1 : 0; }
+
 // Data of a cache of `lines` photon lines, which are read in `parts` parts and written in beats;
 // so many bits of each slot are kept.
 void add_cached_lines(Memories& m, const Plan& p, int slot_bits, uint64_t lines, uint64_t parts,
                       int beat_bits) {
+  const int parity = parity_bits(p);
   const bool narrow = 8 * p.line_bytes() / static_cast<int>(parts) % beat_bits == 0;
   if (narrow && parts > 1)
-    m.add(p.bucket / static_cast<int>(parts) * slot_bits, lines * parts);
+    m.add(p.bucket / static_cast<int>(parts) * slot_bits + parity, lines * parts);
   else
-    m.add(p.bucket * slot_bits, lines);
+    m.add(p.bucket * slot_bits + parity, lines);
 }
 
 Memories gatherer_memories(const Plan& p) {
@@ -110,8 +115,8 @@ Memories gatherer_memories(const Plan& p) {
   const uint64_t lines = sets * power_of_two(p.cache_ways);
   const auto parts = static_cast<uint64_t>(p.bucket / p.lanes);  // a line is read in as many cycles
   add_cached_lines(m, p, p.record_bits(), lines, parts, p.beat_bits);
-  if (p.compressed()) m.add(p.bucket * p.slot_header_bits(), lines);
-  m.add(p.line_address_bits() + 2, sets, p.cache_ways);
+  if (p.compressed()) m.add(p.bucket * p.slot_header_bits() + parity_bits(p), lines);
+  m.add(p.line_address_bits() + 2 + parity_bits(p), sets, p.cache_ways);
 
   // Nodes are in slices as deep as they all are.
   const uint64_t nodes = std::max<uint64_t>(2, p.lines(p.global) + p.lines(p.caustic));
@@ -124,7 +129,8 @@ Memories gatherer_memories(const Plan& p) {
                                     : 36;
   // Two trees read on both ports of a block, which has 18 bits there at most.
   const int two = std::min(slice, 18);
-  for (int left = p.position_bits + 2; left > 0; left -= p.nodes_per_cycle > 1 ? two : slice)
+  for (int left = p.position_bits + 2 + parity_bits(p); left > 0;
+       left -= p.nodes_per_cycle > 1 ? two : slice)
     if (p.nodes_per_cycle > 1)
       m.add_two_reads(std::min(left, two), nodes);
     else
@@ -314,14 +320,15 @@ int photon_memory_blocks(const Plan& p) {
     const int stride = 8 * p.photon_bytes;
     const int width = p.beat_bits % stride == 0 ? p.beat_bits / stride * kept_bits(p) : p.beat_bits;
     const uint64_t lines = p.memory_lines(p.global) + p.memory_lines(p.caustic);
-    return fewest(kTwoReads, width, std::max<uint64_t>(1, lines) * static_cast<uint64_t>(beats));
+    return fewest(kTwoReads, width + parity_bits(p),
+                  std::max<uint64_t>(1, lines) * static_cast<uint64_t>(beats));
   }
   constexpr int kWays = 4;
   const uint64_t sets =
       std::bit_floor(static_cast<uint64_t>(p.board_cache_bytes / (p.line_bytes() * kWays)));
   Memories m(p);
   add_cached_lines(m, p, kept_bits(p), sets * kWays, static_cast<uint64_t>(beats), 64);
-  m.add(p.line_address_bits() + 2, sets, kWays);
+  m.add(p.line_address_bits() + 2 + parity_bits(p), sets, kWays);
   return m.blocks;
 }
 
@@ -340,6 +347,7 @@ BoardMemories board_memories(const Plan& p) {
   link.add(8, 512);
   link.add(32, 512);
   link.add(32, 1024);
+  if (p.self_test) link.add(32, make_self_test(p).words.size());
   b.replayer = replayer.blocks;
   b.link = link.blocks;
   b.units = p.gatherers * gatherer_memories(p).blocks;

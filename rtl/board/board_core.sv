@@ -33,32 +33,34 @@ module board_core #(
 
   // ---- link ----
   logic byte_received, byte_sent, byte_lost, frame_bad;
-  logic [31:0] address, read_word, write_word, push_word, push_position, pull_first, pull_end, pull_word;
-  logic first, read_valid, write_valid, write_ready, write_last, push_valid;
+  logic [31:0] link_address, link_word, read_word, push_word, push_position, pull_first, pull_end, pull_word;
+  logic link_first, read_valid, link_valid, link_ready, link_last, push_valid;
   logic [ 1:0] write_status;
   logic [15:0] push_room;
   logic keep_valid, pull_before, pull_after;
+  logic testing, test_passed, test_failed, first, write_valid, write_ready, write_last;
+  logic [31:0] address, write_word;
   host_link #(
       .ClocksPerBit(ClocksPerBit),
       .RxBytes(RxBytes)
   ) link (
       .clk_i(clk_i),
       .rst_i(rst_i),
-      .uart_rx_i(uart_rx_i),
+      .uart_rx_i(uart_rx_i || testing),
       .uart_tx_o(uart_tx_o),
       .byte_received_o(byte_received),
       .byte_sent_o(byte_sent),
       .byte_lost_o(byte_lost),
       .frame_bad_o(frame_bad),
-      .address_o(address),
-      .first_o(first),
+      .address_o(link_address),
+      .first_o(link_first),
       .read_valid_o(read_valid),
       .read_word_i(read_word),
-      .write_valid_o(write_valid),
-      .write_ready_i(write_ready),
+      .write_valid_o(link_valid),
+      .write_ready_i(link_ready),
       .write_status_i(write_status),
-      .write_word_o(write_word),
-      .write_last_o(write_last),
+      .write_word_o(link_word),
+      .write_last_o(link_last),
       .push_valid_o(push_valid),
       .push_word_o(push_word),
       .push_position_i(push_position),
@@ -81,6 +83,46 @@ module board_core #(
   logic [31:0] line_word, replay_queries, replay_passes;
   logic [1:0] replay_mode;
   logic [479:0] counters;
+  logic [31:0] faults;
+
+  // ---- power-up self-test: until it is through the link hears nothing ----
+  if (photonloom_pkg::SelfTest != 0) begin : gen_self_test
+    logic test_first, test_valid, test_last;
+    logic [31:0] test_address, test_word;
+    self_test test (
+        .clk_i(clk_i),
+        .rst_i(rst_i),
+        .running_o(testing),
+        .passed_o(test_passed),
+        .failed_o(test_failed),
+        .address_o(test_address),
+        .first_o(test_first),
+        .write_valid_o(test_valid),
+        .write_last_o(test_last),
+        .write_word_o(test_word),
+        .write_ready_i(write_ready && testing),
+        .write_status_i(write_status),
+        .memory_ready_i(memory_ready),
+        .replay_busy_i(replay_busy),
+        .replay_signature_i(replay_signature),
+        .replay_results_i(replay_results)
+    );
+    assign address = testing ? test_address : link_address;
+    assign first = testing ? test_first : link_first;
+    assign write_valid = testing ? test_valid : link_valid;
+    assign write_word = testing ? test_word : link_word;
+    assign write_last = testing ? test_last : link_last;
+    assign link_ready = write_ready && !testing;
+  end else begin : gen_no_self_test
+    assign {testing, test_passed, test_failed} = '0;
+    assign address = link_address;
+    assign first = link_first;
+    assign write_valid = link_valid;
+    assign write_word = link_word;
+    assign write_last = link_last;
+    assign link_ready = write_ready;
+  end
+
   board_registers #(
       .ClockKHz(ClockKHz),
       .RxBytes(RxBytes)
@@ -126,6 +168,8 @@ module board_core #(
       .replay_signature_i(replay_signature),
       .replay_results_i(replay_results),
       .counters_i(counters),
+      .faults_i(faults),
+      .self_test_i({test_passed || test_failed, testing || test_failed}),
       .busy_o(busy),
       .bad_seen_o(bad_seen),
       .plan_read_o(plan_read)
@@ -167,7 +211,7 @@ module board_core #(
       .photon_valid_i(photon_valid),
       .photon_ready_o(record_photon_ready),
       .photon_i(photon),
-      .position_i(address),
+      .position_i(link_address),
       .keep_valid_i(keep_valid),
       .before_o(pull_before),
       .after_o(pull_after),
@@ -252,7 +296,8 @@ module board_core #(
       .count_stalled_photons_o(counters[40*8+:40]),
       .count_reordered_o(counters[40*9+:40]),
       .count_memory_lines_o(counters[40*10+:40]),
-      .count_memory_busy_o(counters[40*11+:40])
+      .count_memory_busy_o(counters[40*11+:40]),
+      .count_faults_o(faults)
   );
 
   logic memory_count_q;
@@ -269,6 +314,8 @@ module board_core #(
       .memory_busy_i(memory_count_q != counters[40*11]),
       .bad_seen_i(bad_seen),
       .plan_read_i(plan_read),
+      .testing_i(testing),
+      .test_failed_i(test_failed),
       .led_o(led_o)
   );
 endmodule

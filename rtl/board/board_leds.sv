@@ -14,6 +14,8 @@ module board_leds #(
     input  logic       memory_busy_i,
     input  logic       bad_seen_i,
     input  logic       plan_read_i,
+    input  logic       testing_i,        // all are lit
+    input  logic       test_failed_i,    // all blink
     output logic [7:0] led_o
 );
   logic [TickBits-1:0] cycle_q;
@@ -32,7 +34,7 @@ module board_leds #(
     else if (tick) received_q <= {1'b0, received_q[1]};
     if (byte_sent_i) sent_q <= '1;
     else if (tick) sent_q <= {1'b0, sent_q[1]};
-    led_o <= {
+    led_o <= testing_i ? '1 : test_failed_i ? {8{beat_q}} : {
       plan_read_i, bad_seen_i, memory_busy_i, replay_busy_i, busy_i, sent_q[0], received_q[0], beat_q
     };
     if (rst_i) begin

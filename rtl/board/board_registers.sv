@@ -54,6 +54,8 @@ module board_registers #(
     input  logic [47:0] replay_results_i,
     // 12 counters of 40 bits in the order of the specification, the first lowest
     input  logic [479:0] counters_i,
+    input  logic [ 31:0] faults_i,           // words of memory that were not right
+    input  logic [  1:0] self_test_i,        // 0 none, 1 running, 2 passed, 3 failed
     // for the LEDs
     output logic        busy_o,              // queries inside
     output logic        bad_seen_o,
@@ -101,6 +103,7 @@ module board_registers #(
     if (select_q[10]) pair = pair | 64'(replay_cycles_i);
     if (select_q[11]) pair = pair | replay_signature_i;
     if (select_q[12]) pair = pair | 64'(replay_results_i);
+    if (select_q[13]) pair = pair | {faults_i, 30'd0, self_test_i};
     for (int unsigned i = 0; i < 12; i++) if (select_q[16+i]) pair = pair | 64'(counters_i[40*i+:40]);
   end
 

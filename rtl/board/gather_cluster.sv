@@ -12,7 +12,9 @@ module gather_cluster #(
     parameter int unsigned Gatherers = photonloom_pkg::Gatherers,
     parameter int unsigned BeatBits = photonloom_pkg::LineBeatBits,
     localparam int unsigned TagBits = photonloom_pkg::LineTagBits,
-    localparam int unsigned LineBits = photonloom_pkg::LineAddressBits
+    localparam int unsigned LineBits = photonloom_pkg::LineAddressBits,
+    localparam int unsigned Parity = photonloom_pkg::Parity,
+    localparam int unsigned ReplyBits = BeatBits + Parity
 ) (
     input  logic                              clk_i,
     input  logic                              rst_i,
@@ -36,7 +38,7 @@ module gather_cluster #(
     output logic [     Gatherers*TagBits-1:0] line_req_tag_o,
     input  logic [             Gatherers-1:0] line_rsp_valid_i,
     input  logic [     Gatherers*TagBits-1:0] line_rsp_tag_i,
-    input  logic [    Gatherers*BeatBits-1:0] line_rsp_data_i,
+    input  logic [   Gatherers*ReplyBits-1:0] line_rsp_data_i,
     // node memory and registers of every gatherer, written while nothing is inside
     input  logic                              cfg_valid_i,
     input  logic [                      23:0] cfg_addr_i,
@@ -52,7 +54,8 @@ module gather_cluster #(
     output logic [                      39:0] count_stalled_in_o,  // cycles a query waited to be taken
     output logic [                      39:0] count_stalled_results_o,  // cycles a result waited to be taken
     output logic [                      39:0] count_stalled_photons_o,  // cycles a photon waited to be taken
-    output logic [                      39:0] count_reordered_o  // packets into the reorder buffer
+    output logic [                      39:0] count_reordered_o,  // packets into the reorder buffer
+    output logic [                      31:0] count_faults_o  // words of the gatherers' memories that were not right
 );
   localparam int unsigned QueryBits = photonloom_pkg::GatherQueryPacketBits;
   localparam int unsigned ResultBits = photonloom_pkg::GatherResultPacketBits;
@@ -87,6 +90,7 @@ module gather_cluster #(
   logic [Gatherers*ResultBits-1:0] results;
   logic [Gatherers*PhotonBits-1:0] photons;
   logic fetched, no_photons;
+  logic [Gatherers*32-1:0] faults;
   /* verilator lint_off UNUSEDSIGNAL */  // its counts alone
   photonloom_pkg::gather_result_t fetched_result;
   /* verilator lint_on UNUSEDSIGNAL */
@@ -155,7 +159,7 @@ module gather_cluster #(
         .line_req_tag_o(line_req_tag_o[TagBits*g+:TagBits]),
         .line_rsp_valid_i(line_rsp_valid_i[g]),
         .line_rsp_tag_i(line_rsp_tag_i[TagBits*g+:TagBits]),
-        .line_rsp_data_i(line_rsp_data_i[BeatBits*g+:BeatBits]),
+        .line_rsp_data_i(line_rsp_data_i[ReplyBits*g+:ReplyBits]),
         .cfg_valid_i(cfg_valid_q),
         .cfg_addr_i(cfg_addr_q),
         .cfg_data_i(cfg_data_q),
@@ -171,7 +175,8 @@ module gather_cluster #(
         .count_stalled_in_o(),
         .count_stalled_results_o(),
         .count_stalled_photons_o(),
-        .count_stalled_lines_o()
+        .count_stalled_lines_o(),
+        .count_faults_o(faults[32*g+:32])
     );
   end
 
@@ -231,6 +236,21 @@ module gather_cluster #(
       count_q <= '0;
     end
   end
+  if (Parity != 0) begin : gen_faults
+    logic [31:0] sum;
+    always_comb begin
+      sum = '0;
+      for (int unsigned g = 0; g < Gatherers; g++) sum = sum + faults[32*g+:32];
+    end
+    always_ff @(posedge clk_i) count_faults_o <= sum;
+  end else begin : gen_no_faults
+    /* verilator lint_off UNUSEDSIGNAL */
+    logic unused;
+    /* verilator lint_on UNUSEDSIGNAL */
+    assign unused = &{1'b0, faults};
+    assign count_faults_o = '0;
+  end
+
   assign {
     count_reordered_o, count_stalled_photons_o, count_stalled_results_o, count_stalled_in_o, count_lines_o,
     count_insertions_o, count_leaves_o, count_nodes_o, count_queries_o, count_busy_o

@@ -59,16 +59,20 @@ module gather_engine #(
     output logic [                   39:0] count_stalled_photons_o,  // cycles a photon waited to be taken
     output logic [                   39:0] count_reordered_o,  // packets into the reorder buffer
     output logic [                   39:0] count_memory_lines_o,  // lines that the photon memory read
-    output logic [                   39:0] count_memory_busy_o  // cycles in which it was reading
+    output logic [                   39:0] count_memory_busy_o,  // cycles in which it was reading
+    output logic [                   31:0] count_faults_o  // words of memory that were not right; 0 without parity
 );
   localparam int unsigned TagBits = photonloom_pkg::LineTagBits;
   localparam int unsigned BeatBits = photonloom_pkg::LineBeatBits;
   localparam int unsigned AddressBits = photonloom_pkg::LineAddressBits + 1;
+  localparam int unsigned ReplyBits = BeatBits + photonloom_pkg::Parity;
 
   logic [Gatherers-1:0] line_req_valid, line_req_ready, line_rsp_valid;
   logic [Gatherers*AddressBits-1:0] line_req_addr;
   logic [Gatherers*TagBits-1:0] line_req_tag, line_rsp_tag;
-  logic [Gatherers*BeatBits-1:0] line_rsp_data;
+  logic [Gatherers*ReplyBits-1:0] line_rsp_data;
+  logic [31:0] cluster_faults, memory_faults;
+  assign count_faults_o = cluster_faults + memory_faults;
 
   gather_cluster #(
       .Gatherers(Gatherers),
@@ -106,7 +110,8 @@ module gather_engine #(
       .count_stalled_in_o(count_stalled_in_o),
       .count_stalled_results_o(count_stalled_results_o),
       .count_stalled_photons_o(count_stalled_photons_o),
-      .count_reordered_o(count_reordered_o)
+      .count_reordered_o(count_reordered_o),
+      .count_faults_o(cluster_faults)
   );
 
   if (PhotonMemory == 0) begin : gen_ram
@@ -141,7 +146,8 @@ module gather_engine #(
         .write_data_i(write_data_i),
         .ready_o(memory_ready_o),
         .count_lines_o(count_memory_lines_o),
-        .count_busy_o(count_memory_busy_o)
+        .count_busy_o(count_memory_busy_o),
+        .count_faults_o(memory_faults)
     );
   end else begin : gen_sdram
     photon_sdram #(
@@ -176,7 +182,8 @@ module gather_engine #(
         .sdram_dq_o(sdram_dq_o),
         .sdram_dq_oe_o(sdram_dq_oe_o),
         .count_lines_o(count_memory_lines_o),
-        .count_busy_o(count_memory_busy_o)
+        .count_busy_o(count_memory_busy_o),
+        .count_faults_o(memory_faults)
     );
   end
 endmodule

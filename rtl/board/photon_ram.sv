@@ -9,11 +9,16 @@
 // Words of 32 bits are written at word addresses of the lines, global map first, then the caustic one, without gaps, while
 // no query is in flight; words behind the last line are taken and dropped. Some 5 cycles a word, 32 where a line's words
 // are not a power of two.
+//
+// With photonloom_pkg::Parity each stored beat has a parity bit. A beat of a reply has one bit more, the highest: the stored
+// one is not right, or the line asked for is beyond its map.
 module photon_ram #(
     parameter int unsigned Gatherers = photonloom_pkg::Gatherers,
     parameter int unsigned BeatBits = photonloom_pkg::LineBeatBits,
     localparam int unsigned TagBits = photonloom_pkg::LineTagBits,
-    localparam int unsigned LineBits = photonloom_pkg::LineAddressBits
+    localparam int unsigned LineBits = photonloom_pkg::LineAddressBits,
+    localparam int unsigned Parity = photonloom_pkg::Parity,
+    localparam int unsigned ReplyBits = BeatBits + Parity
 ) (
     input  logic                              clk_i,
     input  logic                              rst_i,
@@ -23,7 +28,7 @@ module photon_ram #(
     input  logic [     Gatherers*TagBits-1:0] line_req_tag_i,
     output logic [             Gatherers-1:0] line_rsp_valid_o,
     output logic [     Gatherers*TagBits-1:0] line_rsp_tag_o,
-    output logic [    Gatherers*BeatBits-1:0] line_rsp_data_o,
+    output logic [   Gatherers*ReplyBits-1:0] line_rsp_data_o,
     // words of the lines
     input  logic                              write_valid_i,
     output logic                              write_ready_o,
@@ -32,7 +37,8 @@ module photon_ram #(
     output logic                              ready_o,          // lines can be read and written: always
     // counted since reset
     output logic [                      39:0] count_lines_o,  // lines served
-    output logic [                      39:0] count_busy_o    // cycles in which a port was reading
+    output logic [                      39:0] count_busy_o,   // cycles in which a port was reading
+    output logic [                      31:0] count_faults_o  // beats that were not right or of no line
 );
   localparam int unsigned Bucket = photonloom_pkg::Bucket;
   localparam int unsigned StrideBits = 8 * photonloom_pkg::PhotonBytes;
@@ -54,6 +60,7 @@ module photon_ram #(
   localparam int unsigned ItemBits = Whole ? photonloom_pkg::RecordBits + photonloom_pkg::SlotHeaderBits : BeatBits;
   localparam int unsigned ItemStride = Whole ? StrideBits : BeatBits;
   localparam int unsigned Width = Items * ItemBits;
+  localparam int unsigned StoredBits = Width + Parity;
 
   if (Beats * BeatBits != Bucket * StrideBits || BeatBits % 32 != 0) begin : gen_bad_beat
     gatherer_beat_bits_must_be_words_of_32_bits_and_divide_the_line bad_beat ();
@@ -75,6 +82,7 @@ module photon_ram #(
   logic [BeatBits-1:0] write_raw;
   /* verilator lint_on UNUSEDSIGNAL */
   logic [Width-1:0] write_packed;
+  logic [StoredBits-1:0] write_stored;
 
   photon_word_address #(
       .AddressBits(28),
@@ -119,27 +127,34 @@ module photon_ram #(
     assign write_packed[ItemBits*item+:ItemBits] = write_raw[ItemStride*item+:ItemBits];
   end
 
+  if (Parity != 0) begin : gen_parity
+    assign write_stored = {^write_packed, write_packed};
+  end else begin : gen_no_parity
+    assign write_stored = write_packed;
+  end
+
   // ---- read ports ----
   logic [2*AddressBits-1:0] read_address;
   logic [1:0] reading, last_beat;
-  logic [2*Width-1:0] read_data;
+  logic [2*StoredBits-1:0] read_data;
+  logic [1:0] faulty;  // a beat on its way out
   /* verilator lint_off UNUSEDSIGNAL */  // nobody is at the second port of one gatherer
   logic [2*BeatBits-1:0] raw;
   /* verilator lint_on UNUSEDSIGNAL */
 
   block_ram_two_reads #(
-      .Width(Width),
+      .Width(StoredBits),
       .Depth(Depth)
   ) store (
       .clk_i(clk_i),
       .a_write_i(write_back && write_inside),
-      .a_write_data_i(write_packed),
+      .a_write_data_i(write_stored),
       .a_read_i(!write_back),
       .a_address_i(write_valid ? write_address : read_address[0+:AddressBits]),
-      .a_read_data_o(read_data[0+:Width]),
+      .a_read_data_o(read_data[0+:StoredBits]),
       .b_read_i(1'b1),
       .b_address_i(read_address[AddressBits+:AddressBits]),
-      .b_read_data_o(read_data[Width+:Width])
+      .b_read_data_o(read_data[StoredBits+:StoredBits])
   );
   assign read_raw = raw[0+:BeatBits];
 
@@ -158,7 +173,8 @@ module photon_ram #(
       logic [AddressBits-1:0] address_q;
       logic [BeatNumberBits-1:0] beat_q;
       logic busy_q;
-      logic [Width-1:0] data_q;
+      logic [StoredBits-1:0] data_q;
+      logic wrong;
 
       for (genvar g = 0; g < Group; g++) begin : gen_gatherer
         localparam int unsigned I = port + Ports * g;
@@ -169,7 +185,10 @@ module photon_ram #(
         };
         assign line_rsp_valid_o[I] = out_target_q[g];
         assign line_rsp_tag_o[TagBits*I+:TagBits] = out_tag_q;
-        assign line_rsp_data_o[BeatBits*I+:BeatBits] = raw[BeatBits*port+:BeatBits];
+        assign line_rsp_data_o[ReplyBits*I+:BeatBits] = raw[BeatBits*port+:BeatBits];
+        if (Parity != 0) begin : gen_wrong
+          assign line_rsp_data_o[ReplyBits*I+ReplyBits-1] = wrong;
+        end
       end
 
       arbiter #(
@@ -210,26 +229,59 @@ module photon_ram #(
         read_tag_q <= tag_q;
         out_target_q <= read_target_q;
         out_tag_q <= read_tag_q;
-        data_q <= read_data[Width*port+:Width];
+        data_q <= read_data[StoredBits*port+:StoredBits];
         if (rst_i) begin
           busy_q <= 1'b0;
           read_target_q <= '0;
           out_target_q <= '0;
         end
       end
+      if (Parity != 0) begin : gen_check
+        logic beyond_q, read_beyond_q, out_beyond_q;
+        always_ff @(posedge clk_i) begin
+          if (!busy_q || last_beat[port])
+            beyond_q <= 32'(ask_line[LineBits-1:0]) >= (ask_line[LineBits] ? CausticLines : GlobalLines);
+          read_beyond_q <= beyond_q;
+          out_beyond_q <= read_beyond_q;
+        end
+        assign wrong = ^data_q || out_beyond_q;
+        assign faulty[port] = wrong && out_target_q != '0;
+      end else begin : gen_no_check
+        assign wrong = 1'b0;
+        assign faulty[port] = wrong;
+      end
       for (genvar item = 0; item < Items; item++) begin : gen_unpack
         assign raw[BeatBits*port+ItemStride*item+:ItemStride] = ItemStride'(data_q[ItemBits*item+:ItemBits]);
       end
     end else begin : gen_unused
       /* verilator lint_off UNUSEDSIGNAL */
-      logic [Width-1:0] unused;
+      logic [StoredBits-1:0] unused;
       /* verilator lint_on UNUSEDSIGNAL */
-      assign unused = read_data[Width*port+:Width];
+      assign unused = read_data[StoredBits*port+:StoredBits];
+      assign faulty[port] = 1'b0;
       assign raw[BeatBits*port+:BeatBits] = '0;
       assign reading[port] = 1'b0;
       assign last_beat[port] = 1'b0;
       assign read_address[AddressBits*port+:AddressBits] = '0;
     end
+  end
+
+  if (Parity != 0) begin : gen_faults
+    logic [1:0] faulty_q;
+    always_ff @(posedge clk_i) begin
+      faulty_q <= faulty;
+      count_faults_o <= count_faults_o + 32'(faulty_q[0]) + 32'(faulty_q[1]);
+      if (rst_i) begin
+        faulty_q <= '0;
+        count_faults_o <= '0;
+      end
+    end
+  end else begin : gen_no_faults
+    /* verilator lint_off UNUSEDSIGNAL */
+    logic unused;
+    /* verilator lint_on UNUSEDSIGNAL */
+    assign unused = &{1'b0, faulty};
+    assign count_faults_o = '0;
   end
 
   // ---- counters ----

@@ -6,6 +6,9 @@
 // Line ports are those of photon_gatherer, side by side, gatherer 0 lowest; a beat holds whole photons. A line from the cache
 // comes 9 cycles after its request where nobody else asks, a beat a cycle. The SDRAM and its clock are behind sdram_lines.
 //
+// With photonloom_pkg::Parity the cache has parity, and a beat of a reply one bit more, the highest: it is not right, or the
+// line asked for is beyond its map.
+//
 // forget_i (while no query is in flight) empties the cache. Words of 32 bits are written as into photon_ram; a line that the
 // cache holds does not change by it, so forget_i comes after.
 module photon_sdram #(
@@ -16,7 +19,9 @@ module photon_sdram #(
     parameter int unsigned CacheMisses = 8,
     parameter int unsigned SdramKHz = 100000,  // frequency of clk_sdram_i at most
     localparam int unsigned TagBits = photonloom_pkg::LineTagBits,
-    localparam int unsigned LineBits = photonloom_pkg::LineAddressBits
+    localparam int unsigned LineBits = photonloom_pkg::LineAddressBits,
+    localparam int unsigned Parity = photonloom_pkg::Parity,
+    localparam int unsigned ReplyBits = BeatBits + Parity
 ) (
     input  logic                              clk_i,
     input  logic                              rst_i,
@@ -27,7 +32,7 @@ module photon_sdram #(
     input  logic [     Gatherers*TagBits-1:0] line_req_tag_i,
     output logic [             Gatherers-1:0] line_rsp_valid_o,
     output logic [     Gatherers*TagBits-1:0] line_rsp_tag_o,
-    output logic [    Gatherers*BeatBits-1:0] line_rsp_data_o,
+    output logic [   Gatherers*ReplyBits-1:0] line_rsp_data_o,
     // words of the lines
     input  logic                              write_valid_i,
     output logic                              write_ready_o,
@@ -49,7 +54,8 @@ module photon_sdram #(
     output logic                              sdram_dq_oe_o,
     // counted since reset
     output logic [                      39:0] count_lines_o,    // lines read from the SDRAM
-    output logic [                      39:0] count_busy_o      // cycles with such a line on its way
+    output logic [                      39:0] count_busy_o,     // cycles with such a line on its way
+    output logic [                      31:0] count_faults_o    // parts of lines and tags in the cache that were not right
 );
   localparam int unsigned Bucket = photonloom_pkg::Bucket;
   // What is kept of a slot: a photon, or all of it where lines are compressed.
@@ -118,13 +124,14 @@ module photon_sdram #(
       .out_source_o(ask_source)
   );
 
-  logic beat_valid;
+  logic beat_valid, beat_wrong, tag_wrong;
   logic [ClientBits-1:0] beat_client;
   logic [BeatPhotons*KeptBits-1:0] beat_photons;
   logic line_req_valid, line_req_ready, line_rsp_valid;
   logic [LineBits:0] line_req_addr;
   logic [MissBits-1:0] line_req_tag, line_rsp_tag;
   logic [63:0] line_rsp_data;
+  logic [63+Parity:0] line_rsp_word;
 
   cache #(
       .AddressBits(LineBits + 1),
@@ -134,6 +141,7 @@ module photon_sdram #(
       .ItemBits(KeptBits),
       .Parts(Beats),
       .BeatBits(64),
+      .Parity(Parity),
       .Sets(Sets),
       .Ways(CacheWays),
       .Misses(CacheMisses)
@@ -150,13 +158,15 @@ module photon_sdram #(
       .out_valid_o(beat_valid),
       .out_client_o(beat_client),
       .out_data_o(beat_photons),
+      .out_wrong_o(beat_wrong),
       .line_req_valid_o(line_req_valid),
       .line_req_ready_i(line_req_ready),
       .line_req_addr_o(line_req_addr),
       .line_req_tag_o(line_req_tag),
       .line_rsp_valid_i(line_rsp_valid),
       .line_rsp_tag_i(line_rsp_tag),
-      .line_rsp_data_i(line_rsp_data),
+      .line_rsp_data_i(line_rsp_word),
+      .tag_wrong_o(tag_wrong),
       /* verilator lint_off PINCONNECTEMPTY */
       .issue_o(),
       .out_part_o(),
@@ -166,7 +176,28 @@ module photon_sdram #(
       /* verilator lint_on PINCONNECTEMPTY */
   );
 
+  // ---- lines beyond their map ----
+  // The chip has something at every address; what is written of them into the cache is told to be wrong.
+  if (Parity != 0) begin : gen_parity
+    logic [(1<<MissBits)-1:0] beyond_q;
+    always_ff @(posedge clk_i) begin
+      if (line_req_valid)
+        beyond_q[line_req_tag] <= 32'(line_req_addr[LineBits-1:0]) >= (line_req_addr[LineBits] ? CausticLines : GlobalLines);
+      count_faults_o <= count_faults_o + 32'(beat_wrong) + 32'(tag_wrong);
+      if (rst) count_faults_o <= '0;
+    end
+    assign line_rsp_word = {beyond_q[line_rsp_tag], line_rsp_data};
+  end else begin : gen_no_parity
+    /* verilator lint_off UNUSEDSIGNAL */
+    logic unused;
+    /* verilator lint_on UNUSEDSIGNAL */
+    assign unused = &{1'b0, beat_wrong, tag_wrong};
+    assign line_rsp_word = line_rsp_data;
+    assign count_faults_o = '0;
+  end
+
   // ---- a beat to its gatherer ----
+  // It leaves a cycle after it came, when it is known whether it is right.
   logic beat_valid_q;
   logic [ClientBits-1:0] beat_client_q;
   logic [BeatPhotons*KeptBits-1:0] beat_photons_q;
@@ -183,7 +214,10 @@ module photon_sdram #(
   for (genvar g = 0; g < Gatherers; g++) begin : gen_rsp
     assign line_rsp_valid_o[g] = beat_valid_q && beat_client_q[TagBits+:SourceBits] == SourceBits'(g);
     assign line_rsp_tag_o[TagBits*g+:TagBits] = beat_client_q[TagBits-1:0];
-    assign line_rsp_data_o[BeatBits*g+:BeatBits] = beat_raw;
+    assign line_rsp_data_o[ReplyBits*g+:BeatBits] = beat_raw;
+    if (Parity != 0) begin : gen_wrong
+      assign line_rsp_data_o[ReplyBits*g+ReplyBits-1] = beat_wrong;
+    end
   end
 
   // ---- words to write ----

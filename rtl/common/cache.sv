@@ -16,6 +16,11 @@
 // order of tags, always accepted. invalidate_i (while idle) forgets every line in Sets cycles, as reset does.
 // set_mask_i (while idle, before an invalidate): sets in use minus one; bypass_i: every request fetches its line.
 //
+// With Parity the memories of lines and tags have a parity bit a word, and a beat has one bit more, the highest: it was not
+// read right where it comes from. out_wrong_o tells of the part of the cycle before that it is not right, in either
+// place; a tag that is not right matches no request, so its line is fetched anew (tag_wrong_o). Either way the line is
+// forgotten.
+//
 // Latency of a hit 5 cycles from in_valid_i, a line in Parts cycles; a miss adds the memory's latency, its beats and 2.
 module cache #(
     parameter int unsigned AddressBits = 14,
@@ -26,6 +31,7 @@ module cache #(
     parameter int unsigned HeaderBits = 0,
     parameter int unsigned Parts = 2,
     parameter int unsigned BeatBits = 128,
+    parameter int unsigned Parity = 0,
     parameter int unsigned Sets = 64,
     parameter int unsigned Ways = 2,
     parameter int unsigned Misses = 8,
@@ -53,6 +59,7 @@ module cache #(
     output logic [   PartBits-1:0] out_part_o,
     output logic [   DataBits-1:0] out_data_o,
     output logic [LineHeaderBits-1:0] out_header_o,
+    output logic                   out_wrong_o,  // the part of the cycle before
     // memory
     output logic                   line_req_valid_o,
     input  logic                   line_req_ready_i,
@@ -60,10 +67,11 @@ module cache #(
     output logic [   MissBits-1:0] line_req_tag_o,
     input  logic                   line_rsp_valid_i,
     input  logic [   MissBits-1:0] line_rsp_tag_i,
-    input  logic [   BeatBits-1:0] line_rsp_data_i,
+    input  logic [BeatBits+Parity-1:0] line_rsp_data_i,
     // counted events
     output logic                   hit_o,
-    output logic                   miss_o
+    output logic                   miss_o,
+    output logic                   tag_wrong_o
 );
   localparam int unsigned WayBits = Ways > 1 ? $clog2(Ways) : 1;
   localparam int unsigned PlaceBits = SetBits + WayBits;  // set, way
@@ -99,6 +107,9 @@ module cache #(
   logic valid_1_q, valid_2_q, valid_3_q, stale_2_q, stale_3_q;
   logic [SetBits-1:0] set_1, set_2, set_3_q;
   logic [Ways*TagBits-1:0] tags, tags_3_q;
+  logic [Ways-1:0] tag_odd, tag_odd_3_q;
+  logic expel;  // a line is forgotten
+  logic [PlaceBits-1:0] expel_place;
   logic [Ways-1:0] pending_2, pending_3_q;
 
   assign set_1 = SetBits'(address_1_q) & set_mask_i;
@@ -112,7 +123,7 @@ module cache #(
     valid_2_q <= valid_1_q;
     client_2_q <= client_1_q;
     address_2_q <= address_1_q;
-    stale_2_q <= sweeping_q || (allocate && set_1 == set_3_q);
+    stale_2_q <= sweeping_q || (allocate && set_1 == set_3_q) || (expel && set_1 == expel_place[WayBits+:SetBits]);
 
     valid_3_q <= valid_2_q;
     client_3_q <= client_2_q;
@@ -120,6 +131,7 @@ module cache #(
     set_3_q <= set_2;
     stale_3_q <= stale_2_q || sweeping_q || (allocate && set_2 == set_3_q);
     tags_3_q <= tags;
+    tag_odd_3_q <= tag_odd;
     pending_3_q <= pending_2;
     if (rst_i) begin
       valid_1_q <= 1'b0;
@@ -141,7 +153,7 @@ module cache #(
   always_comb begin
     hit_way = '0;
     for (int unsigned w = 0; w < Ways; w++) begin
-      match[w] = !bypass_i && tags_3_q[TagBits*w+:TagBits] == {1'b1, address_3_q};
+      match[w] = !bypass_i && !tag_odd_3_q[w] && tags_3_q[TagBits*w+:TagBits] == {1'b1, address_3_q};
       if (match[w]) hit_way = WayBits'(w);
       held[w] = pending_3_q[w] || (hit_valid_q && hit_place_q == {set_3_q, WayBits'(w)}) ||
           (reader_valid_q && reader_place_q == {set_3_q, WayBits'(w)});
@@ -179,18 +191,69 @@ module cache #(
   );
 
   for (genvar way = 0; way < Ways; way++) begin : gen_tags
+    logic [TagBits-1:0] tag;
+    logic [TagBits+Parity-1:0] tag_write, tag_read;
+    assign tag = sweeping_q || expel ? '0 : {1'b1, address_3_q};
+    assign tags[TagBits*way+:TagBits] = tag_read[TagBits-1:0];
+    if (Parity != 0) begin : gen_tag_parity
+      assign tag_write = {^tag, tag};
+      assign tag_odd[way] = ^tag_read;
+    end else begin : gen_no_tag_parity
+      assign tag_write = tag;
+      assign tag_odd[way] = 1'b0;
+    end
     block_ram #(
-        .Width(TagBits),
+        .Width(TagBits + Parity),
         .Depth(Sets)
     ) tag_ram (
         .clk_i(clk_i),
-        .write_i(sweeping_q || (allocate && victim == WayBits'(way))),
-        .write_address_i(sweeping_q ? sweep_q : set_3_q),
-        .write_data_i(sweeping_q ? '0 : {1'b1, address_3_q}),
+        .write_i(sweeping_q || (allocate && victim == WayBits'(way)) ||
+            (expel && expel_place[0+:WayBits] == WayBits'(way))),
+        .write_address_i(sweeping_q ? sweep_q : expel ? expel_place[WayBits+:SetBits] : set_3_q),
+        .write_data_i(tag_write),
         .read_i(1'b1),
         .read_address_i(set_1),
-        .read_data_o(tags[TagBits*way+:TagBits])
+        .read_data_o(tag_read)
     );
+  end
+
+  // ---- lines that are not right ----
+  // They are forgotten when no lookup is decided; until then whoever reads one is told as well.
+  logic read_wrong;
+  if (Parity != 0) begin : gen_expel
+    logic out_valid_1_q, expel_q;
+    logic [PlaceBits-1:0] place_1_q, place_2_q, expel_place_q;
+    logic [WayBits-1:0] odd_way;
+
+    always_comb begin
+      odd_way = '0;
+      for (int unsigned w = Ways; w > 0; w--) if (tag_odd_3_q[w-1]) odd_way = WayBits'(w - 1);
+    end
+    assign tag_wrong_o = valid_3_q && !stale_3_q && tag_odd_3_q != '0;
+    assign out_wrong_o = out_valid_1_q && read_wrong;
+    assign expel = expel_q && !valid_3_q && !sweeping_q;
+    assign expel_place = expel_place_q;
+    always_ff @(posedge clk_i) begin
+      out_valid_1_q <= out_valid_o;
+      place_1_q <= reader_place_q;
+      place_2_q <= place_1_q;
+      if (expel) expel_q <= 1'b0;
+      if (tag_wrong_o || out_wrong_o) begin
+        expel_q <= 1'b1;
+        expel_place_q <= out_wrong_o ? place_2_q : {set_3_q, odd_way};
+      end
+      if (rst_i) begin
+        out_valid_1_q <= 1'b0;
+        expel_q <= 1'b0;
+      end
+    end
+  end else begin : gen_no_expel
+    assign {tag_wrong_o, out_wrong_o, expel} = '0;
+    assign expel_place = '0;
+    /* verilator lint_off UNUSEDSIGNAL */
+    logic unused;
+    /* verilator lint_on UNUSEDSIGNAL */
+    assign unused = read_wrong;
   end
 
   // ---- misses ----
@@ -308,6 +371,7 @@ module cache #(
       .HeaderBits(HeaderBits),
       .Parts(Parts),
       .BeatBits(BeatBits),
+      .Parity(Parity),
       .EntryBits(MissBits),
       .PlaceBits(PlaceBits)
   ) lines (
@@ -323,6 +387,7 @@ module cache #(
       .read_part_i(reader_part_q),
       .read_part_o(out_part_o),
       .read_data_o(out_data_o),
-      .read_header_o(out_header_o)
+      .read_header_o(out_header_o),
+      .read_wrong_o(read_wrong)
   );
 endmodule

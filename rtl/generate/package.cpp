@@ -7,6 +7,7 @@
 #include <cctype>
 
 #include "golden/packet/layout.hpp"
+#include "golden/unit/self_test.hpp"
 
 namespace photonloom {
 
@@ -85,6 +86,7 @@ std::vector<PackageConstant> package_constants(const Plan& plan) {
   LINE(board_cache_bytes, "lines that a board's gatherers share before an SDRAM");
   LINE(replay_queries, "queries that a board's replayer holds");
   LINE(lut_ram_words, "memories of so many words at most are made of LUTs");
+  number("parity", plan.parity, "1: words of photons, nodes and cached lines have a parity bit");
   number("line_tag_bits",
          static_cast<uint64_t>(std::max(1, clog2(static_cast<uint64_t>(plan.cache_misses)))),
          "tag of a line request");
@@ -129,6 +131,29 @@ std::vector<PackageConstant> package_constants(const Plan& plan) {
   return list;
 }
 
+namespace {
+
+// A board's self-test, or nothing of it.
+std::string self_test_constants(const Plan& plan) {
+  const SelfTest test = plan.self_test ? make_self_test(plan) : SelfTest{{0}, 0, 0};
+  std::string digits;
+  for (size_t i = test.words.size(); i > 0; --i)
+    digits += fmt::format("{}{:08x}", i == test.words.size() ? "" : "_", test.words[i - 1]);
+  return fmt::format(
+      "\n  // A board's power-up self-test (docs/board.md): WRITEs, the first word lowest, and "
+      "what their\n"
+      "  // replay must give.\n"
+      "  localparam int unsigned SelfTest = {};  // 1: there is one\n"
+      "  localparam int unsigned SelfTestWords = {};\n"
+      "  localparam int unsigned SelfTestResults = {};\n"
+      "  localparam logic [63:0] SelfTestSignature = 64'h{:016x};\n"
+      "  localparam logic [{}:0] SelfTestScript = {}'h{};\n",
+      plan.self_test ? 1 : 0, test.words.size(), test.results, test.signature,
+      32 * test.words.size() - 1, 32 * test.words.size(), digits);
+}
+
+}  // namespace
+
 std::string write_package(const Plan& plan, uint64_t plan_hash) {
   std::string text = fmt::format(
       "// SPDX-License-Identifier: Apache-2.0\n"
@@ -157,6 +182,7 @@ std::string write_package(const Plan& plan, uint64_t plan_hash) {
     }
     text += fmt::format("  }} {}_t;\n", layout.name());
   });
+  text += self_test_constants(plan);
   text += "\n  /* verilator lint_on SYMRSVDWORD */\n  /* verilator lint_on UNUSEDPARAM */\n";
   return text + "endpackage\n";
 }

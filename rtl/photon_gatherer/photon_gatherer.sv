@@ -26,7 +26,8 @@ module photon_gatherer #(
     parameter int unsigned CacheMisses = photonloom_pkg::CacheMisses,
     parameter int unsigned LineBeatBits = photonloom_pkg::LineBeatBits,
     localparam int unsigned TagBits = CacheMisses > 1 ? $clog2(CacheMisses) : 1,
-    localparam int unsigned LineBits = photonloom_pkg::LineBits
+    localparam int unsigned LineBits = photonloom_pkg::LineBits,
+    localparam int unsigned Parity = photonloom_pkg::Parity
 ) (
     input  logic                              clk_i,  // clock
     input  logic                              rst_i,  // reset, synchronous
@@ -49,7 +50,7 @@ module photon_gatherer #(
     output logic [               TagBits-1:0] line_req_tag_o,  // comes back with every beat of the line
     input  logic                              line_rsp_valid_i,  // a beat is there; it is always taken
     input  logic [               TagBits-1:0] line_rsp_tag_i,  // of the request
-    input  logic [          LineBeatBits-1:0] line_rsp_data_i,  // beats of a line in order, the lowest bytes first
+    input  logic [   LineBeatBits+Parity-1:0] line_rsp_data_i,  // beats of a line in order, the lowest bytes first; with parity, the highest bit: not read right
     // node memory and registers, written while idle
     input  logic                              cfg_valid_i,  // a word is written
     input  logic [                      23:0] cfg_addr_i,  // where: docs/photon_gatherer.md
@@ -67,7 +68,8 @@ module photon_gatherer #(
     output logic [31:0] count_stalled_in_o, // cycles a query waited to be taken
     output logic [31:0] count_stalled_results_o, // cycles a result waited to be taken
     output logic [31:0] count_stalled_photons_o, // cycles a photon waited to be taken
-    output logic [31:0] count_stalled_lines_o  // cycles a line request waited to be taken
+    output logic [31:0] count_stalled_lines_o, // cycles a line request waited to be taken
+    output logic [31:0] count_faults_o  // words of memory that were not right; 0 without parity
 );
   localparam int unsigned ContextBits = Contexts > 1 ? $clog2(Contexts) : 1;
   localparam int unsigned TreeContexts = (Contexts + Trees - 1) / Trees;
@@ -191,6 +193,8 @@ module photon_gatherer #(
   logic [Trees*StackBits-1:0] finish_stack;
   logic [Lists*R2Bits-1:0] bound;
   logic [$clog2(2*Trees+1)-1:0] nodes, dropped;
+  logic [Trees-1:0] node_wrong;
+  logic [Trees*TreeContextBits-1:0] node_wrong_context;
   logic [$clog2(2*Lists+1)-1:0] candidates, insertions;
 
   photon_gatherer_trees #(
@@ -231,11 +235,15 @@ module photon_gatherer #(
       .bound_i(bound),
       .done_o(tree_done),
       .done_context_o(tree_done_context),
+      .wrong_o(node_wrong),
+      .wrong_context_o(node_wrong_context),
       .nodes_o(nodes),
       .dropped_o(dropped)
   );
 
-  logic leaf, hit, miss, snapshot, snapshot_taken, snapshot_done;
+  logic leaf, hit, miss, snapshot, snapshot_taken, snapshot_done, line_wrong, tag_wrong;
+  logic [ContextBits-1:0] line_wrong_context;
+  logic [Sums-1:0] found_faulty;
   logic [Lists-1:0] store_read;
   logic [ContextBits-1:0] snapshot_context;
   logic [Sums*SumContextBits-1:0] found_context;
@@ -312,6 +320,9 @@ module photon_gatherer #(
       .snapshot_done_o(snapshot_done),
       .snapshot_count_o(snapshot_count),
       .snapshot_places_o(snapshot_places),
+      .line_wrong_o(line_wrong),
+      .line_wrong_context_o(line_wrong_context),
+      .tag_wrong_o(tag_wrong),
       .leaf_o(leaf),
       .hit_o(hit),
       .miss_o(miss),
@@ -343,6 +354,7 @@ module photon_gatherer #(
       .found_insertions_i(found_insertions),
       .found_leaves_i(found_leaves),
       .found_nodes_i(found_nodes),
+      .found_faulty_i(found_faulty),
       .store_read_o(store_read),
       .store_context_o(store_context),
       .store_place_o(store_place),
@@ -364,6 +376,34 @@ module photon_gatherer #(
       .photon_ready_i(photon_ready_i),
       .photon_o(photon_o)
   );
+
+  if (Parity != 0) begin : gen_faults
+    photon_gatherer_faults #(
+        .Contexts(Contexts),
+        .Trees(Trees),
+        .Sums(Sums)
+    ) faults (
+        .clk_i(clk_i),
+        .rst_i(rst_i),
+        .start_i(search),
+        .start_context_i(search_context),
+        .node_i(node_wrong),
+        .node_context_i(node_wrong_context),
+        .line_i(line_wrong),
+        .line_context_i(line_wrong_context),
+        .tag_i(tag_wrong),
+        .found_context_i(found_context),
+        .found_faulty_o(found_faulty),
+        .count_o(count_faults_o)
+    );
+  end else begin : gen_no_faults
+    /* verilator lint_off UNUSEDSIGNAL */
+    logic unused;
+    /* verilator lint_on UNUSEDSIGNAL */
+    assign unused = &{1'b0, node_wrong, node_wrong_context, line_wrong, line_wrong_context, tag_wrong};
+    assign found_faulty = '0;
+    assign count_faults_o = '0;
+  end
 
   photon_gatherer_counters #(
       .StepBits(StepBits)

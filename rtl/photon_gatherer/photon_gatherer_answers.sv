@@ -56,6 +56,7 @@ module photon_gatherer_answers #(
     input  logic [   Sums*(IndexBits+1)-1:0] found_insertions_i,
     input  logic [        Sums*NodeBits-1:0] found_leaves_i,
     input  logic [        Sums*NodeBits-1:0] found_nodes_i,
+    input  logic [                 Sums-1:0] found_faulty_i,
     // its photons, of each list: load, d2, index, a cycle after the address
     output logic [                Lists-1:0] store_read_o,
     output logic [Lists*ListContextBits-1:0] store_context_o,
@@ -134,6 +135,7 @@ module photon_gatherer_answers #(
   logic place_free;
   logic [SlotBits:0] start_slot, sum_slot;
   logic [Sums-1:0] sum_take, sum_read, sum_valid;
+  logic [Sums*SlotBits-1:0] take_slot;
   logic [Sums*SumContextBits-1:0] sum_read_context;
   logic [Sums*PlaceBits-1:0] sum_read_place;
   logic [Sums*SumBits-1:0] sums;
@@ -170,6 +172,7 @@ module photon_gatherer_answers #(
     end
     assign sum_take[s] = ends && ready && place_free;
     assign found_context_o[SumContextBits*s+:SumContextBits] = context_done;
+    assign take_slot[SlotBits*s+:SlotBits] = done_slot[SlotBits-1:0];
 
     lut_ram #(
         .Width(SlotBits + 1),
@@ -261,6 +264,8 @@ module photon_gatherer_answers #(
       .start_slot_o(start_slot),
       .take_ready_o(place_free),
       .take_i(sum_take),
+      .take_slot_i(take_slot),
+      .take_faulty_i(found_faulty_i),
       .finish_i(sum_valid != '0),
       .finish_slot_i(sum_slot),
       .finish_count_i(sum_count),

@@ -32,7 +32,8 @@ module photon_gatherer_beats #(
     localparam int unsigned BeatBits = Beats > 1 ? $clog2(Beats) : 1,
     localparam int unsigned RowBits = $clog2((2 * Beats > 16 ? 1 << $clog2(2 * Beats) : 16) + Behind),
     localparam int unsigned SetBits = Sets > 1 ? $clog2(Sets) : 1,
-    localparam int unsigned TagBits = CacheMisses > 1 ? $clog2(CacheMisses) : 1
+    localparam int unsigned TagBits = CacheMisses > 1 ? $clog2(CacheMisses) : 1,
+    localparam int unsigned Parity = photonloom_pkg::Parity
 ) (
     input  logic                                   clk_i,
     input  logic                                   rst_i,
@@ -65,7 +66,7 @@ module photon_gatherer_beats #(
     output logic [                    TagBits-1:0] line_req_tag_o,
     input  logic                                   line_rsp_valid_i,
     input  logic [                    TagBits-1:0] line_rsp_tag_i,
-    input  logic [               LineBeatBits-1:0] line_rsp_data_i,
+    input  logic [        LineBeatBits+Parity-1:0] line_rsp_data_i,
     // a bound is written, by each list for its contexts
     input  logic [                      Lists-1:0] bound_write_i,
     input  logic [      Lists*ListContextBits-1:0] bound_context_i,
@@ -87,6 +88,10 @@ module photon_gatherer_beats #(
     output logic [2*Lists*Lanes*DirectionBits-1:0] directions_o,
     input  logic [              Lists*RowBits-1:0] load_row_i,
     output logic [       Lists*Lanes*LoadBits-1:0] loads_o,
+    // a line, a tag of the cache was not right
+    output logic                                   line_wrong_o,
+    output logic [                ContextBits-1:0] line_wrong_context_o,
+    output logic                                   tag_wrong_o,
     // counted events
     output logic                                   hit_o,
     output logic                                   miss_o
@@ -125,6 +130,7 @@ module photon_gatherer_beats #(
       .HeaderBits(SlotHeaderBits),
       .Parts(Beats),
       .BeatBits(LineBeatBits),
+      .Parity(Parity),
       .Sets(Sets),
       .Ways(CacheWays),
       .Misses(CacheMisses)
@@ -144,6 +150,7 @@ module photon_gatherer_beats #(
       .out_part_o(read_beat),
       .out_data_o(read_records),
       .out_header_o(read_header),
+      .out_wrong_o(line_wrong_o),
       .line_req_valid_o(line_req_valid_o),
       .line_req_ready_i(line_req_ready_i),
       .line_req_addr_o(line_req_addr_o),
@@ -152,8 +159,10 @@ module photon_gatherer_beats #(
       .line_rsp_tag_i(line_rsp_tag_i),
       .line_rsp_data_i(line_rsp_data_i),
       .hit_o(hit_o),
-      .miss_o(miss_o)
+      .miss_o(miss_o),
+      .tag_wrong_o(tag_wrong_o)
   );
+  always_ff @(posedge clk_i) line_wrong_context_o <= read_context;
 
   lut_ram #(
       .Width(3 * PositionBits),
@@ -172,6 +181,7 @@ module photon_gatherer_beats #(
   assign line_context_o = line_context;
   if (Compressed) begin : gen_decoder
     logic [3*PositionBits-1:0] corner;
+    logic more;
     logic [3*(PositionBits+1)-1:0] query_q;
 
     photon_gatherer_decoder #(
@@ -192,9 +202,11 @@ module photon_gatherer_beats #(
         .out_photons_o(line_photons),
         .out_corner_o(corner),
         .out_last_o(line_last_o),
-        .out_more_o(line_more_o),
+        .out_more_o(more),
         .out_next_o(line_next_o)
     );
+    // Where a line is not right nobody knows which would be the next.
+    assign line_more_o = more && !line_wrong_o;
     assign position_context = line_context;
     for (genvar c = 0; c < 3; c++) begin : gen_coordinate
       always_ff @(posedge clk_i)

@@ -42,7 +42,8 @@ module photon_gatherer_leaves #(
     localparam int unsigned StoreBits = LoadBits + R2Bits + IndexBits,
     localparam int unsigned SetBits = Sets > 1 ? $clog2(Sets) : 1,
     localparam int unsigned TagBits = CacheMisses > 1 ? $clog2(CacheMisses) : 1,
-    localparam int unsigned StepBits = $clog2(2 * Lists + 1)
+    localparam int unsigned StepBits = $clog2(2 * Lists + 1),
+    localparam int unsigned Parity = photonloom_pkg::Parity
 ) (
     input  logic                             clk_i,
     input  logic                             rst_i,
@@ -86,7 +87,7 @@ module photon_gatherer_leaves #(
     output logic [              TagBits-1:0] line_req_tag_o,
     input  logic                             line_rsp_valid_i,
     input  logic [              TagBits-1:0] line_rsp_tag_i,
-    input  logic [         LineBeatBits-1:0] line_rsp_data_i,
+    input  logic [  LineBeatBits+Parity-1:0] line_rsp_data_i,
     // what was found for a context, for each sum
     input  logic [  Sums*SumContextBits-1:0] found_context_i,
     output logic [       Sums*CountBits-1:0] found_count_o,
@@ -106,6 +107,10 @@ module photon_gatherer_leaves #(
     output logic                             snapshot_done_o,
     output logic [            CountBits-1:0] snapshot_count_o,
     output logic [          K*PlaceBits-1:0] snapshot_places_o,
+    // a line, a tag of the cache was not right
+    output logic                             line_wrong_o,
+    output logic [          ContextBits-1:0] line_wrong_context_o,
+    output logic                             tag_wrong_o,
     // counted events
     output logic                             leaf_o,
     output logic                             hit_o,
@@ -238,6 +243,9 @@ module photon_gatherer_leaves #(
       .line_rsp_valid_i(line_rsp_valid_i),
       .line_rsp_tag_i(line_rsp_tag_i),
       .line_rsp_data_i(line_rsp_data_i),
+      .line_wrong_o(line_wrong_o),
+      .line_wrong_context_o(line_wrong_context_o),
+      .tag_wrong_o(tag_wrong_o),
       .bound_write_i(bound_write_o),
       .bound_context_i(bound_context_o),
       .bound_i(bound_o),

@@ -7,7 +7,8 @@
 //   stage 0  node memory address     1  its output; query and offsets     2  compare, choose, near child back to 0
 //   behind it, without stall: offsets | squares | two sums | (factor E) | stack write; what leaves is registered
 //
-// An entry is in the stack 7 cycles after its node's stage 2; its query takes longer to come back from the leaf.
+// An entry is in the stack 7 cycles after its node's stage 2; its query takes longer to come back from the leaf. With Parity
+// a word of the node memory has a parity bit, the highest; one that is not right is told a cycle after stage 2.
 module photon_gatherer_nodes #(
     parameter int unsigned PositionBits = 16,
     parameter int unsigned LineBits = 13,
@@ -17,6 +18,7 @@ module photon_gatherer_nodes #(
     parameter int unsigned EpsilonFactor = 1,
     parameter int unsigned StackBits = 5,      // of a stack pointer
     parameter int unsigned DistanceBits = 34,  // of a scaled squared distance
+    parameter int unsigned Parity = 0,
     localparam int unsigned ContextBits = Contexts > 1 ? $clog2(Contexts) : 1,
     localparam int unsigned NodeBits = LineBits + 1,
     localparam int unsigned NodeAddressBits = NodeWords > 1 ? $clog2(NodeWords) : 1,
@@ -27,7 +29,7 @@ module photon_gatherer_nodes #(
     input  logic                       rst_i,
     // node memory: the word is there in the cycle after its address
     output logic [NodeAddressBits-1:0] node_address_o,
-    input  logic [   PositionBits+1:0] node_data_i,      // axis, split
+    input  logic [PositionBits+1+Parity:0] node_data_i,  // axis, split
     // context state, read by context in stage 1
     output logic [    ContextBits-1:0] context_o,
     input  logic [ 3*PositionBits-1:0] query_i,
@@ -52,6 +54,9 @@ module photon_gatherer_nodes #(
     output logic [      StackBits-1:0] leaf_steps_o,     // inner nodes of the descent
     // one node done
     output logic                       step_o,
+    // its word was not right
+    output logic                       wrong_o,
+    output logic [    ContextBits-1:0] wrong_context_o,
     // stack
     output logic                       push_o,
     output logic [    ContextBits-1:0] push_context_o,
@@ -128,7 +133,7 @@ module photon_gatherer_nodes #(
     start_2_q <= start_1_q;
     query_2_q <= query_i;
     offsets_2_q <= first_1_q ? '0 : offsets_i;
-    {axis_2_q, split_2_q} <= node_data_i;
+    {axis_2_q, split_2_q} <= node_data_i[PositionBits+1:0];
     line_2_q <= line_1[LineBits-1:0];
     left_leaf_2_q <= !line_1[NodeBits+1];
     right_leaf_2_q <= !line_1[NodeBits+1] || line_1 == '1;
@@ -173,6 +178,19 @@ module photon_gatherer_nodes #(
       leaf_valid_o <= 1'b0;
       step_o <= 1'b0;
     end
+  end
+
+  if (Parity != 0) begin : gen_parity
+    logic parity_2_q;
+    always_ff @(posedge clk_i) begin
+      parity_2_q <= node_data_i[PositionBits+1+Parity];
+      wrong_o <= valid_2_q && ^{parity_2_q, axis_2_q, split_2_q};
+      wrong_context_o <= context_2_q;
+      if (rst_i) wrong_o <= 1'b0;
+    end
+  end else begin : gen_no_parity
+    assign wrong_o = 1'b0;
+    assign wrong_context_o = '0;
   end
 
   // ---- the far child, behind the ring ----

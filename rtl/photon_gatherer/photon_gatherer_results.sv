@@ -30,6 +30,8 @@ module photon_gatherer_results #(
     // its sum begins, in each of the sums, and is done, in one of them
     output logic                                                            take_ready_o,
     input  logic [                                                Sums-1:0] take_i,
+    input  logic [                                       Sums*SlotBits-1:0] take_slot_i,
+    input  logic [                                                Sums-1:0] take_faulty_i,  // its query met a wrong word
     input  logic                                                            finish_i,
     input  logic [                                              SlotBits:0] finish_slot_i,  // lap, slot
     input  logic [                           photonloom_pkg::CountBits-1:0] finish_count_i,
@@ -258,6 +260,22 @@ module photon_gatherer_results #(
         .read_address_i(head_q[SlotBits-1:0]),
         .read_data_o({lap, body_word})
     );
+  end
+
+  // ---- slots whose queries met a wrong word ----
+  if (photonloom_pkg::Parity != 0) begin : gen_faulty
+    logic [Slots-1:0] faulty_q;
+    always_ff @(posedge clk_i) begin
+      if (start_i) faulty_q[tail_q[SlotBits-1:0]] <= 1'b0;
+      for (int unsigned s = 0; s < Sums; s++)
+        if (take_i[s] && take_faulty_i[s]) faulty_q[take_slot_i[SlotBits*s+:SlotBits]] <= 1'b1;
+    end
+    always_comb result.faulty = faulty_q[head_q[SlotBits-1:0]];
+  end else begin : gen_no_faulty
+    /* verilator lint_off UNUSEDSIGNAL */
+    logic unused;
+    /* verilator lint_on UNUSEDSIGNAL */
+    assign unused = &{1'b0, take_slot_i, take_faulty_i};
   end
 
   always_comb begin

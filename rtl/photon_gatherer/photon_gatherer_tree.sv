@@ -25,13 +25,14 @@ module photon_gatherer_tree #(
     localparam int unsigned LineBits = photonloom_pkg::LineBits,
     localparam int unsigned NodeBits = LineBits + 1,
     localparam int unsigned NodeAddressBits = $clog2(NodeWords),
-    localparam int unsigned StackBits = $clog2(LineBits + 1)
+    localparam int unsigned StackBits = $clog2(LineBits + 1),
+    localparam int unsigned Parity = photonloom_pkg::Parity
 ) (
     input  logic                             clk_i,
     input  logic                             rst_i,
     // node memory: the word is there in the cycle after its address
     output logic [      NodeAddressBits-1:0] node_address_o,
-    input  logic [         PositionBits+1:0] node_data_i,       // axis, split
+    input  logic [  PositionBits+1+Parity:0] node_data_i,       // parity where there is, axis, split
     // lines of the caustic, the global map
     input  logic [           2*NodeBits-1:0] lines_i,
     // a query starts, not while held: at an inner node or a leaf of its map, or, in an empty one, at neither
@@ -63,6 +64,9 @@ module photon_gatherer_tree #(
     // a query is done
     output logic                             done_o,
     output logic [          ContextBits-1:0] done_context_o,
+    // a node's word was not right
+    output logic                             wrong_o,
+    output logic [          ContextBits-1:0] wrong_context_o,
     // counted events, how many
     output logic                             nodes_o,
     output logic [                      1:0] dropped_o
@@ -173,7 +177,8 @@ module photon_gatherer_tree #(
       .CausticBase(GlobalLines),
       .EpsilonFactor(photonloom_pkg::EpsilonFactor),
       .StackBits(StackBits),
-      .DistanceBits(DistanceBits)
+      .DistanceBits(DistanceBits),
+      .Parity(Parity)
   ) nodes (
       .clk_i(clk_i),
       .rst_i(rst_i),
@@ -199,6 +204,8 @@ module photon_gatherer_tree #(
       .leaf_stack_o(descent_stack),
       .leaf_steps_o(descent_steps),
       .step_o(nodes_o),
+      .wrong_o(wrong_o),
+      .wrong_context_o(wrong_context_o),
       .push_o(push),
       .push_context_o(push_context),
       .push_stack_o(push_stack),

@@ -22,7 +22,9 @@ module photon_gatherer_trees #(
     localparam int unsigned NodeBits = LineBits + 1,
     localparam int unsigned NodeAddressBits = $clog2(NodeWords),
     localparam int unsigned StackBits = $clog2(LineBits + 1),
-    localparam int unsigned CountBits = $clog2(2 * Trees + 1)
+    localparam int unsigned CountBits = $clog2(2 * Trees + 1),
+    localparam int unsigned Parity = photonloom_pkg::Parity,
+    localparam int unsigned NodeDataBits = PositionBits + 2 + Parity
 ) (
     input  logic                             clk_i,
     input  logic                             rst_i,
@@ -60,6 +62,9 @@ module photon_gatherer_trees #(
     // a query is done, of each tree
     output logic [                Trees-1:0] done_o,
     output logic [Trees*TreeContextBits-1:0] done_context_o,    // of the tree
+    // a node's word was not right, of each tree
+    output logic [                Trees-1:0] wrong_o,
+    output logic [Trees*TreeContextBits-1:0] wrong_context_o,
     // counted events, how many
     output logic [            CountBits-1:0] nodes_o,
     output logic [            CountBits-1:0] dropped_o
@@ -70,17 +75,24 @@ module photon_gatherer_trees #(
   logic [2*Trees-1:0] dropped;
   logic [Trees*LeafBits-1:0] leaves;
   logic [Trees*NodeAddressBits-1:0] node_address;
-  logic [Trees*(PositionBits+2)-1:0] node_data;
+  logic [Trees*NodeDataBits-1:0] node_data;
+  logic [NodeDataBits-1:0] node_word;
+
+  if (Parity != 0) begin : gen_parity
+    assign node_word = {^node_data_i, node_data_i};
+  end else begin : gen_no_parity
+    assign node_word = node_data_i;
+  end
 
   photon_gatherer_node_memory #(
       .Trees(Trees),
-      .Width(PositionBits + 2),
+      .Width(NodeDataBits),
       .Depth(NodeWords)
   ) node_memory (
       .clk_i(clk_i),
       .write_i(node_write_i),
       .write_address_i(node_address_i),
-      .write_data_i(node_data_i),
+      .write_data_i(node_word),
       .read_address_i(node_address),
       .read_data_o(node_data)
   );
@@ -107,7 +119,7 @@ module photon_gatherer_trees #(
         .clk_i(clk_i),
         .rst_i(rst_i),
         .node_address_o(node_address[NodeAddressBits*tree+:NodeAddressBits]),
-        .node_data_i(node_data[(PositionBits+2)*tree+:PositionBits+2]),
+        .node_data_i(node_data[NodeDataBits*tree+:NodeDataBits]),
         .lines_i(lines_i),
         .hold_o(hold[tree]),
         .start_i(start_i && here),
@@ -133,6 +145,8 @@ module photon_gatherer_trees #(
         .bound_i(bound_i),
         .done_o(done_o[tree]),
         .done_context_o(done_context_o[TreeContextBits*tree+:TreeContextBits]),
+        .wrong_o(wrong_o[tree]),
+        .wrong_context_o(wrong_context_o[TreeContextBits*tree+:TreeContextBits]),
         .nodes_o(node_step[tree]),
         .dropped_o(dropped[2*tree+:2])
     );

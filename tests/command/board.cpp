@@ -21,7 +21,7 @@ namespace {
 constexpr const char* kFrame =
     "--size 6x6 --spp 1 --gather-rays 4 --k 4 --photons 300 --caustic-photons 100 "
     "--set gatherer.contexts=2 --set gatherer.lanes=2 --set gatherer.cache_bytes=1024 "
-    "--set board.replay_queries=64";
+    "--set board.replay_queries=64 --set board.parity=true --set board.self_test=true";
 
 std::string scene() { return source("scenes/cornell_balls.xml"); }
 
@@ -89,6 +89,14 @@ TEST_CASE("a frame through the board has golden's packets and bytes") {
   REQUIRE(render.status == 0);
   {
     const SimulatedBoard board(scratch);
+    const auto state_now = [&] {
+      const Outcome info = run("board info --json " + board.tty);
+      REQUIRE(info.status == 0);
+      return nlohmann::json::parse(info.out);
+    };
+    const auto first = state_now();
+    CHECK(first["self_test"] == "passed");
+    CHECK(first["faults"] == 0);
     const Outcome o = run(board_cosim(scratch, ""));
     INFO(o.out << o.err);
     REQUIRE(o.status == 0);
@@ -104,15 +112,15 @@ TEST_CASE("a frame through the board has golden's packets and bytes") {
     CHECK(read_file(scratch / "out/board.exr") == read_file(scratch / "render.exr"));
     CHECK(std::filesystem::is_empty(scratch / "work"));
 
-    const Outcome info = run("board info --json " + board.tty);
-    REQUIRE(info.status == 0);
-    const auto state = nlohmann::json::parse(info.out);
+    const auto state = state_now();
     CHECK(state["plan_hash"] == summary["plan_hash"]);
     CHECK(state["queries_inside"] == false);
     CHECK(state["frames_bad"] == 0);
     // The flush at the end of the frame is no query.
     const auto& counters = summary["units"]["photon_gatherer"]["counters"];
-    CHECK(state["counters"]["queries"] == counters["packets in"].get<int>() - 1);
+    CHECK(state["counters"]["queries"].get<int>() - first["counters"]["queries"].get<int>() ==
+          counters["packets in"].get<int>() - 1);
+    CHECK(state["faults"] == 0);
 
     for (const char* mode : {"--passes 3", "--passes 2 --reorder --cold --queries 20 --skip 5"}) {
       const Outcome replay = run(fmt::format("board replay {} {} --plan {} --json {}", board.tty,

@@ -154,7 +154,9 @@ TEST_CASE("registers are those of docs/host-link.md") {
                                                   {"ReplayMode", kRegReplayMode},
                                                   {"ReplayCycles", kRegReplayCycles},
                                                   {"ReplaySignature", kRegReplaySignature},
-                                                  {"ReplayResults", kRegReplayResults}};
+                                                  {"ReplayResults", kRegReplayResults},
+                                                  {"SelfTest", kRegSelfTest},
+                                                  {"Faults", kRegFaults}};
   const std::regex row("\\| ([0-9]+)[^|]* \\| `([A-Za-z]+)`");
   size_t rows = 0;
   for (std::sregex_iterator at(page.begin(), page.end(), row), end; at != end; ++at, ++rows) {

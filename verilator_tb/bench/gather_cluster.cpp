@@ -65,6 +65,7 @@ std::vector<BenchPlan> plans() {
     p.cache_bytes = 4 * p.line_bytes();
     p.beat_bits = p.line_bytes();
     p.board_cache_bytes = 4 * p.line_bytes();
+    p.parity = true;
   });
   // Lines of 80 bytes; many of so few leaves are too large for one.
   add("sdram_compressed", [](Plan& p) {

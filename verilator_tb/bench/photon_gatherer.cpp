@@ -80,6 +80,7 @@ std::vector<BenchPlan> plans() {
     p.nodes_per_cycle = 2;
     p.global.photons = 700;
     p.cache_misses = 16;
+    p.parity = true;
   });
   add("one_line", [](Plan& p) {
     p.k = 3;

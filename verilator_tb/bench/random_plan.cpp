@@ -98,6 +98,7 @@ Plan draw(RoleRandom& random) {
   p.candidates_per_cycle = 1 << between(0, 2);
   p.powers_per_cycle = 1 << between(0, clog2(static_cast<uint64_t>(p.candidates_per_cycle)));
   if (random.below(2)) compress(p, random);
+  p.parity = random.below(2) != 0;
   return p;
 }
 

@@ -8,13 +8,13 @@
 namespace photonloom {
 
 BoardModel::BoardModel(const Plan& plan, const BoardRun& run)
-    : model_(
-          build_model(plan, {.unit = run.module,
-                             .rtl_dir = run.rtl_dir,
-                             .work_dir = run.work_dir,
-                             .waveform = !run.waveform.empty(),
-                             .parameters = {fmt::format("ClocksPerBit={}", run.clocks_per_bit)}}),
-          run.initial_seed),
+    : model_(build_model(plan, {.unit = run.module,
+                                .rtl_dir = run.rtl_dir,
+                                .work_dir = run.work_dir,
+                                .waveform = !run.waveform.empty(),
+                                .parameters = {fmt::format("ClocksPerBit={}", run.clocks_per_bit)},
+                                .open_memories = run.open_memories}),
+             run.initial_seed),
       wire_(run.wire_clocks > 0 ? run.wire_clocks : run.clocks_per_bit),
       sdram_period_(run.sdram_period) {
   for (const ModelPort& p : model_.ports())

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "golden/plan/plan.hpp"
 #include "verilator_tb/chip/sdram_socket.hpp"
@@ -22,6 +23,7 @@ struct BoardRun {
   std::string rtl_dir = {};              // empty: default_rtl_dir()
   std::string work_dir = "build/cosim";  // where models are kept
   std::string waveform = {};             // FST file; empty: none
+  bool open_memories = false;            // block RAM can be written from outside
 };
 
 class BoardModel {
@@ -37,6 +39,8 @@ class BoardModel {
   // Another port of the module, up to 64 bits.
   void set(const std::string& port, uint64_t value);
   uint64_t get(const std::string& port) const;
+  // Where the run has open memories.
+  const std::vector<ModelMemory>& memories() const { return model_.memories(); }
 
  private:
   Model model_;

@@ -81,6 +81,11 @@ std::string find_or_build(const Plan& plan, const ModelSource& source) {
   in.ports = module_ports(rtl, source.unit);
   in.parameters = source.parameters;
   in.waveform = source.waveform;
+  in.open_memories = source.open_memories;
+  if (in.open_memories && source.kind != ModelKind::kRtl)
+    throw std::runtime_error(fmt::format("a model of kind {} has no open memories, expected {}",
+                                         model_kind_name(source.kind),
+                                         model_kind_name(ModelKind::kRtl)));
   in.yosys = source.yosys;
   in.netlist = source.netlist;
   const Builder& builder = kBuilders[static_cast<size_t>(source.kind)];
@@ -94,6 +99,7 @@ std::string find_or_build(const Plan& plan, const ModelSource& source) {
   key = text_hash(package, key);
   for (const std::string& file : files) key = text_hash(read_file(rtl + "/" + file), key);
   key = text_hash(source.waveform ? "waveform" : "", key);
+  if (source.open_memories) key = text_hash("open memories", key);
   for (const std::string& p : source.parameters) key = text_hash(p, key);
 
   std::error_code ignored;
@@ -138,6 +144,11 @@ struct Model::Abi {
     void* data;
     unsigned long bytes;
   };
+  struct Memory {
+    const char* name;
+    void* data;
+    unsigned long words, bits;
+  };
   void* library = nullptr;
   void* instance = nullptr;
   void (*destroy)(void*) = nullptr;
@@ -170,6 +181,17 @@ Model::Model(const std::string& library, uint64_t initial_seed) : abi_(std::make
   abi_->instance = create(static_cast<int>(mix64(initial_seed) % 0x7ffffffe) + 1, 1);
   for (const Abi::Port* p = ports(abi_->instance); p->name; ++p)
     ports_.push_back({p->name, p->output != 0, static_cast<uint8_t*>(p->data), p->bytes});
+  // Other kinds of libraries know of no memories.
+  using Memories = const Abi::Memory* (*)(void*);
+  const auto memories = reinterpret_cast<Memories>(dlsym(abi_->library, "model_memories"));
+  for (const Abi::Memory* m = memories ? memories(abi_->instance) : nullptr; m && m->name; ++m) {
+    const size_t bytes = (m->bits + 7) / 8;
+    const size_t stride = bytes <= 2   ? bytes
+                          : bytes <= 4 ? 4
+                          : bytes <= 8 ? 8
+                                       : (bytes + 3) / 4 * 4;
+    memories_.push_back({m->name, static_cast<uint8_t*>(m->data), m->words, m->bits, stride});
+  }
 }
 
 Model::~Model() {

@@ -42,6 +42,7 @@ struct ModelSource {
   std::string yosys = "yosys";  // the command, where one is needed
   // Of kNetlist: a Verilog netlist of the unit, instead of synthesizing one.
   std::string netlist = {};
+  bool open_memories = false;  // of kRtl: block RAM can be read and written from outside
 };
 
 // A library cannot be made: what() says what is missing or what the tool said.
@@ -67,6 +68,14 @@ struct ModelPort {
   size_t bytes = 0;
 };
 
+// A block RAM in the model: words one behind the other, each in 1, 2, 4 or 8 bytes, or in words of
+// 32 bits least significant first.
+struct ModelMemory {
+  std::string name;  // instances in the design, from the top on, with dots between
+  uint8_t* data = nullptr;
+  size_t words = 0, bits = 0, stride = 0;  // bits of a word, bytes from one to the next
+};
+
 // One instance of a loaded model, with its own initial register values.
 class Model {
  public:
@@ -79,6 +88,8 @@ class Model {
   // An unknown port is an error naming the unit.
   const ModelPort& port(const std::string& name) const;
   bool has_port(const std::string& name) const;
+  // Its block RAMs, by name; of a model with open memories.
+  const std::vector<ModelMemory>& memories() const { return memories_; }
 
   // Settles the model. A failed assertion or $fatal in the RTL throws.
   void eval();
@@ -91,6 +102,7 @@ class Model {
   struct Abi;
   std::unique_ptr<Abi> abi_;
   std::vector<ModelPort> ports_;
+  std::vector<ModelMemory> memories_;
 };
 
 }  // namespace photonloom

@@ -28,6 +28,9 @@ constexpr const char* kVerilatorShim = R"shim(// Generated.
 #if VM_TRACE
 #include "verilated_fst_c.h"
 #endif
+#if OPEN_MEMORIES
+#include "verilated_syms.h"
+#endif
 #include <cstdlib>
 #include <sstream>
 #include <string>
@@ -41,10 +44,12 @@ constexpr const char* kVerilatorShim = R"shim(// Generated.
 #endif
 namespace {
 struct Port { const char* name; int output; void* data; unsigned long bytes; };
+struct Memory { const char* name; void* data; unsigned long words, bits; };
 struct Instance {
   VerilatedContext context;
   Vmodel* model = nullptr;
   Port ports[@COUNT@ + 1];
+  std::vector<Memory> memories;
 #if VM_TRACE
   VerilatedFstC* trace = nullptr;
 #endif
@@ -94,6 +99,18 @@ EXPORT void* model_create(int seed, int waveform) {
   unsigned n = 0;
 @PORTS@
   i->ports[n] = Port{nullptr, 0, nullptr, 0};
+#if OPEN_MEMORIES
+  for (const auto& scope : *i->context.scopeNameMap()) {
+    if (!scope.second->varsp()) continue;
+    for (const auto& entry : *scope.second->varsp()) {
+      const VerilatedVar& v = entry.second;
+      i->memories.push_back(Memory{scope.first, v.datap(),
+                                   static_cast<unsigned long>(v.unpacked().elements()),
+                                   static_cast<unsigned long>(v.packed().elements())});
+    }
+  }
+#endif
+  i->memories.push_back(Memory{nullptr, nullptr, 0, 0});
   return i;
 }
 EXPORT void model_destroy(void* p) {
@@ -119,6 +136,7 @@ EXPORT void model_destroy(void* p) {
 #endif
 }
 EXPORT const Port* model_ports(void* p) { return static_cast<Instance*>(p)->ports; }
+EXPORT const Memory* model_memories(void* p) { return static_cast<Instance*>(p)->memories.data(); }
 EXPORT int model_eval(void* p) {
   Instance* i = static_cast<Instance*>(p);
 #if VM_COVERAGE
@@ -162,6 +180,12 @@ EXPORT void model_trace_close(void* p) {
 constexpr const char* kVerilatorCompile =
     "-std=gnu++17 -w -fPIC -fvisibility=hidden -faligned-new -DVERILATOR=1 "
     "-DVM_SC=0 -DVM_TRACE_VCD=0 -DVM_TIMING=0";
+
+// What model_memories lists.
+constexpr const char* kOpenMemories =
+    "`verilator_config\n"
+    "public_flat_rw -module \"block_ram\" -var \"memory\"\n"
+    "public_flat_rw -module \"block_ram_two_reads\" -var \"memory\"\n";
 
 // Wider signals are not watched: bundles of others, and memories, which are at their ports.
 constexpr const char* kVerilatorCoverage =
@@ -258,6 +282,7 @@ void verilate(const ModelInput& in, const std::vector<std::string>& files, const
   const bool resets = std::any_of(in.ports.begin(), in.ports.end(),
                                   [](const ModulePort& p) { return p.name == "rst_i"; });
   shim = replace_all(shim, "@RESET@", resets ? "i->model->rst_i" : "false");
+  shim = "#define OPEN_MEMORIES " + std::string(in.open_memories ? "1" : "0") + "\n" + shim;
   shim = replace_all(shim, "@NAME@", fs::path(in.base).filename().string());
   write_file(in.dir + "/obj/shim.cpp", replace_all(shim, "@UNIT@", in.unit));
 
@@ -287,8 +312,13 @@ void verilate(const ModelInput& in, const std::vector<std::string>& files, const
 void build_verilator(const ModelInput& in) {
   std::string flags = "-Wall --assert --x-initial unique --x-assign unique";
   for (const std::string& p : in.parameters) flags += " " + quoted("-G" + p);
+  std::vector<std::string> files = in.files;
+  if (in.open_memories) {
+    write_file(in.dir + "/open_memories.vlt", kOpenMemories);
+    files.insert(files.begin(), "open_memories.vlt");
+  }
   // What counts runs once or twice: it has to be compiled soon.
-  verilate(in, in.files, flags, with_coverage() ? 1 : 2);
+  verilate(in, files, flags, with_coverage() ? 1 : 2);
 }
 
 }  // namespace photonloom::model_tools

@@ -202,8 +202,10 @@ LineMemory::LineMemory(Model& model, const Plan& plan, const RunOptions& options
       random_latency_(options.random_latency),
       bank_cycles_(options.bank_cycles),
       line_bits_(plan.line_address_bits()),
+      faults_(options.faults),
       line_bytes_(static_cast<size_t>(plan.bucket) * static_cast<size_t>(plan.photon_bytes)),
-      beat_bytes_(rsp_data_.bytes),
+      // With parity the port is a bit wider than a beat.
+      beat_bytes_(plan.parity ? static_cast<size_t>(plan.beat_bits) / 8 : rsp_data_.bytes),
       bank_free_(static_cast<size_t>(std::max(1, options.banks)), 0) {
   *req_ready_.data = 0;
   *rsp_valid_.data = 0;
@@ -227,10 +229,15 @@ void LineMemory::drive(uint64_t cycle) {
   // Nobody may refuse a reply, so the adversary treats the requester as always ready.
   if (in_line_ && !stall_rsp_.holds_source(true)) {
     beat_now_ = true;
+    const Request& r = pending_[sending_];
     const size_t bytes = std::min(beat_bytes_, line_bytes_ - beat_ * beat_bytes_);
-    std::memcpy(rsp_data_.data, pending_[sending_].data + beat_ * beat_bytes_, bytes);
-    std::memset(rsp_data_.data + bytes, 0, beat_bytes_ - bytes);
-    write_port(rsp_tag_, pending_[sending_].tag);
+    std::memset(rsp_data_.data, 0, rsp_data_.bytes);
+    std::memcpy(rsp_data_.data, r.data + beat_ * beat_bytes_, bytes);
+    if (beat_ >= r.bad_from && beat_ < r.bad_to) {
+      for (size_t i = 0; i < bytes; ++i) rsp_data_.data[i] = static_cast<uint8_t>(random_.bits());
+      rsp_data_.data[beat_bytes_] = 1;
+    }
+    write_port(rsp_tag_, r.tag);
   }
   *rsp_valid_.data = beat_now_ ? 1 : 0;
 }
@@ -249,7 +256,23 @@ bool LineMemory::sample(uint64_t cycle) {
     moved = true;
     const uint64_t address = read_port(req_addr_), tag = read_port(req_tag_);
     const uint64_t map = address >> line_bits_, line = address & ones(line_bits_);
-    if (!lines_ || map > 1 || (line + 1) * line_bytes_ > (*lines_)[map].size())
+    const bool beyond = faults_ && map <= 1 && line >= faults_->lines[map];
+    const bool bad = faults_ && faults_->error_of > 0 && random_.below(faults_->error_of) == 0;
+    const size_t beats = line_bytes_ / beat_bytes_;
+    size_t bad_from = 0, bad_to = 0;
+    if (beyond) {
+      bad_to = beats;
+    } else if (bad) {
+      bad_from = random_.below(beats);
+      bad_to = bad_from + 1;
+    }
+    if (bad_to > 0) {
+      ++faults_->errors;
+      nothing_.resize(line_bytes_);
+    }
+    if (beyond) {
+      // Nothing is read there.
+    } else if (!lines_ || map > 1 || (line + 1) * line_bytes_ > (*lines_)[map].size())
       throw RigError(unit_,
                      fmt::format(", cycle {}: the line port asks for line {} of map {}, "
                                  "which has {} lines",
@@ -265,7 +288,9 @@ bool LineMemory::sample(uint64_t cycle) {
     uint64_t& bank = bank_free_[line % bank_free_.size()];
     const uint64_t start = std::max(cycle, bank);
     bank = start + static_cast<uint64_t>(bank_cycles_);
-    pending_.push_back({start + wait, tag, (*lines_)[map].data() + line * line_bytes_});
+    pending_.push_back({start + wait, tag,
+                        beyond ? nothing_.data() : (*lines_)[map].data() + line * line_bytes_,
+                        bad_from, bad_to});
     ++requests_;
   }
   return moved;
@@ -290,8 +315,10 @@ Rig::Rig(const Plan& plan, const std::string& unit, const RunOptions& options)
     : unit_(unit),
       options_(options),
       model_(build_model(plan, {unit, options.rtl_dir, options.work_dir, !options.waveform.empty(),
-                                options.parameters, options.kind, options.yosys, options.netlist}),
-             options.seed * 0x9e3779b97f4a7c15ull + options.initial_seed) {
+                                options.parameters, options.kind, options.yosys, options.netlist,
+                                options.faults && !options.faults->memories.empty()}),
+             options.seed * 0x9e3779b97f4a7c15ull + options.initial_seed),
+      fault_random_(options.seed, unit + ".faults") {
   clock_ = model_.port("clk_i").data;
   reset_ = model_.port("rst_i").data;
   for (const ModelPort& p : model_.ports())
@@ -361,7 +388,46 @@ bool Rig::restart(const std::function<void()>& give) {
   return true;
 }
 
+void Rig::flip_bits() {
+  Faults& f = *options_.faults;
+  if (flip_at_ == ~0ull) flip_at_ = cycle_ + fault_random_.below(f.within);
+  if (cycle_ < flip_at_) return;
+  flip_at_ = ~0ull;
+  std::vector<size_t> chosen;
+  uint64_t bits = 0;
+  for (size_t m = 0; m < model_.memories().size(); ++m) {
+    const ModelMemory& memory = model_.memories()[m];
+    for (const std::string& part : f.memories)
+      if (memory.name.find(part) != std::string::npos) {
+        chosen.push_back(m);
+        bits += memory.words * memory.bits;
+        break;
+      }
+  }
+  if (bits == 0) throw RigError(unit_, ": none of its memories has one of the names to be harmed");
+  for (;;) {
+    uint64_t at = fault_random_.below(bits);
+    size_t c = 0;
+    const auto size = [&] {
+      const ModelMemory& memory = model_.memories()[chosen[c]];
+      return memory.words * memory.bits;
+    };
+    for (; at >= size(); ++c) at -= size();
+    const ModelMemory& memory = model_.memories()[chosen[c]];
+    const size_t word = at / memory.bits, bit = at % memory.bits;
+    uint8_t* data = memory.data + word * memory.stride;
+    std::vector<uint8_t>& left = flipped_words_[{chosen[c], word}];
+    if (left == std::vector<uint8_t>(data, data + memory.stride)) continue;
+    data[bit / 8] = static_cast<uint8_t>(data[bit / 8] ^ (1u << (bit % 8)));
+    left.assign(data, data + memory.stride);
+    break;
+  }
+  ++f.flipped;
+  --f.flips;
+}
+
 void Rig::cycle() {
+  if (options_.faults && options_.faults->flips > 0) flip_bits();
   for (auto& s : sources_) s->drive();
   for (auto& t : takers_) t->drive();
   if (memory_) memory_->drive(cycle_);

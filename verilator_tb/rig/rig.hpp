@@ -7,10 +7,12 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <span>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "golden/plan/plan.hpp"
@@ -19,7 +21,22 @@
 
 namespace photonloom {
 
-// How a unit is run; none of it may change a packet.
+// Faults that a rig injects, asked for by a test between packets and counted for it.
+struct Faults {
+  // Bits flipped in block RAM: `flips` of them, each at a cycle of the next `within`, in memories
+  // whose names have one of these parts. A word that was flipped and not written since is left
+  // alone.
+  std::vector<std::string> memories;
+  uint64_t flips = 0, within = 1;
+  uint64_t flipped = 0;  // so far
+  // Line port: of so many requests one, at random, is answered with an error and noise in one of
+  // its beats; lines from these on are beyond memory, and all of such an answer is.
+  uint64_t error_of = 0;
+  std::array<uint64_t, 2> lines = {~0ull, ~0ull};
+  uint64_t errors = 0;  // so far
+};
+
+// How a unit is run; none of it but `faults` may change a packet.
 struct RunOptions {
   uint64_t seed = 1;          // of all stalls, latencies and initial register values
   uint64_t initial_seed = 1;  // mixed into the initial register values alone
@@ -40,7 +57,8 @@ struct RunOptions {
   std::string netlist;          // of kNetlist: simulated instead of synthesizing one
   std::string waveform;         // file; empty: none
   uint64_t waveform_from = 0, waveform_to = ~0ull;  // cycles
-  bool timeline = false;  // keep the cycle in which each packet went in and out
+  bool timeline = false;           // keep the cycle in which each packet went in and out
+  std::shared_ptr<Faults> faults;  // none unless a test has some
 };
 
 // The unit is stuck, or broke the rules of a stream.
@@ -136,6 +154,7 @@ class LineMemory {
     uint64_t ready_at;
     uint64_t tag;
     const uint8_t* data;
+    size_t bad_from, bad_to;  // beats with an error
   };
   std::string unit_;
   const ModelPort &req_valid_, &req_ready_, &req_addr_, &req_tag_;
@@ -146,13 +165,15 @@ class LineMemory {
   bool random_latency_;
   int bank_cycles_;
   int line_bits_;
+  std::shared_ptr<Faults> faults_;
   size_t line_bytes_, beat_bytes_;
   const std::array<std::vector<uint8_t>, 2>* lines_ = nullptr;
   std::vector<Request> pending_;
   std::vector<uint64_t> bank_free_;
-  size_t beat_ = 0;       // of the line being sent
-  size_t sending_ = 0;    // its place in pending_
-  bool in_line_ = false;  // a line is being sent
+  std::vector<uint8_t> nothing_;  // a line that memory does not have
+  size_t beat_ = 0;               // of the line being sent
+  size_t sending_ = 0;            // its place in pending_
+  bool in_line_ = false;          // a line is being sent
   bool beat_now_ = false, was_valid_ = false;
   uint64_t requests_ = 0, bytes_ = 0;
 };
@@ -190,8 +211,13 @@ class Rig {
 
  private:
   std::string unit_;
+  void flip_bits();
+
   RunOptions options_;
   Model model_;
+  RoleRandom fault_random_;
+  uint64_t flip_at_ = ~0ull;
+  std::map<std::pair<size_t, size_t>, std::vector<uint8_t>> flipped_words_;  // memory, word
   std::vector<std::unique_ptr<Source>> sources_;
   std::vector<std::unique_ptr<Taker>> takers_;
   std::unique_ptr<LineMemory> memory_;
