@@ -255,7 +255,7 @@ TEST_CASE("faults: errors at the line port") {
 
 TEST_CASE("a board counts wrong words, and its results tell of them") {
   Plan plan = parity_plan();
-  Bench bench(plan, {.work_dir = "cosim", .open_memories = true});
+  test::Bench bench(plan, {.work_dir = "cosim", .open_memories = true});
   bench.load(1);
   REQUIRE(bench.write(kSession, {5}) == 0);
   CHECK(bench.reg(26) == 0);
@@ -272,7 +272,7 @@ TEST_CASE("a board counts wrong words, and its results tell of them") {
   CHECK(bench.push(0, in).next == in.size());
   bench.run(20000);
   const PacketLayout layout = PacketLayout::of<GatherResult>(plan);
-  const Bench::Pulled out = bench.pull(0, static_cast<uint8_t>(1 + layout.words()), 0);
+  const test::Bench::Pulled out = bench.pull(0, static_cast<uint8_t>(1 + layout.words()), 0);
   REQUIRE(out.words.size() == 1 + layout.words());
   GatherResult result{};
   layout.unpack(out.words.data() + 1, &result);
@@ -287,14 +287,14 @@ TEST_CASE("faults: a board tries itself when it is switched on") {
   row.fault = "one bit stuck in a word of a memory";
   row.where = "board, self-test";
   BoardRun run{.work_dir = "cosim", .open_memories = true};
-  const auto tried = [](Bench& bench) {
+  const auto tried = [](test::Bench& bench) {
     for (int i = 0; bench.board().leds() == 0xff; ++i) {
       REQUIRE(i < 3000000);
       bench.board().cycle();
     }
     return bench.reg(26);
   };
-  Bench bench(plan, run);
+  test::Bench bench(plan, run);
   CHECK(tried(bench) == 2);
   CHECK(bench.reg(27) == 0);
   // A session as ever afterwards.
