@@ -107,7 +107,7 @@ module cache #(
   logic valid_1_q, valid_2_q, valid_3_q, stale_2_q, stale_3_q;
   logic [SetBits-1:0] set_1, set_2, set_3_q;
   logic [Ways*TagBits-1:0] tags, tags_3_q;
-  logic [Ways-1:0] tag_odd, tag_odd_3_q;
+  logic [Ways-1:0] tag_odd, tag_odd_3;
   logic expel;  // a line is forgotten
   logic [PlaceBits-1:0] expel_place;
   logic [Ways-1:0] pending_2, pending_3_q;
@@ -131,7 +131,6 @@ module cache #(
     set_3_q <= set_2;
     stale_3_q <= stale_2_q || sweeping_q || (allocate && set_2 == set_3_q);
     tags_3_q <= tags;
-    tag_odd_3_q <= tag_odd;
     pending_3_q <= pending_2;
     if (rst_i) begin
       valid_1_q <= 1'b0;
@@ -153,7 +152,7 @@ module cache #(
   always_comb begin
     hit_way = '0;
     for (int unsigned w = 0; w < Ways; w++) begin
-      match[w] = !bypass_i && !tag_odd_3_q[w] && tags_3_q[TagBits*w+:TagBits] == {1'b1, address_3_q};
+      match[w] = !bypass_i && !tag_odd_3[w] && tags_3_q[TagBits*w+:TagBits] == {1'b1, address_3_q};
       if (match[w]) hit_way = WayBits'(w);
       held[w] = pending_3_q[w] || (hit_valid_q && hit_place_q == {set_3_q, WayBits'(w)}) ||
           (reader_valid_q && reader_place_q == {set_3_q, WayBits'(w)});
@@ -222,6 +221,7 @@ module cache #(
   logic read_wrong;
   if (Parity != 0) begin : gen_expel
     logic out_valid_1_q, expel_q;
+    logic [Ways-1:0] tag_odd_3_q;
     logic [PlaceBits-1:0] place_1_q, place_2_q, expel_place_q;
     logic [WayBits-1:0] odd_way;
 
@@ -231,9 +231,11 @@ module cache #(
     end
     assign tag_wrong_o = valid_3_q && !stale_3_q && tag_odd_3_q != '0;
     assign out_wrong_o = out_valid_1_q && read_wrong;
+    assign tag_odd_3 = tag_odd_3_q;
     assign expel = expel_q && !valid_3_q && !sweeping_q;
     assign expel_place = expel_place_q;
     always_ff @(posedge clk_i) begin
+      tag_odd_3_q <= tag_odd;
       out_valid_1_q <= out_valid_o;
       place_1_q <= reader_place_q;
       place_2_q <= place_1_q;
@@ -249,11 +251,12 @@ module cache #(
     end
   end else begin : gen_no_expel
     assign {tag_wrong_o, out_wrong_o, expel} = '0;
+    assign tag_odd_3 = '0;
     assign expel_place = '0;
     /* verilator lint_off UNUSEDSIGNAL */
     logic unused;
     /* verilator lint_on UNUSEDSIGNAL */
-    assign unused = read_wrong;
+    assign unused = &{1'b0, read_wrong, tag_odd};
   end
 
   // ---- misses ----

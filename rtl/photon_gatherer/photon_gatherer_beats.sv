@@ -162,7 +162,11 @@ module photon_gatherer_beats #(
       .miss_o(miss_o),
       .tag_wrong_o(tag_wrong_o)
   );
-  always_ff @(posedge clk_i) line_wrong_context_o <= read_context;
+  if (Parity != 0) begin : gen_parity
+    always_ff @(posedge clk_i) line_wrong_context_o <= read_context;
+  end else begin : gen_no_parity
+    assign line_wrong_context_o = '0;
+  end
 
   lut_ram #(
       .Width(3 * PositionBits),
