@@ -3,7 +3,7 @@
 JOBS := $(shell nproc)
 PREFIX ?= /usr/local
 .DEFAULT_GOAL := build
-.PHONY: help build install demo test test-full gallery precision mutate bench bench-rtl asan tsan fuzz extremes soak format clean references mutate-golden fpga-tools fpga board-sim headline fpga-plans area-check tradeoffs studies plan-promise sweep-search slurm-test cycle-fit report-bundle mutate-hls test-hls formal signoff mutate-auto faults
+.PHONY: help build install demo test test-full gallery precision mutate bench bench-rtl asan tsan fuzz extremes soak format clean references mutate-golden fpga-tools fpga board-sim headline fpga-fast fpga-plans area-check tradeoffs studies plan-promise sweep-search slurm-test cycle-fit report-bundle mutate-hls test-hls formal signoff mutate-auto faults large-scenes
 
 help: ## this list
 	@sed -n 's/^\([a-z-]*\):[^#]*## \(.*\)/  make \1\t\2/p' Makefile | expand -t 24
@@ -45,6 +45,12 @@ mutate: ## planted bugs in the RTL, each caught by a bench or a test
 bench: ## the golden gather beside nanoflann, FLANN and CGAL (10 minutes)
 	@scripts/setup bench
 	@scripts/bench
+
+large-scenes: build ## ten million triangles and a billion of instances rendered, and mesh readers beside assimp: docs/scene.md
+	@scripts/setup bench
+	@cmake -S bench -B build/bench -G Ninja
+	@cmake --build build/bench --target bench_meshes
+	@scripts/large-scenes
 
 bench-rtl: ## throughput of the RTL units beside its goals
 	@scripts/setup bench-rtl
@@ -144,6 +150,12 @@ board-sim: build ## a frame through a simulated board over a pseudo-terminal, wi
 	@scripts/setup board-sim
 	@cmake --build build --target board_sim
 	@scripts/board-sim
+
+fpga-fast: build ## the gatherer alone, wide and narrow: cycles, clocks, gathers a second for 1,000 LUT-equivalents (an hour; takes what was routed)
+	@scripts/setup fpga-fast
+	@scripts/fpga-tools
+	@[ -s build/bench/rtl_photon_gatherer.json ] || scripts/bench-rtl photon_gatherer || [ -s build/bench/rtl_photon_gatherer.json ]
+	@scripts/fpga-fast
 
 fpga-plans: build ## what several plans cost, and the fit that predicts it: docs/fpga-plans.md (an hour)
 	@scripts/setup fpga-plans

@@ -39,6 +39,8 @@ const char* name(BsdfKind kind) {
       return "plastic";
     case BsdfKind::kRoughPlastic:
       return "roughplastic";
+    case BsdfKind::kPrincipled:
+      return "principled";
     default:
       return "mixture";
   }
@@ -52,6 +54,8 @@ const char* name(LightKind kind) {
       return "spot";
     case LightKind::kDirectional:
       return "directional";
+    case LightKind::kCollimated:
+      return "collimated";
     default:
       return "environment";
   }
@@ -81,7 +85,8 @@ bool one_color(const World& world) {
   const auto grey = [&](const auto& again, int index) -> bool {
     if (index < 0) return true;
     const Bsdf& b = s.bsdfs[static_cast<size_t>(index)];
-    for (const Rgb& c : {b.diffuse, b.specular, b.transmission, b.eta, b.k})
+    for (const Rgb& c :
+         {b.diffuse, b.specular, b.transmission, b.eta, b.k, b.coat_specular, b.coat_absorption})
       if (!parallel(c, Rgb(1))) return false;
     return std::none_of(b.texture.begin(), b.texture.end(), colored) &&
            std::all_of(b.parts.begin(), b.parts.end(),

@@ -99,7 +99,8 @@ Image photon_map(const RenderOptions& o, const FrameRequest& request, ConsolePro
   return image;
 }
 
-Image path_trace(const FrameRequest& request, ConsoleProgress& progress, Json& summary) {
+Image path_trace(const RenderOptions& o, const FrameRequest& request, ConsoleProgress& progress,
+                 Json& summary) {
   std::unique_ptr<World> world;
   std::unique_ptr<RayCaster> caster;
   {
@@ -111,6 +112,7 @@ Image path_trace(const FrameRequest& request, ConsoleProgress& progress, Json& s
   PathOptions options;
   options.spp = samples_per_pixel(request, world->scene());
   options.seed = request.seed;
+  options.bidirectional = o.integrator == "bdpt";
   options.progress = &progress;
   Image image = render_path(*world, *caster, options);
   image.metadata["spp"] = fmt::format("{}", options.spp);
@@ -123,14 +125,15 @@ Image path_trace(const FrameRequest& request, ConsoleProgress& progress, Json& s
 void render(const RenderOptions& o) {
   FrameRequest request = o.frame.request();
   if (o.substitute) request.unsupported = Unsupported::kSubstitute;
-  const bool path = o.integrator == "path";
+  const bool path = o.integrator != "photonmap";
   if (path && (!request.plan_file.empty() || !o.record.empty()))
-    throw UsageError(fmt::format("{}: has no meaning with --integrator path",
-                                 o.record.empty() ? "--plan" : "--record"));
+    throw UsageError(fmt::format("{}: has no meaning with --integrator {}",
+                                 o.record.empty() ? "--plan" : "--record", o.integrator));
   require_suffix("--output", o.output, ".exr");
   if (path)
     for (const std::string& option : o.frame.photon_options())
-      print_warnings({option + " changes nothing with --integrator path"});
+      print_warnings(
+          {fmt::format("{} changes nothing with --integrator {}", option, o.integrator)});
   o.threads.apply();
   // An unwritable target is found before the work, not after it.
   for (const std::string& file : {o.output, png_beside(o.output)}) const OutputFile probe(file);
@@ -140,7 +143,7 @@ void render(const RenderOptions& o) {
   summary["scene"] = request.scene_file;
   summary["integrator"] = o.integrator;
   Image image =
-      path ? path_trace(request, progress, summary) : photon_map(o, request, progress, summary);
+      path ? path_trace(o, request, progress, summary) : photon_map(o, request, progress, summary);
   if (path) {
     summary["pixels_sha256"] = pixel_sha256(image);
     image.metadata["scene"] = std::filesystem::path(request.scene_file).stem().string();
@@ -182,7 +185,9 @@ void add_render(CLI::App& app) {
       "Photon mapping computes the frame of docs/frame.md with golden units: exact integers in "
       "the\n"
       "formats of the plan, the same bytes on every machine. --arithmetic reference answers the\n"
-      "same queries in double. --integrator path is the unbiased path tracer.\n"
+      "same queries in double. --integrator path is the unbiased path tracer; bdpt traces paths "
+      "from\n"
+      "both ends, several times slower: a check of the path tracer.\n"
       "The EXR has the layers direct, caustic, indirect, emission (their sum is R, G, B), albedo,\n"
       "N, Z, photonDensity and error (standard error of a pixel's mean), and where photons are\n"
       "short: noPhoton, fewPhotons and starvedLight (the part of a pixel's gathers). A warning "
@@ -196,8 +201,8 @@ void add_render(CLI::App& app) {
   c->add_option("-o,--output", o->output, "The EXR to write; a PNG appears beside it")
       ->required()
       ->type_name("FILE.exr");
-  c->add_option("--integrator", o->integrator, "photonmap (default) or path")
-      ->check(CLI::IsMember({"photonmap", "path"}))
+  c->add_option("--integrator", o->integrator, "photonmap (default), path or bdpt")
+      ->check(CLI::IsMember({"photonmap", "path", "bdpt"}))
       ->type_name("NAME");
   c->add_option("--arithmetic", o->arithmetic, "golden (default) or reference")
       ->check(CLI::IsMember({"golden", "reference"}))

@@ -34,6 +34,22 @@ class HeadlineGoals:
         return goal
 
 
+@dataclass(frozen=True)
+class FastGoals:
+    """board: where the gatherers are routed alone. seeds: placements of each. mhz: k -> what their median is to reach. rates:
+    k -> gathers a second for 1,000 LUT-equivalents, where not those of the narrow plan count."""
+    board: str
+    seeds: int
+    mhz: dict[int, float]
+    rates: dict[int, float]
+    path: Path
+
+    def megahertz(self, k: int) -> float:
+        if k not in self.mhz:
+            raise Failure(f"{self.path}: fast.mhz.{k} is missing, expected a goal for this k")
+        return self.mhz[k]
+
+
 def area_goals(path: Path = GOALS) -> AreaGoals:
     said = read_toml(path)
     return AreaGoals(field(said, path, "area.growth", (int, float), "a share"),
@@ -49,3 +65,14 @@ def headline_goals(path: Path = GOALS) -> HeadlineGoals:
     return HeadlineGoals(field(said, path, "headline.board", str, "a board"),
                          ROOT / field(said, path, "headline.scene", str, "a scene below the repository's root"),
                          field(said, path, "headline.replay", str, "a plan of fpga/headline"), times, path)
+
+
+def fast_goals(path: Path = GOALS) -> FastGoals:
+    said = read_toml(path)
+
+    def of_k(name: str) -> dict[int, float]:
+        table: dict[str, Any] = field(said, path, name, dict, "a table")
+        return {int(k): float(field(said, path, f"{name}.{k}", (int, float), "a number")) for k in table}
+
+    return FastGoals(field(said, path, "fast.board", str, "a board"), field(said, path, "fast.seeds", int, "a count"),
+                     of_k("fast.mhz"), of_k("fast.rates"), path)

@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <optional>
 #include <stdexcept>
 
 #include "golden/image/image.hpp"
@@ -78,9 +79,24 @@ uint32_t little_endian(const std::string& bytes, size_t at) {
   return value;
 }
 
+// Bytes of an attribute of a type that has always as many.
+std::optional<uint32_t> size_of_type(const std::string& type) {
+  constexpr std::pair<const char*, uint32_t> kSizes[] = {
+      {"box2f", 16},      {"box2i", 16},   {"chromaticities", 32},
+      {"compression", 1}, {"double", 8},   {"envmap", 1},
+      {"float", 4},       {"int", 4},      {"keycode", 28},
+      {"lineOrder", 1},   {"m33d", 72},    {"m33f", 36},
+      {"m44d", 128},      {"m44f", 64},    {"rational", 8},
+      {"tiledesc", 9},    {"timecode", 8}, {"v2d", 16},
+      {"v2f", 8},         {"v2i", 8},      {"v3d", 24},
+      {"v3f", 12},        {"v3i", 12},     {"deepImageState", 1}};
+  for (const auto& [name, size] : kSizes)
+    if (type == name) return size;
+  return std::nullopt;
+}
+
 // The library makes room for what a header claims before it reads it, so what goes beyond the file
-// is refused first. A file of several parts has a header each. A header that is cut short is left
-// to the library.
+// is refused first, also of a header that is cut short. A file of several parts has a header each.
 void check_headers(const std::string& bytes, const std::string& path) {
   const bool parts = bytes.size() > 5 && (bytes[5] & 0x10);
   const auto behind_text = [&](size_t at) {
@@ -88,23 +104,24 @@ void check_headers(const std::string& bytes, const std::string& path) {
     return end == std::string::npos ? bytes.size() : end + 1;
   };
   int64_t width = 0, height = 0, channels = 1;
+  const auto check = [&] {
+    if (width <= 0 || height <= 0) return;
+    if (width > kMaxPixels / height)
+      fail(path, fmt::format("has {} x {} pixels, expected at most 2^28", width, height));
+    // No compression makes so much of so little.
+    if (width * height > (int64_t{1} << 14) * static_cast<int64_t>(bytes.size()) / channels)
+      fail(path, fmt::format("has {} x {} pixels in {} channels, more than its {} bytes can hold",
+                             width, height, channels, bytes.size()));
+  };
   for (size_t at = 8; at < bytes.size();) {
     if (bytes[at] == '\0') {  // the end of a header
-      if (width > 0 && height > 0) {
-        if (width > kMaxPixels / height)
-          fail(path, fmt::format("has {} x {} pixels, expected at most 2^28", width, height));
-        // No compression makes so much of so little.
-        if (width * height > (int64_t{1} << 14) * static_cast<int64_t>(bytes.size()) / channels)
-          fail(path,
-               fmt::format("has {} x {} pixels in {} channels, more than its {} bytes can hold",
-                           width, height, channels, bytes.size()));
-      }
+      check();
       ++at;
       if (!parts || at >= bytes.size() || bytes[at] == '\0') return;
       continue;
     }
     const size_t type = behind_text(at), size_at = behind_text(type), data = size_at + 4;
-    if (bytes.size() < data) return;
+    if (bytes.size() < data) break;
     const std::string name = bytes.substr(at, type - at - 1);
     const uint32_t size = little_endian(bytes, size_at);
     if (size > bytes.size() - data)
@@ -112,6 +129,19 @@ void check_headers(const std::string& bytes, const std::string& path) {
            fmt::format("attribute {} of a header claims {} bytes, expected at most the {} that "
                        "follow",
                        name, size, bytes.size() - data));
+    // The library reads what a type takes, whatever size stands there, and would go on elsewhere.
+    const std::string kind = bytes.substr(type, size_at - type - 1);
+    if (const auto fixed = size_of_type(kind); fixed && *fixed != size)
+      fail(path, fmt::format("attribute {} of a header claims {} bytes, expected the {} of type {}",
+                             name, size, *fixed, kind));
+    if (kind == "chlist") {
+      size_t c = data;
+      while (c < data + size && bytes[c] != '\0') c = behind_text(c) + 16;
+      if (c + 1 != data + size)
+        fail(path, fmt::format("attribute {} of a header claims {} bytes, expected the end of its "
+                               "list of channels there",
+                               name, size));
+    }
     if (name == "dataWindow" && size == 16) {
       const auto corner = [&](size_t i) {
         return static_cast<int64_t>(static_cast<int32_t>(little_endian(bytes, data + 4 * i)));
@@ -126,6 +156,7 @@ void check_headers(const std::string& bytes, const std::string& path) {
     }
     at = data + size;
   }
+  check();
 }
 
 // The library addresses pixel (x, y) of the data window as base + 4 x + stride y.

@@ -107,6 +107,10 @@ Picture read_picture(const std::string& path) {
   if (!stbi_info_from_memory(data, size, &out.width, &out.height, &out.channels))
     broken("cannot be read as PNG, JPEG, TGA, BMP, HDR or EXR");
   check_size(path, out.width, out.height);
+  // No compression makes so much of so little, and room is made before the rest is looked at.
+  if (int64_t{out.width} * out.height > int64_t{size} << 14)
+    fail_picture(path, fmt::format("has {} x {} pixels, more than its {} bytes can hold", out.width,
+                                   out.height, size));
   int width = 0, height = 0;
   if (stbi_is_hdr_from_memory(data, size)) {
     float* values = stbi_loadf_from_memory(data, size, &width, &height, &out.channels, 0);

@@ -172,18 +172,25 @@ Terms terms_of(Gatherer, const Plan& p, const std::string& resource) {
     return {{"products", 3 * (p.lanes + p.nodes_per_cycle) * multipliers(p.position_bits + 1) +
                              3 * std::min(p.lanes, 2) * p.candidates_per_cycle +
                              p.channels * p.powers_per_cycle}};
-  const int list = p.k * (p.r2_bits() + p.index_bits()) * p.candidates_per_cycle;
+  const int lists = p.candidates_per_cycle;
+  const int list = p.k * (p.r2_bits() + p.index_bits()) * lists;
   Terms terms = {{"list", list},
                  {"lanes", p.lanes * p.position_bits},
                  {"flux", p.channels * p.flux_bits()},
                  {"contexts", p.contexts},
-                 {"unit", 1}};
+                 {"unit", 1},
+                 // Of more a cycle, beside the lists' keys: what each further part has.
+                 {"further trees", (p.nodes_per_cycle - 1) * p.position_bits},
+                 {"further lists", lists - 1},
+                 {"further sums", (p.powers_per_cycle - 1) * p.channels * p.flux_bits()},
+                 {"decoder", p.compressed() ? p.lanes * p.position_bits : 0}};
   // LUT RAM is 16 words deep. Beyond 16 contexts the keys, and what else each context has there (27
   // bits for a bit of a coordinate and 360 more, from plans that differ in position_bits), take
-  // another one and a choice.
-  const int more = (p.contexts + 15) / 16 - 1;
+  // another one and a choice; a list has its part of the contexts.
+  const auto more = [](int contexts) { return (contexts + 15) / 16 - 1; };
   if (resource == "lut")
-    terms.push_back({"beyond 16 contexts", more * (list + 27 * p.position_bits + 360)});
+    terms.push_back({"beyond 16 contexts", more((p.contexts + lists - 1) / lists) * list +
+                                               more(p.contexts) * (27 * p.position_bits + 360)});
   terms.insert(terms.end(), of_memories.begin(), of_memories.end());
   return terms;
 }

@@ -799,21 +799,17 @@ class Loader {
       add_environment(e, l);
       return;
     } else if (p.type() == "collimated") {
-      // No path meets a beam without width.
-      constexpr double kDegrees = 0.5;
-      unknown_type(e, "point, spot, directional, constant, envmap, or area in a shape",
-                   "a spot of its power with a cutoff of half a degree stands for it");
-      l.kind = LightKind::kSpot;
+      l.kind = LightKind::kCollimated;
       key = "power";
-      l.cutoff_angle = l.beam_angle = kDegrees * kPi / 180;
-      l.cutoff_cos = l.beam_cos = cos_sin_turns(kDegrees / 360).x;
     } else {
-      unknown_type(e, "point, spot, directional, constant, envmap, or area in a shape",
+      unknown_type(e, "point, spot, directional, collimated, constant, envmap, or area in a shape",
                    "it is left out");
       return;
     }
-    const bool beam = p.type() == "collimated";
     const Mat4 to_world = p.transform("to_world");
+    if (l.kind == LightKind::kCollimated && !scales_evenly(glm::dmat3(to_world)))
+      fail(p.element("to_world"),
+           "the beam's transform is uneven, expected rotations and translations only");
     if (p.has("to_world") || l.kind == LightKind::kSpot) {
       l.position = Vec3(to_world[3]);
       l.direction = unit(p.element("to_world"), Vec3(to_world[2]));
@@ -821,7 +817,6 @@ class Loader {
     if (l.kind == LightKind::kDirectional && p.has("direction"))
       l.direction = unit(p.element("direction"), p.vector("direction", Vec3(0)));
     l.intensity = color_emitted(p, key);
-    if (beam) l.intensity /= 2 * kPi * (1 - l.cutoff_cos);
     p.finish(findings_);
     no_children(p);
     scene_.lights.push_back(l);

@@ -14,7 +14,8 @@ namespace {
 
 constexpr const char* kBsdfTypes =
     "diffuse, phong, conductor, roughconductor, dielectric, roughdielectric, thindielectric, "
-    "plastic, roughplastic, mask, null, blendbsdf, mixturebsdf, bumpmap, normalmap or twosided";
+    "plastic, roughplastic, coating, principled, mask, null, blendbsdf, mixturebsdf, bumpmap, "
+    "normalmap or twosided";
 
 std::string suffix(const std::string& id, const char* side) { return id.empty() ? id : id + side; }
 
@@ -32,6 +33,19 @@ Wrap wrap_of(Properties& p, const std::string& name, Wrap otherwise) {
   fail(p.element(name), fmt::format("wrap mode '{}' is unknown, expected repeat, mirror, clamp, "
                                     "zero or one",
                                     text));
+}
+
+// Something lies over the diffuse lobe that photons cross on their way to it.
+bool has_coat(const Bsdf& b) {
+  return b.kind == BsdfKind::kPlastic || b.kind == BsdfKind::kRoughPlastic ||
+         b.kind == BsdfKind::kPrincipled || b.is_coated();
+}
+bool same_coat(const Bsdf& a, const Bsdf& b) {
+  if (a.kind == BsdfKind::kPrincipled || b.kind == BsdfKind::kPrincipled) return a.kind == b.kind;
+  if (a.is_coated() || b.is_coated())
+    return a.coat_ior == b.coat_ior && a.coat_absorption == b.coat_absorption;
+  return a.kind == b.kind && a.ior == b.ior && a.alpha_u == b.alpha_u &&
+         a.microfacets == b.microfacets;
 }
 
 }  // namespace
@@ -119,6 +133,8 @@ Sides BsdfReader::bsdf(const Element& e, int level) {
     sides = mixture(p, level);
   } else if (type == "bumpmap" || type == "normalmap") {
     sides = normals(p, level);
+  } else if (type == "coating") {
+    sides = coating(p, level);
   } else {
     Bsdf b;
     b.id = e["id"];
@@ -138,6 +154,9 @@ Sides BsdfReader::bsdf(const Element& e, int level) {
     } else if (type == "plastic" || type == "roughplastic") {
       b.kind = type == "plastic" ? BsdfKind::kPlastic : BsdfKind::kRoughPlastic;
       plastic(p, b);
+    } else if (type == "principled") {
+      b.kind = BsdfKind::kPrincipled;
+      principled(p, b);
     } else if (type == "null") {
       b.opacity = 0;
     } else {
@@ -162,38 +181,35 @@ Sides BsdfReader::substitute(Properties& p, int level) {
   const Element& e = p.object();
   const std::string refusal =
       fmt::format("{} is not supported, expected type {}", describe(e), kBsdfTypes);
-  const bool coating = p.type() == "coating", rough_coating = p.type() == "roughcoating";
+  const bool rough_coating = p.type() == "roughcoating";
   for (const auto& child : p.children())
     if (child.object->tag == "bsdf") {
       Sides inside = bsdf(*child.object, level + 1);
       Bsdf b;
       if (inside.front >= 0) b = scene_.bsdfs[static_cast<size_t>(inside.front)];
-      const bool coats = (coating || rough_coating) && inside.front >= 0;
+      const bool coats = rough_coating && inside.front >= 0;
       if (coats) b.ior = ior(p, "int_ior", "bk7") / ior(p, "ext_ior", "air");
-      if (!coats || b.kind != BsdfKind::kDiffuse || !(b.ior > 1)) {
+      if (!coats || b.kind != BsdfKind::kDiffuse || b.is_coated() || !(b.ior > 1)) {
         findings_.add(e, refusal, "the BSDF inside of it stands for it");
         p.ignore_all();
         return inside;
       }
       b.id = e["id"];
-      b.kind = coating ? BsdfKind::kPlastic : BsdfKind::kRoughPlastic;
+      b.kind = BsdfKind::kRoughPlastic;
       b.specular = value(p, b, Slot::kSpecular, "specular_reflectance", Rgb(1));
-      if (rough_coating) roughness(p, b);
+      roughness(p, b);
       if (const int t = b.textured(Slot::kAlphaU); t >= 0)
         b.alpha_u *= luminance(texture_mean(scene_.textures[static_cast<size_t>(t)]));
       b.alpha_v = b.alpha_u = std::max(1e-4, b.alpha_u);
       for (const Slot slot : {Slot::kAlphaU, Slot::kAlphaV})
         b.texture[static_cast<size_t>(slot)] = -1;
       p.ignore_all();
-      findings_.add(e, refusal,
-                    coating ? "a plastic of its color stands for it"
-                            : "a roughplastic of its color stands for it");
+      findings_.add(e, refusal, "a roughplastic of its color stands for it");
       const bool both = inside.back == inside.front;
       inside.front = add(b);
       if (both) inside.back = inside.front;
       return inside;
     }
-  if (p.type() == "principled") return like_principled(p, refusal);
   Bsdf b;
   b.id = e["id"];
   b.diffuse = Rgb(0.5);
@@ -211,56 +227,125 @@ Sides BsdfReader::substitute(Properties& p, int level) {
   return sides;
 }
 
-// Metal, glass and plastic in the shares of Mitsuba 3's principled BSDF.
-Sides BsdfReader::like_principled(Properties& p, const std::string& refusal) {
-  const auto mean_of = [&](const char* name, double otherwise) {
+// Burley's BSDF as Mitsuba 3 has it.
+void BsdfReader::principled(Properties& p, Bsdf& b) {
+  const auto within = [&](const char* name, double v) {
+    if (!(v >= 0 && v <= 1))
+      fail(p.element(name), fmt::format("{} is {}, expected 0 to 1", name, v));
+    return v;
+  };
+  const auto varied = [&](const char* name, Slot slot, double otherwise) {
+    const double v = value(p, b, slot, name, Rgb(otherwise)).x;
+    return p.has(name) ? within(name, v) : v;
+  };
+  const auto plain = [&](const char* name) {
     int t = -1;
-    const Rgb factor = textured(p, name, Rgb(otherwise), t);
-    return luminance(t < 0 ? factor
-                           : factor * texture_mean(scene_.textures[static_cast<size_t>(t)]));
+    const Rgb factor = textured(p, name, Rgb(0), t);
+    if (t < 0) return p.has(name) ? within(name, factor.x) : 0.0;
+    findings_.add(p.object(),
+                  fmt::format("{} has a textured {}, which is not supported, expected a number",
+                              describe(p.object()), name),
+                  "the texture's mean stands for it");
+    return std::clamp(luminance(texture_mean(scene_.textures[static_cast<size_t>(t)])), 0.0, 1.0);
   };
-  const double roughness = mean_of("roughness", 0.5);
-  const double metallic = std::clamp(mean_of("metallic", 0), 0.0, 1.0);
-  const double glass = std::clamp(mean_of("spec_trans", 0), 0.0, 1.0) * (1 - metallic);
-  const double specular = std::clamp(mean_of("specular", 0.5), 0.0, 1.0);
-  const double eta = p.number("eta", 2 / (1 - std::sqrt(0.08 * specular)) - 1);
-  Bsdf base;
-  base.microfacets = Microfacets::kGgx;
-  base.alpha_u = base.alpha_v = std::clamp(roughness * roughness, 1e-3, 1.0);
-  base.ior = std::max(1.001, eta);
-  const Rgb color = value(p, base, Slot::kDiffuse, "base_color", Rgb(0.5));
-  const int map = base.textured(Slot::kDiffuse);
-  const double most = std::max(1.0, largest(base, Slot::kDiffuse, color));
-  base.texture[static_cast<size_t>(Slot::kDiffuse)] = -1;
-  const auto colored = [&](Bsdf& b, Rgb& member, Slot slot) {
-    member = color / most;
-    b.texture[static_cast<size_t>(slot)] = map;
-  };
-  Bsdf metal = base, clear = base, plastic = base;
-  metal.kind = BsdfKind::kRoughConductor;
-  colored(metal, metal.specular, Slot::kSpecular);
-  clear.kind = BsdfKind::kRoughDielectric;
-  clear.specular = Rgb(1);
-  colored(clear, clear.transmission, Slot::kTransmission);
-  plastic.kind = BsdfKind::kRoughPlastic;
-  plastic.specular = Rgb(1);
-  colored(plastic, plastic.diffuse, Slot::kDiffuse);
-  Bsdf mixture;
-  mixture.id = p.object()["id"];
-  mixture.kind = BsdfKind::kMixture;
-  const std::pair<double, Bsdf*> parts[] = {
-      {metallic, &metal}, {glass, &clear}, {1 - metallic - glass, &plastic}};
-  for (const auto& [share, part] : parts) {
-    if (!(share > 0)) continue;
-    part->id = mixture.id;
-    mixture.shares.push_back(share);
-    mixture.parts.push_back(add(*part));
+  Principled& q = b.principled;
+  b.diffuse = value(p, b, Slot::kDiffuse, "base_color", Rgb(0.5));
+  conserve(p, b, b.diffuse, Slot::kDiffuse, nullptr);
+  q.roughness = varied("roughness", Slot::kAlphaU, 0.5);
+  q.metallic = varied("metallic", Slot::kShare, 0);
+  if (b.textured(Slot::kShare) >= 0) q.metallic = 1;
+  q.anisotropic = plain("anisotropic");
+  q.spec_trans = plain("spec_trans");
+  q.spec_tint = plain("spec_tint");
+  q.sheen = plain("sheen");
+  q.sheen_tint = plain("sheen_tint");
+  q.flatness = plain("flatness");
+  q.clearcoat = plain("clearcoat");
+  q.clearcoat_gloss = plain("clearcoat_gloss");
+  if (p.has("eta") && p.has("specular"))
+    fail(p.element("specular"),
+         fmt::format("{} has both eta and specular, expected one", describe(p.object())));
+  if (p.has("eta")) {
+    b.ior = p.number("eta", 1.5);
+    if (!(b.ior > 0)) fail(p.element("eta"), fmt::format("eta is {}, expected more than 0", b.ior));
+    if (q.spec_trans > 0 && b.ior == 1) b.ior = 1.001;  // as Mitsuba
+  } else {
+    double specular = within("specular", p.number("specular", 0.5));
+    if (q.spec_trans > 0 && specular == 0) specular = 1e-3;  // as Mitsuba
+    b.ior = 2 / (1 - std::sqrt(0.08 * specular)) - 1;
   }
-  p.ignore_all();
-  findings_.add(p.object(), refusal,
-                "roughconductor, roughdielectric and roughplastic of its color stand for it");
+  // Choose a method.
+  p.ignore({"main_specular_sampling_rate", "clearcoat_sampling_rate",
+            "diffuse_reflectance_sampling_rate"});
+}
+
+// A smooth coat over the BSDF inside.
+Sides BsdfReader::coating(Properties& p, int level) {
+  Bsdf coat;
+  int factor = -1, absorption = -1;
+  coat.coat_ior = ior(p, "int_ior", "bk7") / ior(p, "ext_ior", "air");
+  if (!(coat.coat_ior > 1))
+    fail(p.object(), fmt::format("{} has the relative index {}, expected more than 1: what it "
+                                 "coats lies in the denser medium",
+                                 describe(p.object()), coat.coat_ior));
+  const auto mean_of = [&](const char* name, Rgb color, int t) {
+    if (t < 0) return color;
+    findings_.add(p.object(),
+                  fmt::format("{} has a textured {}, which is not supported, expected a color",
+                              describe(p.object()), name),
+                  "the texture's mean stands for it");
+    return color * texture_mean(scene_.textures[static_cast<size_t>(t)]);
+  };
+  const Rgb specular = textured(p, "specular_reflectance", Rgb(1), factor);
+  coat.coat_specular = mean_of("specularReflectance", specular, factor);
+  if (max_component(coat.coat_specular) > 1)
+    fail(p.element("specular_reflectance"),
+         fmt::format("specularReflectance is {}, expected at most 1",
+                     max_component(coat.coat_specular)));
+  const double thickness = p.number("thickness", 1);
+  if (!(thickness >= 0))
+    fail(p.element("thickness"), fmt::format("thickness is {}, expected at least 0", thickness));
+  const Rgb sigma = textured(p, "sigma_a", Rgb(0), absorption);
+  coat.coat_absorption = mean_of("sigmaA", sigma, absorption) * thickness;
+  std::optional<Sides> nested;
+  for (const auto& child : p.rest()) {
+    if (child.object->tag == "bsdf" && !nested) {
+      nested = bsdf(*child.object, level + 1);
+    } else {
+      findings_.add(*child.place,
+                    fmt::format("{} is not supported in {}, expected one bsdf",
+                                describe(*child.object), describe(p.object())),
+                    "it is left out");
+    }
+  }
+  if (!nested) fail(p.object(), fmt::format("{} has no BSDF, expected one", describe(p.object())));
+  p.ignore({"ensure_energy_conservation"});
+  bool named = false;
+  const auto coated = [&](int index, const char* side) {
+    if (index < 0) return index;
+    Bsdf b = scene_.bsdfs[static_cast<size_t>(index)];
+    const bool bare = b.kind == BsdfKind::kDiffuse || b.kind == BsdfKind::kPhong ||
+                      b.kind == BsdfKind::kConductor || b.kind == BsdfKind::kRoughConductor;
+    if (!bare || b.is_coated() || is_open(index) || turns_normals(index)) {
+      if (!named)
+        findings_.add(p.object(),
+                      fmt::format("{} coats a BSDF that is coated, open, mixed or transparent or "
+                                  "has a bumpmap or normalmap, which is not supported, expected a "
+                                  "diffuse, phong, conductor or roughconductor",
+                                  describe(p.object())),
+                      "the BSDF inside of it stands for it");
+      named = true;
+      return index;
+    }
+    b.id = suffix(p.object()["id"], side);
+    b.coat_ior = coat.coat_ior;
+    b.coat_specular = coat.coat_specular;
+    b.coat_absorption = coat.coat_absorption;
+    return add(b);
+  };
   Sides sides;
-  sides.front = sides.back = mixture.parts.size() == 1 ? mixture.parts[0] : add(mixture);
+  sides.front = coated(nested->front, "");
+  sides.back = nested->back == nested->front ? sides.front : coated(nested->back, ".back");
   return sides;
 }
 
@@ -603,12 +688,10 @@ Sides BsdfReader::mixture(Properties& p, int level) {
     const Bsdf& b = scene_.bsdfs[static_cast<size_t>(index)];
     for (const int part : b.parts)
       if (part >= 0) again(again, part);
-    const bool coated = b.kind == BsdfKind::kPlastic || b.kind == BsdfKind::kRoughPlastic;
-    if (b.kind == BsdfKind::kMixture || is_black(b.diffuse) || b.is_delta()) return;
-    if (!coated) {
+    if (b.kind == BsdfKind::kMixture || is_black(b.diffuse) || !b.has_diffuse()) return;
+    if (!has_coat(b)) {
       bare = true;
-    } else if (coat && (coat->kind != b.kind || coat->ior != b.ior || coat->alpha_u != b.alpha_u ||
-                        coat->microfacets != b.microfacets)) {
+    } else if (coat && !same_coat(*coat, b)) {
       bare = true;
     } else {
       coat = &b;
@@ -625,15 +708,17 @@ Sides BsdfReader::mixture(Properties& p, int level) {
   }
   if (coat && bare) {
     findings_.add(p.object(),
-                  fmt::format("{} mixes a plastic with a BSDF that has another coat or none, which "
-                              "is not supported",
+                  fmt::format("{} mixes a plastic, coated or principled BSDF with one that has "
+                              "another coat or none, which is not supported",
                               describe(p.object())),
-                  "the diffuse part of each plastic loses its coat");
+                  "plastics and principled ones become diffuse, coats are left out");
     const auto strip = [&](const auto& again, int index) -> int {
       if (index < 0) return index;
       Bsdf b = scene_.bsdfs[static_cast<size_t>(index)];
       for (int& part : b.parts) part = again(again, part);
-      if (b.kind == BsdfKind::kPlastic || b.kind == BsdfKind::kRoughPlastic)
+      if (b.is_coated())
+        b.coat_ior = 1;
+      else if (has_coat(b))
         b.kind = BsdfKind::kDiffuse;
       return add(b);
     };

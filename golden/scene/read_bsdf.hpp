@@ -50,13 +50,14 @@ class BsdfReader {
   void conductor(Properties& p, Bsdf& b);
   void dielectric(Properties& p, Bsdf& b);
   void plastic(Properties& p, Bsdf& b);
+  void principled(Properties& p, Bsdf& b);
+  Sides coating(Properties& p, int level);
   Sides two_sided(Properties& p, int level);
   Sides mask(Properties& p, int level);
   Sides mixture(Properties& p, int level);
   Sides normals(Properties& p, int level);
   bool turns_normals(int index) const;
   Sides substitute(Properties& p, int level);
-  Sides like_principled(Properties& p, const std::string& refusal);
   Rgb color0or1(Properties& p, const char* name, const Rgb& otherwise);
 
   const Document& document_;

@@ -29,13 +29,22 @@ enum class BsdfKind {
   kRoughDielectric,
   kPlastic,
   kRoughPlastic,
-  kMixture
+  kMixture,
+  kPrincipled
 };
 
 enum class Microfacets { kBeckmann, kGgx };
 
 // What of a BSDF a texture may vary: each of its own entry in Bsdf::texture.
 enum class Slot { kDiffuse, kSpecular, kTransmission, kOpacity, kAlphaU, kAlphaV, kShare, kCount };
+
+// What Mitsuba 3's principled BSDF has beside its base color (Bsdf::diffuse) and its index
+// (Bsdf::ior); each from 0 to 1. Textures of Slot::kAlphaU and Slot::kShare multiply roughness and
+// metallic.
+struct Principled {
+  double roughness = 0.5, anisotropic = 0, metallic = 0, spec_trans = 0, spec_tint = 0, sheen = 0,
+         sheen_tint = 0, flatness = 0, clearcoat = 0, clearcoat_gloss = 0;
+};
 
 // One BSDF; lobes that a kind does not have are black. Which sides of a shape it is on, the shape
 // says. A textured value is the member times the texture's.
@@ -52,7 +61,12 @@ struct Bsdf {
   Microfacets microfacets = Microfacets::kBeckmann;
   double alpha_u = 0.1, alpha_v = 0.1;  // roughness along the tangent and across it
   bool nonlinear = false;               // plastics: absorption between the coat's inner reflections
-  double opacity = 1;                   // the rest of the light goes straight on
+  // Over the rest lies a smooth coat (Mitsuba's coating) where coat_ior > 1: its index over that of
+  // the outside, its reflection's factor, and what it absorbs across its thickness.
+  double coat_ior = 1;
+  Rgb coat_specular{1}, coat_absorption{0};
+  Principled principled = {};
+  double opacity = 1;  // the rest of the light goes straight on
   // Mixture: indices into Scene::bsdfs, each with its share of all light; with a texture in kShare,
   // two: the second's share is the texture, the first's the rest.
   std::vector<int> parts;
@@ -63,6 +77,7 @@ struct Bsdf {
   // Indices into Scene::textures by Slot; -1: none.
   std::array<int, static_cast<size_t>(Slot::kCount)> texture = {-1, -1, -1, -1, -1, -1, -1};
 
+  bool is_coated() const { return coat_ior > 1; }
   // Every ray that it sends on is a mirror's or a glass's.
   bool is_delta() const {
     return kind == BsdfKind::kConductor || kind == BsdfKind::kDielectric ||
@@ -71,7 +86,14 @@ struct Bsdf {
   // Light passes from one side to the other (other than by opacity), so both sides have this BSDF.
   bool transmits() const {
     return kind == BsdfKind::kDielectric || kind == BsdfKind::kThinDielectric ||
-           kind == BsdfKind::kRoughDielectric;
+           kind == BsdfKind::kRoughDielectric ||
+           (kind == BsdfKind::kPrincipled && principled.spec_trans > 0);
+  }
+  // A diffuse lobe, black or not.
+  bool has_diffuse() const {
+    if (kind != BsdfKind::kPrincipled) return !is_delta();
+    const bool all_metal = principled.metallic == 1 && textured(Slot::kShare) < 0;
+    return !all_metal && principled.spec_trans < 1 && principled.flatness < 1;
   }
   int textured(Slot slot) const { return texture[static_cast<size_t>(slot)]; }
 };
@@ -111,15 +133,16 @@ struct Instance {
   Mat4 to_world{1};
 };
 
-enum class LightKind { kPoint, kSpot, kDirectional, kEnvironment };
+enum class LightKind { kPoint, kSpot, kDirectional, kEnvironment, kCollimated };
 
 // Emitters without a surface.
 struct Light {
   LightKind kind = LightKind::kPoint;
   Vec3 position{0};
-  Vec3 direction{0, 0, 1};                  // spot: axis; directional: of the beam; unit
-  Rgb intensity{1};                         // W/sr; directional: irradiance W/m^2 across the beam
-  double cutoff_cos = 0, beam_cos = 0;      // spot
+  Vec3 direction{0, 0, 1};              // spot: axis; directional, collimated: of the beam; unit
+  Rgb intensity{1};                     // W/sr; directional: irradiance W/m^2 across the beam;
+                                        // collimated: power, W
+  double cutoff_cos = 0, beam_cos = 0;  // spot
   double cutoff_angle = 0, beam_angle = 0;  // radians; linear in angle between
   // Environment: radiance `intensity`, W/(m^2 sr), from all directions, times the map where there
   // is one. Its frame's y axis points to the map's upper edge, -z to the middle of u = 0.

@@ -97,6 +97,17 @@ uint64_t scene_hash(const Scene& scene) {
       for (const int part : b.parts) again(again, part);
     }
     if (b.opacity != 1) h.add(b.opacity);
+    if (b.kind == BsdfKind::kPrincipled) {
+      const Principled& p = b.principled;
+      for (const double x : {p.roughness, p.anisotropic, p.metallic, p.spec_trans, p.spec_tint,
+                             p.sheen, p.sheen_tint, p.flatness, p.clearcoat, p.clearcoat_gloss})
+        h.add(x);
+    }
+    if (b.is_coated()) {
+      h.add(b.coat_ior);
+      h.add(b.coat_specular);
+      h.add(b.coat_absorption);
+    }
     for (const auto& [which, map] : {std::pair(1, b.normal_map), std::pair(2, b.bump_map)}) {
       if (map < 0) continue;
       h.add(which);

@@ -6,29 +6,18 @@
 #include <cmath>
 
 #include "golden/transport/microfacet.hpp"
+#include "golden/transport/principled.hpp"
 #include "golden/transport/sampling.hpp"
 
 namespace photonloom {
 namespace {
-
-Vec3 reflect(const Vec3& in, const Vec3& normal) {
-  return normal * (2 * glm::dot(in, normal)) - in;
-}
-
-// Snell. False: total reflection.
-bool refract(const Vec3& in, const Vec3& normal, double ior, Vec3& out) {
-  const double cos_in = glm::dot(in, normal);
-  const double cos2 = 1 - (1 - cos_in * cos_in) / (ior * ior);
-  if (cos2 <= 0) return false;
-  out = glm::normalize(normal * (cos_in / ior - std::sqrt(cos2)) - in / ior);
-  return true;
-}
 
 double cos_lobe(const Surface& s, const Vec3& out) {
   return glm::dot(reflect(s.in, s.shading_normal), out);
 }
 
 bool is_phong(const Surface& s) { return s.bsdf->kind == BsdfKind::kPhong; }
+bool is_principled(const Surface& s) { return s.bsdf->kind == BsdfKind::kPrincipled; }
 
 // The rough surface in its own frame: `in` above.
 struct Rough {
@@ -36,7 +25,7 @@ struct Rough {
   MicrofacetSurface facets;
 
   explicit Rough(const Surface& s) : z(s.shading_normal) {
-    facets.kind = s.bsdf->microfacets;
+    facets.kind = is_principled(s) ? Microfacets::kGgx : s.bsdf->microfacets;
     facets.alpha_u = s.alpha_u;
     facets.alpha_v = s.alpha_v;
     const Vec3 along = s.tangent - z * glm::dot(s.tangent, z);
@@ -52,6 +41,11 @@ struct Rough {
   Vec3 to_world(const Vec3& v) const { return x * v.x + y * v.y + z * v.z; }
 };
 
+PrincipledLobe principled_lobe(const Surface& s, const Rough& r) {
+  return {s.bsdf->principled, s.base,  s.roughness, s.metallic,
+          s.bsdf->ior,        s.front, r.facets,    r.in};
+}
+
 // Probability of reflection when rough glass is met at this cosine to the facet.
 double reflect_probability(const Surface& s, double fresnel) {
   const double r = mean(s.glossy_lobe) * fresnel, t = mean(s.transmission) * (1 - fresnel);
@@ -64,12 +58,6 @@ Vec3 half_vector(const Rough& r, const Vec3& out, double ior) {
   const double length = glm::length(sum);
   if (!(length > 0)) return Vec3(0);
   return sum / (sum.z < 0 ? -length : length);
-}
-
-// What refraction by facets does to solid angles: of normals per solid angle of `out`.
-double refraction_jacobian(const Vec3& in, const Vec3& out, const Vec3& m, double ior) {
-  const double sum = glm::dot(in, m) + ior * glm::dot(out, m);
-  return ior * ior * std::fabs(glm::dot(out, m)) / (sum * sum);
 }
 
 Rgb facet_fresnel(const Surface& s, double cos_in) {
@@ -131,6 +119,33 @@ Vec3 sample_rough(const Surface& s, const Vec2& u) {
   return out.z > 0 ? r.to_world(out) : Vec3(0);
 }
 
+// Directions below a coat of index `ior` and above it, both towards the outside; zero where light
+// from below does not get out.
+Vec3 below_coat(const Vec3& d, const Vec3& normal, double ior) {
+  const double c = glm::dot(d, normal);
+  return normal * std::sqrt(std::max(0.0, 1 - (1 - c * c) / (ior * ior))) + (d - normal * c) / ior;
+}
+Vec3 above_coat(const Vec3& d, const Vec3& normal, double ior) {
+  const double c = glm::dot(d, normal), sin2 = (1 - c * c) * ior * ior;
+  if (!(c > 0) || sin2 >= 1) return Vec3(0);
+  return normal * std::sqrt(1 - sin2) + (d - normal * c) * ior;
+}
+
+// The glossy lobe under a coat, as it is met there: only shading normals count.
+Surface bare_lobe(const Surface& s) {
+  Surface below = s;
+  below.under_coat = false;
+  below.in = below_coat(s.in, s.shading_normal, s.coat->ior);
+  below.normal = s.shading_normal;
+  return below;
+}
+
+// Solid angle below the coat over the one above it.
+double narrowed(const Surface& s, const Vec3& out, const Vec3& out_below) {
+  return glm::dot(s.shading_normal, out) /
+         (s.coat->ior * s.coat->ior * glm::dot(s.shading_normal, out_below));
+}
+
 Rgb bare_times_cosine(const Surface& s, const Vec3& out) {
   return s.above(out) ? s.diffuse() * (glm::dot(s.shading_normal, out) / kPi) : Rgb(0);
 }
@@ -144,6 +159,7 @@ double Surface::diffuse_probability() const {
 
 double Coat::enters(double cosine) const {
   if (!(cosine > 0)) return 0;
+  if (kind == CoatKind::kBurley) return 1 - 0.5 * schlick_weight(cosine);
   if (table.empty()) return 1 - fresnel_dielectric(cosine, ior);
   const double at = std::min(cosine, 1.0) * static_cast<double>(table.size() - 1);
   const size_t i = std::min(static_cast<size_t>(at), table.size() - 2);
@@ -176,6 +192,32 @@ double coat_reflects(const Bsdf& plastic, double cosine, double ior) {
   return std::min(1.0, sum / (kGrid * kGrid));
 }
 
+// A coat over the lobes of a part: it is met by choice, in proportion to what it and what lies
+// below send on. Light that it reflects back down is lost (Weidlich and Wilkie 2007).
+void put_coat(const World& world, const Bsdf& b, double choice, Surface& s) {
+  s.coat = world.coat(b);
+  const double cos_in = glm::dot(s.in, s.shading_normal);
+  const Rgb passes = s.coat->passes(cos_in);
+  const Rgb mirrored = b.coat_specular * (1 - s.coat->enters(cos_in));
+  if (s.delta) {
+    s.reflection = mirrored + s.reflection * passes * passes;
+    return;
+  }
+  const double base = mean(s.diffuse_lobe * passes) + s.glossy_share * mean(passes);
+  const double p = mean(mirrored) > 0 ? mean(mirrored) / (mean(mirrored) + base) : 0;
+  s.delta = choice < p;
+  if (s.delta) {
+    s.reflection = mirrored / p;
+    s.diffuse_lobe = s.glossy_lobe = Rgb(0);
+    s.coat = nullptr;
+    return;
+  }
+  s.diffuse_lobe *= passes / (s.coat->ior * s.coat->ior * (1 - p));
+  s.glossy_lobe *= passes / (1 - p);
+  s.glossy_share *= mean(passes) / (1 - p);
+  s.under_coat = true;
+}
+
 // Textures and lobes of one part, which is no mixture.
 void fill(const World& world, const Hit& hit, const Bsdf& b, double choice, Surface& s) {
   const auto look_up = [&](const Rgb& factor, Slot slot) {
@@ -206,7 +248,12 @@ void fill(const World& world, const Hit& hit, const Bsdf& b, double choice, Surf
       s.glossy_share = mean(s.glossy_lobe);
       break;
     case BsdfKind::kConductor:
-      s.reflection = look_up(b.specular, Slot::kSpecular);
+      s.reflection =
+          look_up(b.specular, Slot::kSpecular) *
+          fresnel_conductor(b.is_coated() ? glm::dot(below_coat(s.in, s.shading_normal, b.coat_ior),
+                                                     s.shading_normal)
+                                          : cos_in,
+                            b.eta, b.k);
       break;
     case BsdfKind::kDielectric:
     case BsdfKind::kThinDielectric:
@@ -245,9 +292,34 @@ void fill(const World& world, const Hit& hit, const Bsdf& b, double choice, Surf
       }
       break;
     }
+    case BsdfKind::kPrincipled: {
+      const Principled& p = b.principled;
+      const auto varied = [&](double value, Slot slot) {
+        const int t = b.textured(slot);
+        return t < 0 ? value : std::clamp(value * luminance(world.texture(t, hit)), 0.0, 1.0);
+      };
+      s.base = look_up(b.diffuse, Slot::kDiffuse);
+      s.roughness = varied(p.roughness, Slot::kAlphaU);
+      s.metallic = varied(p.metallic, Slot::kShare);
+      const double aspect = std::sqrt(1 - 0.9 * p.anisotropic), alpha = s.roughness * s.roughness;
+      s.alpha_u = std::max(0.001, alpha / aspect);
+      s.alpha_v = std::max(0.001, alpha * aspect);
+      if (s.alpha_u != s.alpha_v) s.tangent = world.tangent(hit);
+      s.coat = world.coat(b);
+      const double base = (1 - s.metallic) * (1 - p.spec_trans);
+      if (s.front)
+        s.diffuse_lobe = s.base * (base * (1 - p.flatness) * s.coat->enters(cos_in));
+      else if (p.spec_trans == 0)
+        break;
+      s.glossy_lobe = Rgb(1);  // its value is its own: principled.hpp
+      s.glossy_share = mean(s.base) * (s.metallic + base * (0.25 * s.roughness + p.flatness)) +
+                       (1 - s.metallic) * (0.1 + p.spec_trans) + 0.05 * p.clearcoat + 0.1 * p.sheen;
+      break;
+    }
     case BsdfKind::kMixture:
       break;
   }
+  if (b.is_coated()) put_coat(world, b, choice, s);
 }
 
 // The first diffuse part, for photons, which land whatever part is chosen.
@@ -260,9 +332,11 @@ void find_store(const World& world, const Hit& hit, const Bsdf& b, Surface& s) {
     return;
   }
   const int t = b.textured(Slot::kDiffuse);
-  if (b.is_delta() || is_black(b.diffuse) || (t >= 0 && is_black(world.texture(t, hit)))) return;
+  if (!b.has_diffuse() || is_black(b.diffuse) || (t >= 0 && is_black(world.texture(t, hit))))
+    return;
+  if (b.kind == BsdfKind::kPrincipled && !s.front) return;
   s.stores = true;
-  if (const Coat* coat = world.coat(b)) s.entering = coat->enters(glm::dot(s.in, s.shading_normal));
+  if (const Coat* coat = world.coat(b)) s.entering = coat->passes(glm::dot(s.in, s.shading_normal));
 }
 
 // One part of a mixture by its share of what does not pass straight on; null: the black rest. The
@@ -285,9 +359,25 @@ const Bsdf* choose_part(const World& world, const Hit& hit, const Bsdf& mixture,
 
 }  // namespace
 
+Rgb Coat::passes(double cosine) const {
+  Rgb share(enters(cosine));
+  if (is_black(absorption) || !(cosine > 0)) return share;
+  const double below = std::sqrt(1 - (1 - cosine * cosine) / (ior * ior));
+  constexpr double kLog2E = 1.44269504088896340736;
+  for (int i = 0; i < 3; ++i) share[i] *= exp2_exact(-absorption[i] / below * kLog2E);
+  return share;
+}
+
 Coat make_coat(const Bsdf& plastic) {
   constexpr int kSteps = 64, kFine = 1024;
   Coat coat;
+  coat.kind = plastic.kind == BsdfKind::kPrincipled ? CoatKind::kBurley : CoatKind::kFresnel;
+  if (coat.kind == CoatKind::kBurley) return coat;
+  if (plastic.is_coated()) {
+    coat.ior = plastic.coat_ior;
+    coat.absorption = plastic.coat_absorption;
+    return coat;
+  }
   coat.ior = plastic.ior;
   if (plastic.kind == BsdfKind::kPlastic) {
     // Midpoints of the square of the cosine, in which diffuse light is even.
@@ -335,8 +425,10 @@ Vec3 turned_normal(const World& world, const Hit& hit, const Bsdf& b) {
 
 }  // namespace
 
-Surface make_surface(const World& world, const Hit& hit, const Vec3& ray_direction, double choice) {
-  Surface s;
+namespace {
+
+// Sides and normals, and the BSDF of the side; null: black.
+const Bsdf* turn(const World& world, const Hit& hit, const Vec3& ray_direction, Surface& s) {
   s.front = glm::dot(hit.normal, ray_direction) < 0;
   s.in = -ray_direction;
   s.normal = s.front ? hit.normal : -hit.normal;
@@ -346,7 +438,22 @@ Surface make_surface(const World& world, const Hit& hit, const Vec3& ray_directi
     const Vec3 turned = turned_normal(world, hit, *b);
     s.shading_normal = s.front ? turned : -turned;
   }
-  if (!b || glm::dot(s.shading_normal, s.in) <= 0) return s;
+  return b && glm::dot(s.shading_normal, s.in) > 0 ? b : nullptr;
+}
+
+}  // namespace
+
+Surface make_part(const World& world, const Hit& hit, const Vec3& ray_direction, const Bsdf& part,
+                  bool delta) {
+  Surface s;
+  if (turn(world, hit, ray_direction, s)) fill(world, hit, part, delta ? 0 : 1, s);
+  return s;
+}
+
+Surface make_surface(const World& world, const Hit& hit, const Vec3& ray_direction, double choice) {
+  Surface s;
+  const Bsdf* b = turn(world, hit, ray_direction, s);
+  if (!b) return s;
   find_store(world, hit, *b, s);
   while (b && b->kind == BsdfKind::kMixture) b = choose_part(world, hit, *b, choice);
   if (b) fill(world, hit, *b, choice, s);
@@ -355,7 +462,7 @@ Surface make_surface(const World& world, const Hit& hit, const Vec3& ray_directi
 
 Rgb diffuse_times_cosine(const Surface& s, const Vec3& out) {
   const Rgb bare = bare_times_cosine(s, out);
-  return s.coat ? bare * s.coat->enters(glm::dot(s.shading_normal, out)) : bare;
+  return s.coat ? bare * s.coat->passes(glm::dot(s.shading_normal, out)) : bare;
 }
 
 double diffuse_pdf(const Surface& s, const Vec3& out) {
@@ -366,6 +473,18 @@ double diffuse_pdf(const Surface& s, const Vec3& out) {
 Rgb glossy_times_cosine(const Surface& s, const Vec3& out, Carried carried) {
   const Rgb& rho = s.glossy();
   if (is_black(rho) && is_black(s.transmission)) return Rgb(0);
+  if (s.under_coat) {
+    if (!s.above(out)) return Rgb(0);
+    const Vec3 below = below_coat(out, s.shading_normal, s.coat->ior);
+    return glossy_times_cosine(bare_lobe(s), below, carried) * narrowed(s, out, below) *
+           s.coat->passes(glm::dot(s.shading_normal, out));
+  }
+  if (is_principled(s)) {
+    const Rough r(s);
+    return s.reaches(out) ? principled_times_cosine(principled_lobe(s, r), r.to_local(out),
+                                                    carried == Carried::kRadiance)
+                          : Rgb(0);
+  }
   if (!is_phong(s)) return rough_times_cosine(s, out, carried);
   if (!s.above(out)) return Rgb(0);
   const double c = cos_lobe(s, out), n = s.bsdf->exponent;
@@ -374,6 +493,15 @@ Rgb glossy_times_cosine(const Surface& s, const Vec3& out, Carried carried) {
 }
 
 double glossy_pdf(const Surface& s, const Vec3& out) {
+  if (s.under_coat) {
+    if (!(glm::dot(out, s.shading_normal) > 0)) return 0;
+    const Vec3 below = below_coat(out, s.shading_normal, s.coat->ior);
+    return glossy_pdf(bare_lobe(s), below) * narrowed(s, out, below);
+  }
+  if (is_principled(s)) {
+    const Rough r(s);
+    return principled_pdf(principled_lobe(s, r), r.to_local(out));
+  }
   if (!is_phong(s)) return rough_pdf(s, out);
   const double c = cos_lobe(s, out), n = s.bsdf->exponent;
   return c > 0 ? (n + 1) / (2 * kPi) * pow_exact(c, n) : 0;
@@ -384,6 +512,12 @@ Vec3 sample_diffuse(const Surface& s, const Vec2& u) {
 }
 
 Vec3 sample_glossy(const Surface& s, const Vec2& u) {
+  if (s.under_coat)
+    return above_coat(sample_glossy(bare_lobe(s), u), s.shading_normal, s.coat->ior);
+  if (is_principled(s)) {
+    const Rough r(s);
+    return r.to_world(sample_principled(principled_lobe(s, r), u));
+  }
   if (!is_phong(s)) return sample_rough(s, u);
   const double z = pow_exact(1 - u.x, 1 / (s.bsdf->exponent + 1));
   const double r = std::sqrt(std::max(0.0, 1 - z * z));
@@ -396,7 +530,7 @@ bool leave_with_power(const Surface& s, double choice, const Vec2& u, Vec3& out,
     // Around the geometric normal, so that the adjoint's |out.ng| cancels.
     out = Frame(s.normal).to_world(sample_cosine(u));
     power *= s.diffuse() * (s.shading_ratio(s.in) / p);
-    if (s.coat) power *= s.coat->enters(glm::dot(s.shading_normal, out));
+    if (s.coat) power *= s.coat->passes(glm::dot(s.shading_normal, out));
   } else {
     out = sample_glossy(s, u);
     const double pdf = glossy_pdf(s, out);
@@ -436,11 +570,9 @@ bool sample_delta(const Surface& s, double u, Carried carried, Vec3& out, Rgb& w
                   double& ior2) {
   const double cos_in = glm::dot(s.in, s.shading_normal);
   ior2 = 1;
-  if (s.bsdf->kind == BsdfKind::kConductor || s.bsdf->kind == BsdfKind::kPlastic) {
+  if (s.bsdf->kind != BsdfKind::kDielectric && s.bsdf->kind != BsdfKind::kThinDielectric) {
     out = reflect(s.in, s.shading_normal);
     weight = s.reflection;
-    if (s.bsdf->kind == BsdfKind::kConductor)
-      weight = s.reflection * fresnel_conductor(cos_in, s.bsdf->eta, s.bsdf->k);
     if (glm::dot(s.normal, out) <= 0) return false;
   } else {
     const bool thin = s.bsdf->kind == BsdfKind::kThinDielectric;

@@ -22,18 +22,21 @@ struct Surface {
   bool front = true;
   bool delta = false;          // a mirror or glass
   bool stores = false;         // photons: some part, chosen or not, has a diffuse lobe
-  double entering = 1;         // photons: the share that enters that part's coat
+  Rgb entering{1};             // photons: the share that enters that part's coat
   const Coat* coat = nullptr;  // of the diffuse lobe; what leaves to `in` is in the lobe already
+  bool under_coat = false;     // the glossy lobe lies below that coat
   Rgb diffuse_lobe{0}, glossy_lobe{0}, reflection{0}, transmission{0};
   double glossy_share = 0;  // beside the diffuse lobe's mean, when one of them is chosen
   double alpha_u = 0, alpha_v = 0;
-  Vec3 tangent{0};  // not normalised; 0: any
+  Rgb base{0};                         // of a principled BSDF
+  double roughness = 0, metallic = 0;  // likewise
+  Vec3 tangent{0};                     // not normalised; 0: any
 
   bool is_delta() const { return delta; }
   const Rgb& diffuse() const { return diffuse_lobe; }
   const Rgb& glossy() const { return glossy_lobe; }
-  // A glossy lobe of rough glass, which reaches both sides.
-  bool transmits() const { return bsdf && bsdf->kind == BsdfKind::kRoughDielectric; }
+  // A glossy lobe that reaches both sides, as rough glass has.
+  bool transmits() const { return bsdf && !bsdf->is_delta() && bsdf->transmits(); }
   bool black() const {
     return !delta && is_black(diffuse_lobe) && is_black(glossy_lobe) && is_black(transmission);
   }
@@ -62,8 +65,13 @@ struct Surface {
 Surface make_surface(const World& world, const Hit& hit, const Vec3& ray_direction,
                      double choice = 0);
 
-// Of a plastic.
-Coat make_coat(const Bsdf& plastic);
+// The same with the choice made: `part` is no mixture, and `delta` says whether a plastic's or
+// other coat is met (ignored where there is none).
+Surface make_part(const World& world, const Hit& hit, const Vec3& ray_direction, const Bsdf& part,
+                  bool delta);
+
+// Of a plastic or a coated BSDF.
+Coat make_coat(const Bsdf& b);
 
 // BSDF times |cosine|, and density of the lobe's sampling. Radiance that a glossy lobe of glass
 // takes to the denser side has the factor 1/ior^2, as sample_delta.

@@ -2,7 +2,9 @@
 #include "golden/transport/direct.hpp"
 
 #include <algorithm>
+#include <bit>
 
+#include "golden/transport/beam.hpp"
 #include "golden/transport/sampling.hpp"
 #include "golden/transport/visibility.hpp"
 
@@ -13,6 +15,15 @@ DirectLight direct_light(const World& world, const RayCaster& caster, const Hit&
   DirectLight out;
   LightSample light;
   if (!sample_light(world, shading_point(hit, surface), choice, u, light)) return out;
+  if (is_beam(world, light.emitter)) {
+    const Random random(std::bit_cast<uint64_t>(u.x), Phase::kDirect, std::bit_cast<uint64_t>(u.y));
+    BeamSpot spot;
+    if (!land_beam(world, caster, light.emitter, random, spot)) return out;
+    const BeamLight beam = light_of_beam(world, caster, spot, hit, surface);
+    if (share.diffuse > 0) out.diffuse = beam.diffuse / light.probability;
+    if (share.glossy > 0) out.glossy = beam.glossy / light.probability;
+    return out;
+  }
   const Vec3& d = light.direction;
   if (share.diffuse > 0) out.diffuse = diffuse_times_cosine(surface, d);
   if (share.glossy > 0) out.glossy = glossy_times_cosine(surface, d);

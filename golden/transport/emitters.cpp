@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "golden/transport/beam.hpp"
 #include "golden/transport/sampling.hpp"
 
 namespace photonloom {
@@ -41,9 +42,13 @@ double area_importance(const Primitive& p, const Emitter& e, const ShadingPoint&
   return mean(e.power) / (kPi * (glm::dot(d, d) + p.area));
 }
 
-double light_importance(const Light& light, const ShadingPoint& x) {
+// Of a beam, whose place is not known: as if it were as far as the scene is wide.
+double light_importance(const World& world, const Light& light, const ShadingPoint& x) {
   if (light.kind == LightKind::kDirectional)
     return x.both_sides || glm::dot(x.normal, light.direction) < 0 ? mean(light.intensity) : 0;
+  // It shines from where it lands, which may be anywhere.
+  if (light.kind == LightKind::kCollimated)
+    return mean(light.intensity) / (4 * kPi * world.radius() * world.radius());
   if (behind(x, light.position)) return 0;
   const Vec3 d = x.position - light.position;
   double intensity = mean(light.intensity);
@@ -57,7 +62,7 @@ double importance(const World& world, const Emitter& e, const ShadingPoint& x) {
     return mean(world.environment()->integral()) / 4;
   return e.primitive >= 0
              ? area_importance(world.primitives()[static_cast<size_t>(e.primitive)], e, x)
-             : light_importance(world.scene().lights[static_cast<size_t>(e.light)], x);
+             : light_importance(world, world.scene().lights[static_cast<size_t>(e.light)], x);
 }
 
 struct Choice {
@@ -85,19 +90,6 @@ Choice choose_light(const World& world, const ShadingPoint& x, double u) {
     rest -= weights[i];
   }
   return choice;
-}
-
-double choice_probability(const World& world, const ShadingPoint& x, size_t emitter) {
-  const auto& emitters = world.emitters();
-  if (emitters.size() > kFewEmitters) return emitters[emitter].pmf;
-  if (emitters.size() == 1) return importance(world, emitters[0], x) > 0 ? 1 : 0;
-  double total = 0, own = 0;
-  for (size_t i = 0; i < emitters.size(); ++i) {
-    const double w = importance(world, emitters[i], x);
-    total += w;
-    if (i == emitter) own = w;
-  }
-  return total > 0 ? own / total : 0;
 }
 
 // Uniform by area.
@@ -215,6 +207,8 @@ Ray emit_from_light(const World& world, const Light& light, const Random& random
     return Vec2(random.unit(0, dimension), random.unit(0, dimension + 1));
   };
   switch (light.kind) {
+    case LightKind::kCollimated:
+      return {light.position, light.direction};
     case LightKind::kPoint:
       return {light.position, sample_sphere(pair(3))};
     case LightKind::kSpot: {
@@ -244,6 +238,8 @@ double spot_falloff(const Light& light, const Vec3& direction) {
 
 Rgb light_power(const Light& light, double scene_radius) {
   switch (light.kind) {
+    case LightKind::kCollimated:
+      return light.intensity;
     case LightKind::kPoint:
       return light.intensity * (4 * kPi);
     case LightKind::kDirectional:
@@ -261,6 +257,7 @@ bool sample_light(const World& world, const ShadingPoint& x, double choice, cons
                   LightSample& sample) {
   const Choice chosen = choose_light(world, x, choice);
   if (chosen.probability == 0) return false;
+  sample.emitter = chosen.emitter;
   const Emitter& e = world.emitters()[chosen.emitter];
   if (e.primitive >= 0) {
     const Primitive& p = world.primitives()[static_cast<size_t>(e.primitive)];
@@ -278,16 +275,31 @@ bool sample_light(const World& world, const ShadingPoint& x, double choice, cons
     sample.radiance = world.environment()->radiance(sample.direction) / sample.pdf;
     return !is_black(sample.radiance);
   }
+  sample.probability = chosen.probability;
+  if (is_beam(world, chosen.emitter)) return true;
   if (!sample_delta_light(world.scene().lights[static_cast<size_t>(e.light)], x, sample))
     return false;
   sample.radiance /= chosen.probability;
   return true;
 }
 
+double emitter_probability(const World& world, const ShadingPoint& x, size_t emitter) {
+  const auto& emitters = world.emitters();
+  if (emitters.size() > kFewEmitters) return emitters[emitter].pmf;
+  if (emitters.size() == 1) return importance(world, emitters[0], x) > 0 ? 1 : 0;
+  double total = 0, own = 0;
+  for (size_t i = 0; i < emitters.size(); ++i) {
+    const double w = importance(world, emitters[i], x);
+    total += w;
+    if (i == emitter) own = w;
+  }
+  return total > 0 ? own / total : 0;
+}
+
 double light_pdf(const World& world, const ShadingPoint& x, const Hit& hit, const Vec3& direction) {
   const Primitive& p = world.primitives()[hit.primitive];
   if (p.emitter < 0) return 0;
-  const double probability = choice_probability(world, x, static_cast<size_t>(p.emitter));
+  const double probability = emitter_probability(world, x, static_cast<size_t>(p.emitter));
   const Vec3 d = cone_visible(p, x.position) ? p.a - x.position : hit.position - x.position;
   const double distance2 = glm::dot(d, d);
   if (cone_visible(p, x.position)) return probability / (2 * kPi * sphere_cone(p.b.x, distance2));
@@ -296,7 +308,7 @@ double light_pdf(const World& world, const ShadingPoint& x, const Hit& hit, cons
 }
 
 double environment_pdf(const World& world, const ShadingPoint& x, const Vec3& direction) {
-  return choice_probability(world, x, world.environment_emitter()) *
+  return emitter_probability(world, x, world.environment_emitter()) *
          world.environment()->pdf(direction);
 }
 
@@ -325,7 +337,12 @@ Emission emit_photon_from(const World& world, uint32_t emitter, const Random& ra
 }
 
 Emission emit_photon(const World& world, const Random& random) {
-  const uint32_t emitter = world.choose_emitter(random.unit(0, 0));
+  uint32_t emitter;
+  return emit_photon(world, random, emitter);
+}
+
+Emission emit_photon(const World& world, const Random& random, uint32_t& emitter) {
+  emitter = world.choose_emitter(random.unit(0, 0));
   Emission out = emit_photon_from(world, emitter, random);
   out.power /= world.emitters()[emitter].pmf;
   return out;

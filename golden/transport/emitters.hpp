@@ -21,7 +21,9 @@ struct LightSample {
   Rgb radiance{0};  // arriving, over the density it was chosen with (choice of emitter included)
   double pdf = 0;   // per solid angle; 0: no lobe sample can find this light
   bool on_surface = false;
-  Hit hit;  // where, for area emitters
+  Hit hit;                 // where, for area emitters
+  uint32_t emitter = 0;    // index into World::emitters()
+  double probability = 0;  // of that choice; where it is a beam (beam.hpp), nothing else is told
 };
 
 // What the choice of an emitter knows of the surface point.
@@ -36,6 +38,9 @@ struct ShadingPoint {
 bool sample_light(const World& world, const ShadingPoint& x, double choice, const Vec2& u,
                   LightSample& sample);
 
+// Probability of an emitter in the choice of sample_light.
+double emitter_probability(const World& world, const ShadingPoint& x, size_t emitter);
+
 // Density, per solid angle, with which sample_light finds this hit on an emitter from x.
 double light_pdf(const World& world, const ShadingPoint& x, const Hit& hit, const Vec3& direction);
 
@@ -49,6 +54,7 @@ struct Emission {
   Hit from;
 };
 Emission emit_photon(const World& world, const Random& random);
+Emission emit_photon(const World& world, const Random& random, uint32_t& emitter);
 // The same from one emitter; `power` is what all its photons carry together.
 Emission emit_photon_from(const World& world, uint32_t emitter, const Random& random);
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "golden/transport/beam.hpp"
 #include "golden/transport/emitters.hpp"
 #include "golden/transport/roulette.hpp"
 #include "golden/transport/visibility.hpp"
@@ -49,7 +50,9 @@ void LightPaths::trace(const RayCaster& caster, const Random& random,
       cdf_.size() - 1);
   const Emission e = emit_photon_from(world_, emitters_[chosen], random);
   Ray ray = e.ray;
-  if (!boxes_.met_by(ray)) return;
+  // A beam's light starts where it lands (beam.hpp).
+  bool on_its_way = is_beam(world_, emitters_[chosen]);
+  if (!on_its_way && !boxes_.met_by(ray)) return;
   Rgb throughput(cdf_.back() / world_.emitters()[emitters_[chosen]].pmf);
   Hit hit = first_surface(world_, caster, e);
   bool through_delta = false;  // since the light or the last vertex
@@ -66,8 +69,10 @@ void LightPaths::trace(const RayCaster& caster, const Random& random,
       throughput *= weight;
       through_delta = true;
     } else {
-      if (s.black() || !through_delta) return;
-      out.push_back({hit, s, e.power * throughput * s.shading_ratio(s.in), segment, out.empty()});
+      if (s.black() || (!through_delta && !on_its_way)) return;
+      if (!on_its_way)
+        out.push_back({hit, s, e.power * throughput * s.shading_ratio(s.in), segment, out.empty()});
+      on_its_way = false;
       through_delta = false;
       const Vec2 u(random.unit(segment, kLightDirectionU), random.unit(segment, kLightDirectionV));
       if (!leave_with_power(s, random.unit(segment, kLightLobe), u, ray.direction, throughput))

@@ -13,6 +13,7 @@
 #include "golden/transport/bsdf.hpp"
 #include "golden/transport/camera.hpp"
 #include "golden/transport/delta_boxes.hpp"
+#include "golden/transport/path_sample.hpp"
 
 namespace photonloom {
 
@@ -22,12 +23,6 @@ struct LightVertex {
   Rgb power{0};           // W, of the shaded surface (see bsdf.hpp)
   uint64_t segments = 0;  // from the light to here
   bool first = true;      // delta surfaces only between the light and here
-};
-
-// What a light vertex adds to the pixel that it is seen in, by layer.
-struct Splat {
-  double x = 0, y = 0;  // on the film, pixels
-  Rgb caustic{0}, indirect{0};
 };
 
 class LightPaths {

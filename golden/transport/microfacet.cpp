@@ -63,4 +63,21 @@ double MicrofacetSurface::pdf(const Vec3& in, const Vec3& m) const {
   return density(m) * m.z;
 }
 
+Vec3 reflect(const Vec3& in, const Vec3& normal) {
+  return normal * (2 * glm::dot(in, normal)) - in;
+}
+
+bool refract(const Vec3& in, const Vec3& normal, double ior, Vec3& out) {
+  const double cos_in = glm::dot(in, normal);
+  const double cos2 = 1 - (1 - cos_in * cos_in) / (ior * ior);
+  if (cos2 <= 0) return false;
+  out = glm::normalize(normal * (cos_in / ior - std::sqrt(cos2)) - in / ior);
+  return true;
+}
+
+double refraction_jacobian(const Vec3& in, const Vec3& out, const Vec3& m, double ior) {
+  const double sum = glm::dot(in, m) + ior * glm::dot(out, m);
+  return ior * ior * std::fabs(glm::dot(out, m)) / (sum * sum);
+}
+
 }  // namespace photonloom

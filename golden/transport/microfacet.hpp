@@ -28,4 +28,12 @@ struct MicrofacetSurface {
   double pdf(const Vec3& in, const Vec3& m) const;
 };
 
+// The mirror's direction, and by Snell's law the one through a surface of this index (other side
+// over the side of `in`); false: total reflection.
+Vec3 reflect(const Vec3& in, const Vec3& normal);
+bool refract(const Vec3& in, const Vec3& normal, double ior, Vec3& out);
+
+// What refraction by facets does to solid angles: of normals per solid angle of `out`.
+double refraction_jacobian(const Vec3& in, const Vec3& out, const Vec3& m, double ior);
+
 }  // namespace photonloom

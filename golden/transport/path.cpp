@@ -9,6 +9,7 @@
 #include <span>
 #include <vector>
 
+#include "golden/transport/bidirectional.hpp"
 #include "golden/transport/camera.hpp"
 #include "golden/transport/direct.hpp"
 #include "golden/transport/film_filter.hpp"
@@ -35,15 +36,6 @@ enum PathDimension : uint64_t {
 
 // A bounce that no light path reaches: the numbers of its points on the lens.
 constexpr uint64_t kSplatLens = uint64_t{1} << 40;
-
-// One path's light, by layer.
-struct PathSample {
-  Rgb emission{0}, direct{0}, caustic{0}, indirect{0};
-  Vec2 place{0};  // within its pixel
-  Rgb albedo{0};
-  Vec3 normal{0};
-  double depth = 0;
-};
 
 // How the ray under way left its last non-delta surface.
 struct LobeRay {
@@ -162,10 +154,10 @@ PathSample trace_sample(const World& world, const RayCaster& caster, const Lens&
 // Sums of one pixel.
 struct PixelSum {
   PathSample sum;
-  Rgb samples{0}, square{0};                // of whole samples
-  Rgb splat_variance{0};                    // of the mean
-  Rgb splat_caustic{0}, splat_indirect{0};  // times the samples
-  int hits = 0;                             // samples that met a surface
+  Rgb samples{0}, square{0};                                 // of whole samples
+  Rgb splat_variance{0};                                     // of the mean
+  Rgb splat_direct{0}, splat_caustic{0}, splat_indirect{0};  // times the samples
+  int hits = 0;                                              // samples that met a surface
   void add(const PathSample& s) {
     sum.emission += s.emission;
     sum.direct += s.direct;
@@ -183,7 +175,7 @@ struct PixelSum {
 
 // Sums of the splats of one pixel.
 struct SplatSum {
-  Rgb caustic{0}, indirect{0}, square{0};
+  Rgb direct{0}, caustic{0}, indirect{0}, square{0};
 };
 
 // Weight of a sample at these places within its pixel, in the pixel (x, y) further.
@@ -194,38 +186,41 @@ double weight_of(const FilterTable& filter, int x, int y, const Vec2& place) {
 }
 
 // Light paths in blocks, added up in the order of their numbers. With a filter a splat counts in
-// the pixels around it, over what a pixel's camera samples count in the mean.
-std::vector<SplatSum> splat_light_paths(const World& world, const RayCaster& caster,
-                                        const Lens& lens, const LightPaths& light_paths,
-                                        const FilterTable& filter, uint64_t paths, uint64_t seed) {
+// the pixels around it, over what a pixel's camera samples count in the mean. trace(random, path)
+// makes a light path, splat(u, path, number, out) shows one of its vertices and size(path) counts
+// them.
+template <class LightPath, class Trace, class Size, class Show>
+std::vector<SplatSum> splat_light_paths(const World& world, const Lens& lens,
+                                        const FilterTable& filter, uint64_t paths, uint64_t seed,
+                                        Trace&& trace, Size&& size, Show&& splat_of) {
   const Film film = world.scene().film;
   std::vector<SplatSum> sums(static_cast<size_t>(film.width) * static_cast<size_t>(film.height));
   constexpr uint64_t kBlock = 4096, kBlocks = 64;
   std::vector<std::vector<Splat>> splats(kBlocks);
   const auto add = [&](const Splat& s, int x, int y, double weight) {
     SplatSum& sum = sums[static_cast<size_t>(y * film.width + x)];
-    const Rgb caustic = s.caustic * weight, indirect = s.indirect * weight;
+    const Rgb direct = s.direct * weight, caustic = s.caustic * weight,
+              indirect = s.indirect * weight, all = direct + caustic + indirect;
+    sum.direct += direct;
     sum.caustic += caustic;
     sum.indirect += indirect;
-    sum.square += (caustic + indirect) * (caustic + indirect);
+    sum.square += all * all;
   };
   const int reach = filter.reach();
   for (uint64_t first = 0; first < paths; first += kBlock * kBlocks) {
     tbb::parallel_for(uint64_t{0}, kBlocks, [&](uint64_t b) {
       splats[b].clear();
-      std::vector<LightVertex> vertices;
+      LightPath path;
       const uint64_t begin = first + b * kBlock, end = std::min(begin + kBlock, paths);
       for (uint64_t i = begin; i < end; ++i) {
         const Random random(seed, Phase::kCausticPhoton, i);
-        light_paths.trace(caster, random, vertices);
-        uint64_t number = 0;
-        for (const LightVertex& v : vertices) {
+        trace(random, path);
+        for (uint64_t number = 0; number < size(path); ++number) {
           const Vec2 u = lens.has_aperture() ? Vec2(random.unit(kSplatLens, 2 * number),
                                                     random.unit(kSplatLens, 2 * number + 1))
                                              : Vec2(0);
-          ++number;
           Splat splat;
-          if (light_paths.splat(caster, lens, u, v, splat)) splats[b].push_back(splat);
+          if (splat_of(u, path, number, splat)) splats[b].push_back(splat);
         }
       }
     });
@@ -367,12 +362,13 @@ class FilteredFilm {
     const double weight = counts ? l.weight : 1;
     // Splats are means already.
     const double share = counts ? weight / n : 0;
+    p.sum.direct = p.splat_direct * share;
     p.sum.caustic = p.splat_caustic * share;
     p.sum.indirect = p.splat_indirect * share;
-    p.sum.emission = p.sum.direct = Rgb(0);
+    p.sum.emission = Rgb(0);
     if (counts) {
       p.sum.emission = l.emission;
-      p.sum.direct = l.direct;
+      p.sum.direct += l.direct;
       p.sum.caustic += l.caustic;
       p.sum.indirect += l.indirect;
     }
@@ -406,15 +402,34 @@ Image render_path(const World& world, const RayCaster& caster, const PathOptions
   const uint64_t samples = pixels * static_cast<uint64_t>(options.spp);
   const LightPaths light_paths(world);
   const FilterTable filter(film.filter);
+  const Bidirectional bidirectional(world, caster);
+  const bool both = options.bidirectional, light = !both && light_paths.needed();
   std::vector<SplatSum> splats;
-  if (light_paths.needed())
-    splats = splat_light_paths(world, caster, lens, light_paths, filter, samples, options.seed);
+  if (both) {
+    splats = splat_light_paths<LightSubpath>(
+        world, lens, filter, samples, options.seed,
+        [&](const Random& random, LightSubpath& path) { bidirectional.trace_light(random, path); },
+        [](const LightSubpath& path) { return path.vertices.size(); },
+        [&](const Vec2& u, const LightSubpath& path, size_t number, Splat& out) {
+          return bidirectional.splat(lens, u, path, number, out);
+        });
+  } else if (light) {
+    using Vertices = std::vector<LightVertex>;
+    splats = splat_light_paths<Vertices>(
+        world, lens, filter, samples, options.seed,
+        [&](const Random& random, Vertices& path) { light_paths.trace(caster, random, path); },
+        [](const Vertices& path) { return path.size(); },
+        [&](const Vec2& u, const Vertices& path, size_t number, Splat& out) {
+          return light_paths.splat(caster, lens, u, path[number], out);
+        });
+  }
   std::optional<FilteredFilm> filtered;
   if (!filter.is_plain_box()) filtered.emplace(filter, film.width, film.height);
   const ProgressPhase phase(options.progress, "path tracing", samples, "samples");
   const auto render_tile = [&](int tile) {
     const int x0 = tile % tiles_x * kTile, y0 = tile / tiles_x * kTile;
     std::vector<LightVertex> vertices;
+    LightSubpath subpath;
     for (int y = y0; y < std::min(y0 + kTile, film.height); ++y)
       for (int x = x0; x < std::min(x0 + kTile, film.width); ++x) {
         const uint64_t pixel =
@@ -423,13 +438,13 @@ Image render_path(const World& world, const RayCaster& caster, const PathOptions
         if (filtered) filtered->begin(x, y, y0);
         for (int i = 0; i < options.spp; ++i) {
           const uint64_t sample = static_cast<uint64_t>(i);
-          if (light_paths.needed())
-            light_paths.trace(caster,
-                              Random(options.seed, Phase::kDirect, hash_bits(pixel, sample, 0, 0)),
-                              vertices);
+          const Random random(options.seed, Phase::kDirect, hash_bits(pixel, sample, 0, 0));
+          const PixelNumbers numbers(options.seed, Phase::kPath, pixel, sample);
+          if (both) bidirectional.trace_light(random, subpath);
+          if (light) light_paths.trace(caster, random, vertices);
           const PathSample path =
-              trace_sample(world, caster, lens, light_paths, vertices, x, y,
-                           PixelNumbers(options.seed, Phase::kPath, pixel, sample));
+              both ? bidirectional.sample(lens, x, y, numbers, subpath)
+                   : trace_sample(world, caster, lens, light_paths, vertices, x, y, numbers);
           sum.add(path);
           if (filtered) filtered->add(x, y, y0, path);
         }
@@ -437,6 +452,7 @@ Image render_path(const World& world, const RayCaster& caster, const PathOptions
           // Sums over all paths to the pixel's mean, times spp as the samples' sums are.
           const SplatSum& s = splats[pixel];
           const double scale = options.spp / static_cast<double>(samples);
+          sum.splat_direct = s.direct * scale;
           sum.splat_caustic = s.caustic * scale;
           sum.splat_indirect = s.indirect * scale;
           sum.splat_variance =
@@ -445,6 +461,7 @@ Image render_path(const World& world, const RayCaster& caster, const PathOptions
         if (filtered) {
           filtered->end(x, y, sum);
         } else {
+          sum.sum.direct += sum.splat_direct;
           sum.sum.caustic += sum.splat_caustic;
           sum.sum.indirect += sum.splat_indirect;
           write_pixel(image, pixel, sum, options.spp, options.spp, variance_of(sum, options.spp));

@@ -13,6 +13,7 @@ namespace photonloom {
 struct PathOptions {
   int spp = 16;
   uint64_t seed = 1;
+  bool bidirectional = false;  // by bidirectional.hpp, a check of the other; several times slower
   Progress* progress = nullptr;
 };
 

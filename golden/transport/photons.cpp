@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "golden/transport/beam.hpp"
 #include "golden/transport/bsdf.hpp"
 #include "golden/transport/delta_boxes.hpp"
 #include "golden/transport/emitters.hpp"
@@ -50,14 +51,18 @@ bool scatter(const Walk& walk, const Surface& s, uint64_t bounce, Vec3& out, Rgb
 
 void trace_path(const Walk& walk, uint64_t path, int rr_depth, const DeltaBoxes* boxes,
                 std::vector<Photon>& photons) {
-  Emission e = emit_photon(walk.world, walk.random);
+  uint32_t emitter;
+  Emission e = emit_photon(walk.world, walk.random, emitter);
   Ray ray = e.ray;
   if (is_black(e.power)) return;  // a texture or an environment may be black in places
-  if (boxes && !boxes->met_by(ray)) return;
+  // A beam's light starts where it lands.
+  bool on_its_way = is_beam(walk.world, emitter);
+  if (boxes && !on_its_way && !boxes->met_by(ray)) return;
   Hit hit = first_surface(walk.world, walk.caster, e);
   Rgb throughput(1);
   double flight = 0;
   bool scattered = false;  // by a surface that is not a delta one
+  bool by_delta = false;   // met one since the light
   for (uint64_t segment = 1; hit.valid(); ++segment) {
     const bool chooses = walk.world.has_choices();
     Surface s;
@@ -65,7 +70,7 @@ void trace_path(const Walk& walk, uint64_t path, int rr_depth, const DeltaBoxes*
     for (uint64_t i = 0;; ++i) {
       s = make_surface(walk.world, hit, ray.direction,
                        chooses ? walk.random.unit(segment, kPhotonPart) : 0);
-      if (s.stores && !(walk.caustic && segment == 1))
+      if (s.stores && !on_its_way && (!walk.caustic || by_delta))
         photons.push_back({hit.position, s.in,
                            e.power * throughput * (s.shading_ratio(s.in) * s.entering), path,
                            static_cast<uint32_t>(segment - 1), scattered ? flight : 0.0});
@@ -77,12 +82,15 @@ void trace_path(const Walk& walk, uint64_t path, int rr_depth, const DeltaBoxes*
       flight += hit.distance;
     }
     if (s.black()) return;
-    if (walk.caustic && !s.is_delta()) return;
+    const bool lands = on_its_way && !s.is_delta();
+    if (walk.caustic && !s.is_delta() && !lands) return;
+    by_delta = !lands && (by_delta || s.is_delta());
+    on_its_way = on_its_way && !lands;
     if (walk.max_segments >= 0 && segment >= static_cast<uint64_t>(walk.max_segments)) return;
     if (!scatter(walk, s, segment, ray.direction, throughput)) return;
     if (!survives(throughput, segment, rr_depth, walk.random.unit(segment, kPhotonRoulette)))
       return;
-    if (!s.is_delta()) {
+    if (!s.is_delta() && !lands) {
       scattered = true;
       flight = 0;
     }

@@ -124,7 +124,7 @@ Rgb diffuse_partner(const World& world, const RayCaster& caster, const Hit& hit,
   const double w = found.valid() ? found_weight(world, x, diffuse_pdf(s, d), found, d)
                                  : escaped_weight(world, x, diffuse_pdf(s, d), d);
   const Rgb sent = s.diffuse() * radiance * w;
-  return s.coat ? sent * s.coat->enters(glm::dot(s.shading_normal, d)) : sent;
+  return s.coat ? sent * s.coat->passes(glm::dot(s.shading_normal, d)) : sent;
 }
 
 bool depth_left(const World& world, uint64_t segments) {
@@ -224,7 +224,7 @@ GatherSample trace_gather(const World& world, const RayCaster& caster, const Dif
   if (glm::dot(direction, x.normal) <= 0 || glm::dot(direction, x.shading_normal) <= 0) return out;
   const RayNumbers numbers(seed, pixel, sample, ray);
   Path path{{x.position, direction}, Rgb(1), 1, {}};
-  if (x.coat) path.throughput *= x.coat->enters(glm::dot(direction, x.shading_normal));
+  if (x.coat) path.throughput *= x.coat->passes(glm::dot(direction, x.shading_normal));
   Hit hit = pass_openings(world, caster, path.ray, caster.closest(path.ray, &x.hit),
                           opening_number(world, numbers, x.segments + uint64_t{1}));
   for (uint64_t segment = x.segments + uint64_t{1}; hit.valid(); ++segment) {

@@ -71,19 +71,21 @@ Vec3 disk_reach(const Primitive& p) {
 }  // namespace
 
 bool has_diffuse_part(const Scene& scene, const Bsdf* bsdf) {
-  return any_part(scene, bsdf, [](const Bsdf& b) { return !is_black(b.diffuse) && !b.is_delta(); });
+  return any_part(scene, bsdf,
+                  [](const Bsdf& b) { return !is_black(b.diffuse) && b.has_diffuse(); });
 }
 
 bool has_delta_part(const Scene& scene, const Bsdf* bsdf) {
   return any_part(scene, bsdf, [](const Bsdf& b) {
-    return b.is_delta() || (b.kind == BsdfKind::kPlastic && !is_black(b.specular));
+    return b.is_delta() || (b.kind == BsdfKind::kPlastic && !is_black(b.specular)) ||
+           (b.is_coated() && !is_black(b.coat_specular));
   });
 }
 
 bool has_glossy_part(const Scene& scene, const Bsdf* bsdf) {
   return any_part(scene, bsdf, [](const Bsdf& b) {
     const bool rough = b.kind == BsdfKind::kRoughConductor || b.kind == BsdfKind::kRoughPlastic;
-    return b.kind == BsdfKind::kRoughDielectric ||
+    return b.kind == BsdfKind::kRoughDielectric || b.kind == BsdfKind::kPrincipled ||
            ((rough || b.kind == BsdfKind::kPhong) && !is_black(b.specular));
   });
 }
@@ -121,8 +123,10 @@ World::World(Scene scene) : scene_(std::move(scene)) {
 void World::add_coats() {
   for (size_t i = 0; i < scene_.bsdfs.size(); ++i) {
     const Bsdf& b = scene_.bsdfs[i];
-    if (b.kind == BsdfKind::kMixture || b.kind == BsdfKind::kPlastic) has_choices_ = true;
-    if (b.kind != BsdfKind::kPlastic && b.kind != BsdfKind::kRoughPlastic) continue;
+    const bool plastic = b.kind == BsdfKind::kPlastic || b.kind == BsdfKind::kRoughPlastic;
+    if (b.kind == BsdfKind::kMixture || b.kind == BsdfKind::kPlastic || b.is_coated())
+      has_choices_ = true;
+    if (!plastic && !b.is_coated() && b.kind != BsdfKind::kPrincipled) continue;
     coats_.resize(scene_.bsdfs.size());
     coats_[i] = make_coat(b);
   }

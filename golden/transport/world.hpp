@@ -73,13 +73,20 @@ struct Emitter {
   double pmf = 0;          // probability of emission: its share of the total power
 };
 
-// The smooth or rough coat of a plastic: what enters it and what stays in it.
+enum class CoatKind : uint8_t { kNone, kFresnel, kBurley };
+
+// What light crosses on its way to a diffuse lobe and back: the coat of a plastic, smooth or rough,
+// or of a coated BSDF; Burley's factor at each end of a principled one.
 struct Coat {
+  CoatKind kind = CoatKind::kNone;
   double ior = 1;
   double inner = 0;           // share of diffuse light from below that it reflects back
   std::vector<double> table;  // rough: what enters by the cosine, even steps from 0 to 1
+  Rgb absorption{0};          // across its thickness
   // Share of light that enters from, or leaves to, a direction of this cosine.
   double enters(double cosine) const;
+  // The same with what is left of it on the coat's other side.
+  Rgb passes(double cosine) const;
 };
 
 // A group of primitives, shown at another place.
@@ -159,10 +166,10 @@ class World {
   double opacity(const Bsdf& b, const Hit& hit) const;
   // Shares of a mixture's parts at a hit.
   double share(const Bsdf& mixture, size_t part, const Hit& hit) const;
-  // Coat of a plastic; null: none.
+  // Coat of a BSDF that is no mixture; null: none.
   const Coat* coat(const Bsdf& b) const {
     const size_t i = static_cast<size_t>(&b - scene_.bsdfs.data());
-    return i < coats_.size() && coats_[i].ior != 1 ? &coats_[i] : nullptr;
+    return i < coats_.size() && coats_[i].kind != CoatKind::kNone ? &coats_[i] : nullptr;
   }
 
   // Mitsuba's texture coordinates; (0, 0) on meshes without.
@@ -215,7 +222,7 @@ class World {
   double cube_extent_ = 1, radius_ = 0, surface_area_ = 0, diffuse_area_ = 0;
   bool has_delta_ = false, has_glossy_ = false, has_openings_ = false, has_choices_ = false;
   std::vector<char> side_open_;  // as side_bsdf_
-  std::vector<Coat> coats_;      // by BSDF; index 1: none
+  std::vector<Coat> coats_;      // by BSDF
   std::shared_ptr<const Environment> environment_;
   uint32_t environment_emitter_ = 0;
   Rgb emitted_power_{0};

@@ -696,21 +696,44 @@ TEST_CASE("the nearest supported BSDF is the one inside, or one of the same colo
     const Scene s = loaded(bsdf);
     return s.bsdfs[static_cast<size_t>(s.shapes[0].bsdf)];
   };
-  CHECK(first("<bsdf type=\"coating\"><float name=\"thickness\" value=\"1\"/><bsdf "
-              "type=\"roughconductor\"/></bsdf>")
-            .kind == BsdfKind::kRoughConductor);
-  const Bsdf coated = first(
-      "<bsdf type=\"coating\"><float name=\"intIOR\" value=\"1.7\"/><float name=\"extIOR\" "
-      "value=\"1\"/><bsdf type=\"diffuse\"/></bsdf>");
-  CHECK(coated.kind == BsdfKind::kPlastic);
-  CHECK(coated.ior == 1.7);
-  CHECK(coated.diffuse == Rgb(0.5));
+  CHECK(first("<bsdf type=\"coating\"><bsdf type=\"plastic\"/></bsdf>").kind == BsdfKind::kPlastic);
   CHECK(first("<bsdf type=\"roughcoating\"><float name=\"alpha\" value=\"0.3\"/><bsdf "
               "type=\"diffuse\"/></bsdf>")
             .alpha_u == 0.3);
-  CHECK(first("<bsdf type=\"principled\"><rgb name=\"base_color\" value=\"0.1 0.2 0.3\"/></bsdf>")
-            .diffuse == Rgb(0.1, 0.2, 0.3));
-  // Of Mitsuba's principled BSDF the parts that there are.
+  CHECK(
+      first("<bsdf type=\"principledthin\"><rgb name=\"base_color\" value=\"0.1 0.2 0.3\"/></bsdf>")
+          .diffuse == Rgb(0.1, 0.2, 0.3));
+}
+
+TEST_CASE("coatings: index, absorption across the thickness, what lies below, both sides") {
+  const Bsdf varnish = bsdf(
+      "<bsdf type=\"coating\"><float name=\"intIOR\" value=\"1.7\"/><float name=\"extIOR\" "
+      "value=\"1\"/><float name=\"thickness\" value=\"2\"/><rgb name=\"sigmaA\" value=\"0.1 0.2 "
+      "0.5\"/><rgb name=\"specularReflectance\" value=\"0.9\"/><bsdf "
+      "type=\"roughconductor\"><float "
+      "name=\"alpha\" value=\"0.3\"/></bsdf></bsdf>");
+  CHECK(varnish.kind == BsdfKind::kRoughConductor);
+  CHECK(varnish.alpha_u == 0.3);
+  CHECK(varnish.coat_ior == 1.7);
+  CHECK(varnish.coat_absorption == Rgb(0.2, 0.4, 1));
+  CHECK(varnish.coat_specular == Rgb(0.9));
+  const Bsdf plain = bsdf("<bsdf type=\"coating\"><bsdf type=\"diffuse\"/></bsdf>");
+  CHECK(plain.coat_ior == Approx(1.5046 / 1.000277));
+  CHECK(plain.coat_absorption == Rgb(0));
+  CHECK(bsdf("<bsdf type=\"twosided\"><bsdf type=\"coating\"><bsdf "
+             "type=\"conductor\"/></bsdf></bsdf>")
+            .two_sided);
+  CHECK(!bsdf("<bsdf type=\"diffuse\"/>").is_coated());
+  CHECK_THAT(body_error("<bsdf type=\"coating\"><float name=\"intIOR\" value=\"1\"/><float "
+                        "name=\"extIOR\" value=\"1.2\"/><bsdf type=\"diffuse\"/></bsdf>"),
+             ContainsSubstring("expected more than 1"));
+  CHECK_THAT(body_error("<bsdf type=\"coating\"/>"),
+             ContainsSubstring("has no BSDF, expected one"));
+  CHECK_THAT(body_error("<bsdf type=\"coating\"><bsdf type=\"dielectric\"/></bsdf>"),
+             ContainsSubstring("expected a diffuse, phong, conductor or roughconductor"));
+}
+
+TEST_CASE("principled: its numbers, defaults and ranges") {
   const auto principled = [](const std::string& inside) {
     return "<bsdf type=\"principled\"><rgb name=\"base_color\" value=\"0.1 0.2 0.3\"/>" + inside +
            "</bsdf>";
@@ -718,19 +741,39 @@ TEST_CASE("the nearest supported BSDF is the one inside, or one of the same colo
   const auto number = [](const char* name, const char* value) {
     return std::string("<float name=\"") + name + "\" value=\"" + value + "\"/>";
   };
-  const Bsdf plastic = first(principled(number("roughness", "0.4")));
-  CHECK(plastic.kind == BsdfKind::kRoughPlastic);
-  CHECK(plastic.alpha_u == Approx(0.16));
-  CHECK(plastic.ior == Approx(1.5));
-  const Bsdf metal = first(principled(number("metallic", "1")));
-  CHECK(metal.kind == BsdfKind::kRoughConductor);
-  CHECK(metal.specular == Rgb(0.1, 0.2, 0.3));
-  CHECK(first(principled(number("spec_trans", "1") + number("eta", "1.3"))).ior == 1.3);
-  const Scene mixed = loaded(principled(number("metallic", "0.25") + number("clearcoat", "1")));
-  const Bsdf& mixture = mixed.bsdfs[static_cast<size_t>(mixed.shapes[0].bsdf)];
-  CHECK(mixture.kind == BsdfKind::kMixture);
-  CHECK(mixture.shares == std::vector<double>{0.25, 0.75});
-  CHECK(first("<bsdf type=\"twosided\">" + principled("") + "</bsdf>").two_sided);
+  const Bsdf plain = bsdf(principled(""), "3.0.0");
+  CHECK(plain.kind == BsdfKind::kPrincipled);
+  CHECK(plain.diffuse == Rgb(0.1, 0.2, 0.3));
+  CHECK(plain.ior == Approx(1.5));
+  CHECK(plain.principled.roughness == 0.5);
+  CHECK(plain.principled.metallic == 0);
+  CHECK(!plain.transmits());
+  CHECK(plain.has_diffuse());
+  const Bsdf glass = bsdf(principled(number("spec_trans", "1") + number("eta", "1.3")), "3.0.0");
+  CHECK(glass.ior == 1.3);
+  CHECK(glass.transmits());
+  CHECK(!glass.has_diffuse());
+  const Bsdf paint =
+      bsdf(principled(number("clearcoat", "0.7") + number("clearcoat_gloss", "0.2") +
+                      number("sheen", "0.3") + number("sheen_tint", "0.4") +
+                      number("flatness", "0.5") + number("spec_tint", "0.6") +
+                      number("anisotropic", "0.8") + number("metallic", "0.9") +
+                      number("roughness", "0.25") + number("main_specular_sampling_rate", "2")),
+           "3.0.0");
+  CHECK(paint.principled.clearcoat == 0.7);
+  CHECK(paint.principled.clearcoat_gloss == 0.2);
+  CHECK(paint.principled.sheen == 0.3);
+  CHECK(paint.principled.sheen_tint == 0.4);
+  CHECK(paint.principled.flatness == 0.5);
+  CHECK(paint.principled.spec_tint == 0.6);
+  CHECK(paint.principled.anisotropic == 0.8);
+  CHECK(paint.principled.metallic == 0.9);
+  CHECK(paint.principled.roughness == 0.25);
+  CHECK_THAT(body_error(principled(number("sheen", "1.5"))),
+             ContainsSubstring("sheen is 1.5, expected 0 to 1"));
+  CHECK_THAT(body_error(principled(number("eta", "1.5") + number("specular", "0.5"))),
+             ContainsSubstring("both eta and specular"));
+  CHECK_THAT(body_error(principled(number("subsurface", "1"))), ContainsSubstring("subsurface"));
 }
 
 TEST_CASE("rough and coated BSDFs, their names and defaults") {
@@ -795,7 +838,7 @@ TEST_CASE("mask, blendbsdf and mixturebsdf: both sides, shares, what they refuse
   CHECK_THAT(body_error("<bsdf type=\"mask\"/>"), ContainsSubstring("has no BSDF"));
   CHECK_THAT(body_error("<bsdf type=\"blendbsdf\"><bsdf type=\"diffuse\"/><bsdf type=\"plastic\"/>"
                         "</bsdf>"),
-             ContainsSubstring("mixes a plastic with a BSDF that has another coat or none"));
+             ContainsSubstring("with one that has another coat or none"));
   CHECK_THAT(body_error("<bsdf type=\"twosided\"><bsdf type=\"mask\"><bsdf type=\"diffuse\"/>"
                         "</bsdf></bsdf>"),
              ContainsSubstring("it transmits"));
@@ -864,18 +907,22 @@ TEST_CASE("groups and instances: meshes once, round shapes copied; merge as if o
       ContainsSubstring("its group has a sphere"));
 }
 
-TEST_CASE("a collimated beam is refused; a narrow spot of its power stands for it") {
-  const std::string beam =
-      "<emitter type=\"collimated\"><spectrum name=\"power\" value=\"3\"/><transform "
-      "name=\"toWorld\"><translate x=\"1\"/></transform></emitter>";
-  CHECK_THAT(body_error(beam), ContainsSubstring("scene.xml:2") && ContainsSubstring("collimated"));
+TEST_CASE("a collimated beam: power along +z of its frame") {
   const TestFolder folder;
-  const Scene s = load_scene(folder.write("s.xml", scene_text(beam + kSensor + kLamp)), {},
-                             Unsupported::kSubstitute);
-  CHECK(s.substitutions.size() == 1);
+  const Scene s = load_scene(folder.write(
+      "s.xml",
+      scene_text("<shape type=\"cube\"/><emitter type=\"collimated\"><transform "
+                 "name=\"toWorld\"><lookat origin=\"1,2,3\" target=\"1,2,9\" "
+                 "up=\"0,1,0\"/></transform><rgb name=\"power\" value=\"1 2 3\"/></emitter>" +
+                 std::string(kSensor))));
   REQUIRE(s.lights.size() == 1);
-  CHECK(s.lights[0].position == Vec3(1, 0, 0));
-  CHECK(light_power(s.lights[0], 1).x == Approx(3).epsilon(1e-9));
+  CHECK(s.lights[0].kind == LightKind::kCollimated);
+  CHECK(s.lights[0].position == Vec3(1, 2, 3));
+  CHECK(s.lights[0].direction == Vec3(0, 0, 1));
+  CHECK(s.lights[0].intensity == Rgb(1, 2, 3));
+  CHECK_THAT(body_error("<emitter type=\"collimated\"><transform name=\"toWorld\"><scale "
+                        "x=\"2\"/></transform></emitter>"),
+             ContainsSubstring("the beam's transform is uneven"));
 }
 
 TEST_CASE("meshes are read at once: a file of several shapes, errors in the file's order") {

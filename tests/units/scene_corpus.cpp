@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sixty small scenes in the style of public ones. Each renders by path tracing and by photons,
+// Some sixty small scenes in the style of public ones. Each renders by path tracing and by photons,
 // or is refused in one message that names every element that is not supported, with its line.
 // Spellings are those of the plugin documentation: Mitsuba 0.5/0.6 (documentation.pdf, chapter 8)
 // in the files of version 0.x, Mitsuba 3 (mitsuba.readthedocs.io, plugin reference) in the others.
@@ -152,9 +152,20 @@ constexpr File kFiles[] = {
      "</bsdf></bsdf></shape>",
      ""},
     {"coating", "0.6.0",
-     "<shape type='sphere'>\n<bsdf type='coating'><float name='intIOR' value='1.7'/><bsdf "
-     "type='roughconductor'/></bsdf></shape>",
-     "5 coating"},
+     "<shape type='sphere'><bsdf type='coating'><float name='intIOR' value='1.7'/><bsdf "
+     "type='roughconductor'><string name='material' value='Cu'/><float name='alpha' "
+     "value='0.1'/></bsdf></bsdf></shape>",
+     ""},
+    {"tinted coating", "0.5.0",
+     "<shape type='sphere'><bsdf type='twosided'><bsdf type='coating'><float name='thickness' "
+     "value='5'/><spectrum name='sigmaA' value='0.1, 0.2, 0.5'/><bsdf type='phong'/></bsdf></bsdf>"
+     "</shape>",
+     ""},
+    {"rough coating", "0.6.0",
+     "<shape type='sphere'>\n<bsdf type='roughcoating'><float name='alpha' value='0.1'/><bsdf "
+     "type='diffuse'/></bsdf></shape>\n<shape type='cube'><bsdf type='coating'><bsdf "
+     "type='plastic'/></bsdf></shape>",
+     "5 roughcoating, 6 coating"},
     {"bump", "0.4.4",
      "<shape type='sphere'>\n<bsdf type='bump'><texture type='scale'><float name='scale' "
      "value='10'/>"
@@ -219,10 +230,29 @@ constexpr File kFiles[] = {
      "temperature='5000K'/></emitter>",
      ""},
     {"principled", "3.0.0",
-     "<shape type='sphere'>\n<bsdf type='principled'><rgb name='base_color' "
-     "value='1.0,0.44,0.33'/><float "
-     "name='roughness' value='0.5'/></bsdf></shape>",
-     "5 principled"},
+     "<shape type='sphere'><bsdf type='principled'><rgb name='base_color' "
+     "value='1.0,1.0,1.0'/><float name='metallic' value='0.7'/><float name='specular' "
+     "value='0.6'/><float name='roughness' value='0.2'/><float name='spec_tint' "
+     "value='0.4'/><float name='anisotropic' value='0.5'/><float name='sheen' value='0.3'/><float "
+     "name='sheen_tint' value='0.2'/><float name='clearcoat' value='0.6'/><float "
+     "name='clearcoat_gloss' value='0.3'/><float name='spec_trans' value='0.4'/></bsdf></shape>",
+     ""},
+    {"textured principled", "3.0.0",
+     "<shape type='rectangle'><bsdf type='twosided'><bsdf type='principled'><texture "
+     "type='bitmap' name='base_color'><string name='filename' value='wood.png'/></texture><texture "
+     "type='bitmap' name='roughness'><string name='filename' value='wood.png'/><boolean "
+     "name='raw' value='true'/></texture></bsdf></bsdf></shape>",
+     ""},
+    {"collimated", "0.5.0",
+     "<shape type='cube'/><emitter type='collimated'><transform name='toWorld'><lookat origin='1, "
+     "1, -3' target='0, 0, 0'/></transform><spectrum name='power' value='2'/></emitter>",
+     ""},
+    {"principledthin", "3.0.0",
+     "<shape type='rectangle'>\n<bsdf type='principledthin'><float name='diff_trans' "
+     "value='0.6'/></bsdf></shape>\n<shape type='cube'><bsdf type='principled'><texture "
+     "type='bitmap' name='clearcoat'><string name='filename' value='wood.png'/></texture></bsdf>"
+     "</shape>",
+     "5 principledthin, 6 clearcoat"},
     {"ward and hair", "0.6.0",
      "<shape type='sphere'>\n<bsdf type='ward'/></shape>\n<shape type='hair'><string "
      "name='filename' "
@@ -356,7 +386,7 @@ void write_pictures(const TestFolder& folder) {
 }  // namespace
 
 TEST_CASE("small files in the style of public scenes render, or are refused whole") {
-  static_assert(std::size(kFiles) == 60);
+  static_assert(std::size(kFiles) == 65);
   const TestFolder folder;
   write_pictures(folder);
   for (const File& f : kFiles) {

@@ -4,7 +4,8 @@
 // them, each over its width. Photons and final-gather queries of a scene, the queries in the order
 // in which a sweep over Hilbert-prefix bins lets them go; no maximum radius. Every packet is
 // compared with golden. Twice per k: with an ideal memory (a line a cycle, latency 1), and with
-// latency 60, 128 bits a cycle and the plan's cache. After that the same for a wide plan of each k.
+// latency 60, 128 bits a cycle and the plan's cache. After that the same for the wide plan of each
+// k in fpga/fast.
 #include <fmt/core.h>
 
 #include <CLI/CLI.hpp>
@@ -20,7 +21,7 @@ namespace {
 
 struct Options {
   LoadOptions load;
-  std::string write_plan;
+  std::string write_plan, fast = data_dir() + "/fpga/fast";
   uint64_t photons = 65536, queries = 20000;
   std::vector<int> ks = {8, 16, 50};
   int contexts = 16, lanes = 4, nodes = 1, candidates = 1, powers = 1;
@@ -28,18 +29,11 @@ struct Options {
   bool narrow = true, wide = true;
 };
 
-// The wide plan of a k: what differs from the options, and how many cycles a gather may take.
-struct WidePlan {
-  int k, contexts, lanes, nodes, candidates, powers;
+// How many cycles a gather may take with the wide plan of a k.
+constexpr struct {
+  int k;
   double ideal, slow;
-};
-// Of each: photons without padding, in 160 lines of 5 ways, which are within the options' 16 KB.
-constexpr int kWidePhotonBytes = 12, kWideCacheBytes = 15360, kWideWays = 5, kWideMisses = 16;
-constexpr WidePlan kWidePlans[] = {
-    {8, 32, 8, 2, 2, 2, 15, 22},
-    {16, 32, 8, 2, 2, 2, 20, 28},
-    {50, 48, 8, 2, 4, 4, 34, 42},
-};
+} kFastGoals[] = {{8, 15, 22}, {16, 20, 28}, {50, 34, 42}};
 
 // What cycles per gather may be over the bound, by memory and k, with the plan of the defaults
 // below: 4 lanes, 16 contexts, a 16 KB cache with 8 misses outstanding, 64k photons, 20,000 queries
@@ -70,6 +64,31 @@ GatherRun measure(const Plan& plan, const PhotonMap& map, const std::vector<Gath
 struct Goal {
   std::optional<double> ratio, cycles;  // over the bound, of a gather
 };
+
+// The wide plan of a k: the narrow one of this load but for widths, contexts, cache and the lines
+// of its memory.
+Plan fast_plan(const Options& o, const Plan& narrow, int k) {
+  const std::string file = fmt::format("{}/k{}.toml", o.fast, k);
+  const Plan plan = read_plan(file);
+  Plan same = narrow;
+  same.k = k;
+  same.contexts = plan.contexts;
+  same.lanes = plan.lanes;
+  same.nodes_per_cycle = plan.nodes_per_cycle;
+  same.candidates_per_cycle = plan.candidates_per_cycle;
+  same.powers_per_cycle = plan.powers_per_cycle;
+  same.cache_bytes = plan.cache_bytes;
+  same.cache_ways = plan.cache_ways;
+  same.cache_misses = plan.cache_misses;
+  same.photon_bytes = plan.photon_bytes;
+  same.photon_memory = plan.photon_memory;
+  if (plan_hash(plan) != plan_hash(same))
+    throw std::runtime_error(fmt::format(
+        "{}: differs in more than widths, contexts, cache, photon_bytes and photon_memory from the "
+        "plan of this load; expected what scripts/fpga-plans --plans-only writes",
+        file));
+  return plan;
+}
 
 // The rows of one plan: with an ideal memory, and with a slow one.
 void measure_both(const Plan& plan, const PhotonMap& map, const std::vector<GatherQuery>& queries,
@@ -106,6 +125,7 @@ void measure_both(const Plan& plan, const PhotonMap& map, const std::vector<Gath
     std::fflush(stdout);
     nlohmann::json row = m.row();
     row.update({{"k", plan.k},
+                {"plan", plan_hash_text(plan)},
                 {"memory", memory},
                 {"contexts", plan.contexts},
                 {"lanes", plan.lanes},
@@ -169,24 +189,10 @@ int run(const Options& o) {
       measure_both(plan, map, queries, goals, o, rows, missed);
     }
   if (o.wide)
-    for (const WidePlan& w : kWidePlans) {
-      if (std::find(o.ks.begin(), o.ks.end(), w.k) == o.ks.end()) continue;
-      Plan wide = plan;
-      wide.k = w.k;
-      wide.contexts = w.contexts;
-      wide.lanes = w.lanes;
-      wide.nodes_per_cycle = w.nodes;
-      wide.candidates_per_cycle = w.candidates;
-      wide.powers_per_cycle = w.powers;
-      wide.photon_bytes = kWidePhotonBytes;
-      wide.photon_memory = PhotonMemory::kBlockRam;
-      wide.cache_bytes = kWideCacheBytes;
-      wide.cache_ways = kWideWays;
-      wide.cache_misses = kWideMisses;
-      check_plan(wide);
-      const Goal goals[2] = {{{}, w.ideal}, {{}, w.slow}};
-      measure_both(wide, map, queries, goals, o, rows, missed);
-    }
+    for (const auto& goals : kFastGoals)
+      if (std::find(o.ks.begin(), o.ks.end(), goals.k) != o.ks.end())
+        measure_both(fast_plan(o, plan, goals.k), map, queries,
+                     {{{}, goals.ideal}, {{}, goals.slow}}, o, rows, missed);
   return report("photon_gatherer", o.load, rows, missed);
 }
 
@@ -209,6 +215,7 @@ int main(int argc, char** argv) {
   app.add_option("--powers", o.powers, "Powers a cycle.");
   app.add_flag("!--no-narrow", o.narrow, "Without the rows of the options above.");
   app.add_flag("!--no-wide", o.wide, "Without the wide plans.");
+  app.add_option("--fast", o.fast, "Folder of the wide plans, kK.toml.");
   app.add_option("--cache-bytes", o.cache_bytes, "Leaf cache.");
   app.add_option("--cache-ways", o.ways, "Its associativity.");
   app.add_option("--photon-bytes", o.photon_bytes, "Bytes of a photon in a line.");

@@ -56,8 +56,11 @@ def read_catalogue(path: Path = CATALOGUE) -> Catalogue:
     for unit in table("variations"):
         if unit not in UNITS:
             raise Failure(f"{path}: variations.{unit} is no unit, expected some of {', '.join(UNITS)}")
-        for name in table(f"variations.{unit}.plans"):
-            variations[name] = Variation(base(f"variations.{unit}"), words(f"variations.{unit}.plans.{name}"), unit)
+        for name, value in table(f"variations.{unit}.plans").items():
+            where = f"variations.{unit}.plans.{name}"
+            own = isinstance(value, dict)  # a base of its own
+            variations[name] = Variation(base(where if own else f"variations.{unit}"),
+                                         words(f"{where}.set" if own else where), unit)
     board = read_board(field(said, path, "board", str, "a board"))
     return Catalogue(board, derived, scenes, variations)
 
@@ -74,7 +77,9 @@ def write_plans(catalogue: Catalogue) -> None:
 
     PLANS.mkdir(exist_ok=True)
     for name, variation in catalogue.derived.items():
-        vary(variation, ROOT / "fpga" / f"{name}.toml")
+        path = ROOT / "fpga" / f"{name}.toml"
+        path.parent.mkdir(exist_ok=True)
+        vary(variation, path)
     for name, arguments in catalogue.scenes.items():
         run([PHOTONLOOM, "plan", *arguments, "-o", str(plan_file(name))], cwd=ROOT)
     for name, variation in catalogue.variations.items():

@@ -1,0 +1,201 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The gatherer alone, fast and narrow: cycles a gather of `make bench-rtl`, resources and clocks of the plans of fpga/fast,
+and gathers a second for 1,000 LUT-equivalents. Takes the cycles from build/bench/rtl_photon_gatherer.json, synthesizes and
+routes what build/fpga does not have, and writes fpga/fast.json and the table of docs/photon_gatherer.md. Exit status 1 where
+a goal of fpga/goals.toml is missed. With --check it measures nothing and tells whether the page is that of the data."""
+import argparse
+import hashlib
+import json
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import NotRequired, TypedDict
+
+from flow.boards import LUT_EQ, Board, read_board
+from flow.goals import FastGoals, fast_goals
+from flow.package import describe, digest, generate
+from flow.plans.catalogue import read_catalogue
+from flow.results import median, report_folder
+from flow.routing import Clock, clocks_of, place, routed_name
+from flow.shell import ROOT, Failure, field, read_json, read_text, read_toml, say, write_json
+from flow.synthesis import Counts, synthesise
+from flow.tables import markdown, replace_between
+from flow.tools import Tools, find_tools
+
+FAST = ROOT / "fpga" / "fast"
+DATA = ROOT / "fpga" / "fast.json"
+PAGE = ROOT / "docs" / "photon_gatherer.md"
+CYCLES = ROOT / "build" / "bench" / "rtl_photon_gatherer.json"
+UNIT = "photon_gatherer"
+WIDTHS = ("nodes_per_cycle", "lanes", "candidates_per_cycle", "powers_per_cycle")
+
+
+class Row(TypedDict):
+    """A plan. digest: of its package and the tools. cycles: a gather, with an ideal memory and with a slow one; mhz: of each
+    seed that was routed."""
+    plan: str
+    k: int
+    widths: list[int]
+    contexts: int
+    digest: str
+    cycles: list[float]
+    resources: Counts
+    mhz: list[float]
+
+
+class Data(TypedDict):
+    board: str
+    versions: dict[str, str]
+    rows: list[Row]
+
+
+class CycleRow(TypedDict):
+    """A row of throughput_photon_gatherer's JSON."""
+    plan: NotRequired[str]
+    memory: str
+    cycles: float
+
+
+def names() -> list[str]:
+    """The plans of fpga/fast, narrow ones behind the wide one of their k."""
+    found = [name.removeprefix("fast/") for name in read_catalogue().derived if name.startswith("fast/")]
+    return sorted(found, key=lambda name: (int(name.split("k")[-1]), name.startswith("narrow")))
+
+
+def cycles_of(rows: Sequence[CycleRow], plan_hash: str, path: Path) -> list[float]:
+    """Cycles a gather of a plan, ideal memory first."""
+    of_plan = {row["memory"]: row["cycles"] for row in rows if row.get("plan") == plan_hash}
+    if "ideal" not in of_plan or len(of_plan) != 2:
+        raise Failure(f"{path}: has no rows of plan {plan_hash} with both memories; run 'make bench-rtl'")
+    return [of_plan["ideal"], *(cycles for memory, cycles in of_plan.items() if memory != "ideal")]
+
+
+def routed_before(folder: Path, top: str, seed: int) -> float | None:
+    """MHz of a placement that is there and no older than its netlist."""
+    report, netlist = folder / "build" / f"{routed_name(top, seed, 'heap', None)}.json", folder / "build" / f"{top}.json"
+    if not report.is_file() or not netlist.is_file() or report.stat().st_mtime < netlist.stat().st_mtime:
+        return None
+    return slowest(clocks_of(report)[0])
+
+
+def slowest(clocks: Mapping[str, Clock]) -> float:
+    return min(clock["achieved"] for clock in clocks.values())
+
+
+def measure(name: str, board: Board, tools: Tools, seeds: Sequence[int], cycle_rows: Sequence[CycleRow], route: bool) -> Row:
+    """One plan through synthesis and each seed; what is there already is taken."""
+    path = FAST / f"{name}.toml"
+    said, facts = read_toml(path), describe(path)
+    folder = report_folder(board, facts["hash"]) / UNIT
+    folder.parent.mkdir(parents=True, exist_ok=True)
+    generate(path, folder, board, UNIT)
+    top = board.top(UNIT)
+    say(f"{name}: synthesis")
+    counts = synthesise(folder, board, top, UNIT, tools)
+    mhz = []
+    for seed in seeds:
+        if (before := routed_before(folder, top, seed)) is not None:
+            mhz.append(before)
+        elif route:
+            say(f"{name}: seed {seed}")
+            if (placed := place(folder, top, seed, tools)) is not None:
+                mhz.append(slowest(placed["clocks"]))
+    return {"plan": name, "k": field(said, path, "gather.k", int, "a count"),
+            "widths": [field(said, path, f"gatherer.{width}", int, "a count") for width in WIDTHS],
+            "contexts": field(said, path, "gatherer.contexts", int, "a count"), "digest": digest(folder, tools.versions),
+            "cycles": cycles_of(cycle_rows, facts["hash"], CYCLES), "resources": counts, "mhz": mhz}
+
+
+def rate(row: Row) -> float | None:
+    """Gathers a second for 1,000 LUT-equivalents, with an ideal memory, at the median of the seeds; None where none is routed."""
+    return median(row["mhz"]) * 1e6 / row["cycles"][0] / (row["resources"][LUT_EQ] / 1000) if row["mhz"] else None
+
+
+def least_rate(row: Row, rows: Sequence[Row], goals: FastGoals) -> float | None:
+    """The rate that a wide plan is to reach: of the goals, or the narrow plan's; None of a narrow plan, or where that one is
+    not routed."""
+    if row["plan"].startswith("narrow"):
+        return None
+    narrow = next((rate(r) for r in rows if r["plan"] == f"narrow_k{row['k']}"), None)
+    return goals.rates.get(row["k"], narrow)
+
+
+def megahertz_for(row: Row, least: float) -> float:
+    """The clock at which a plan reaches a rate."""
+    return least * row["cycles"][0] * row["resources"][LUT_EQ] / 1e9
+
+
+def verdict(row: Row, rows: Sequence[Row], goals: FastGoals) -> list[str]:
+    """What a wide plan misses; empty where it reaches all of its goals or has none."""
+    if row["plan"].startswith("narrow"):
+        return []
+    few = [f"{len(row['mhz'])} of {goals.seeds} seeds routed"] if len(row["mhz"]) < goals.seeds else []
+    return few + (missed(row, rows, goals) if row["mhz"] else [])
+
+
+def missed(row: Row, rows: Sequence[Row], goals: FastGoals) -> list[str]:
+    """The goals that the seeds so far miss."""
+    said, k, reached = [], row["k"], rate(row)
+    if median(row["mhz"]) < goals.megahertz(k):
+        said.append(f"MISSED: {median(row['mhz']):.1f} MHz, goal {goals.megahertz(k):g}")
+    least = least_rate(row, rows, goals)
+    if least is None:
+        said.append(f"narrow_k{k} is not routed")
+    elif reached is not None and reached < least:
+        said.append(f"MISSED: {reached:,.0f} gathers, goal {least:,.0f}")
+    return said
+
+
+def page(data: Data, goals: FastGoals) -> str:
+    """The table, and what it was made of."""
+    cells = []
+    for row in data["rows"]:
+        mhz, reached, least = row["mhz"], rate(row), least_rate(row, data["rows"], goals)
+        narrow = row["plan"].startswith("narrow")
+        said = "; ".join(verdict(row, data["rows"], goals)) or ("–" if narrow else "yes")
+        cells.append([f"`{row['plan']}`", ", ".join(str(w) for w in row["widths"]), row["contexts"],
+                      *(f"{c:.1f}" for c in row["cycles"]),
+                      f"{min(mhz):.1f}, {median(mhz):.1f} ({len(mhz)})" if mhz else "–", f"{row['resources'][LUT_EQ]:,}",
+                      row["resources"]["DP16KD"], row["resources"]["MULT18X18D"],
+                      f"{reached:,.0f}" if reached else "–",
+                      f"{least:,.0f}, from {megahertz_for(row, least):.1f} MHz" if least else "–", said])
+    of = hashlib.sha256(json.dumps(data, sort_keys=True).encode()).hexdigest()[:16]
+    return (markdown(cells, ["plan", "nodes, lanes, candidates, powers", "contexts", "cycles, ideal memory", "cycles, latency 60",
+                             "MHz: least, median (seeds)", "LUT-eq", "DP16KD", "MULT18X18D",
+                             "gathers a second for 1,000 LUT-eq", "its goal, at which clock", "goals reached"]) +
+            f"\nMade of `fpga/fast.json` {of}; " + "; ".join(data["versions"].values()) + ".\n")
+
+
+def main() -> int:
+    p = argparse.ArgumentParser(prog="fpga-fast", description=__doc__)
+    p.add_argument("plans", nargs="*", help="measure these again; the others stay as fpga/fast.json has them")
+    p.add_argument("--seeds", type=int, help="placements of each (default: those of fpga/goals.toml)")
+    p.add_argument("--no-route", action="store_true", help="take the placements that are there, and make none")
+    p.add_argument("--check", action="store_true", help="tell whether docs/photon_gatherer.md is that of fpga/fast.json")
+    o = p.parse_args()
+    goals = fast_goals()
+    for name in o.plans:
+        if name not in names():
+            p.error(f"there is no plan {name}, expected some of {', '.join(names())}")
+    if o.check:
+        if page(read_json(DATA), goals) not in read_text(PAGE):
+            raise Failure(f"{PAGE}: is not what {DATA} gives; scripts/fpga-fast writes it")
+        say("docs/photon_gatherer.md is that of fpga/fast.json")
+        return 0
+    board = read_board(goals.board)
+    tools = find_tools(board)
+    cycle_rows: list[CycleRow] = read_json(CYCLES)[UNIT]
+    seeds = range(1, 1 + (o.seeds or goals.seeds))
+    old: dict[str, Row] = {row["plan"]: row for row in read_json(DATA)["rows"]} if o.plans and DATA.is_file() else {}
+    rows = []
+    for name in names():
+        if not o.plans or name in o.plans:
+            rows.append(measure(name, board, tools, seeds, cycle_rows, not o.no_route))
+        elif name in old:
+            rows.append(old[name])
+    data: Data = {"board": board.name, "versions": tools.versions, "rows": rows}
+    write_json(DATA, data)
+    replace_between(PAGE, "fast", page(data, goals))
+    faults = [f"{row['plan']}: {fault}" for row in rows for fault in verdict(row, rows, goals)]
+    for fault in faults:
+        say(fault)
+    return 1 if faults else 0

@@ -1,0 +1,66 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What is said of the gatherer alone, on made-up figures."""
+import unittest
+from pathlib import Path
+
+from flow.fast import CycleRow, Data, Row, cycles_of, names, page, rate, verdict
+from flow.goals import FastGoals, fast_goals
+from flow.shell import Failure
+
+GOALS = FastGoals("b", 3, {8: 90.0}, {}, Path("goals.toml"))
+
+
+def row(plan: str, mhz: list[float], cycles: float, luts: int) -> Row:
+    return {"plan": plan, "k": 8, "widths": [2, 8, 2, 2], "contexts": 32, "digest": "", "cycles": [cycles, 2 * cycles],
+            "resources": {"LUT-eq": luts, "DP16KD": 90, "MULT18X18D": 48}, "mhz": mhz}
+
+
+NARROW = row("narrow_k8", [100.0, 100.0, 100.0], 20.0, 5000)  # a million for 1,000
+
+
+class Fast(unittest.TestCase):
+    def test_rate_is_that_of_the_median(self) -> None:
+        self.assertEqual(rate(row("k8", [80.0, 100.0, 90.0], 10.0, 9000)), 1e6)
+        self.assertIsNone(rate(row("k8", [], 10.0, 9000)))
+
+    def test_goals_are_reached_or_missed(self) -> None:
+        cases: list[tuple[list[float], int, list[str]]] = [
+            ([90.0, 90.0, 95.0], 9000, []),
+            ([80.0, 88.0, 99.0], 8000, ["MISSED: 88.0 MHz, goal 90"]),
+            ([90.0, 90.0, 90.0], 10000, ["MISSED: 900,000 gathers, goal 1,000,000"]),
+            ([80.0], 9000, ["1 of 3 seeds routed", "MISSED: 80.0 MHz, goal 90", "MISSED: 888,889 gathers, goal 1,000,000"]),
+            ([], 9000, ["0 of 3 seeds routed"])]
+        for mhz, luts, said in cases:
+            wide = row("k8", mhz, 10.0, luts)
+            self.assertEqual(verdict(wide, [wide, NARROW], GOALS), said)
+        self.assertEqual(verdict(NARROW, [NARROW], GOALS), [])
+
+    def test_a_rate_of_its_own_goes_before_the_narrow_one(self) -> None:
+        wide = row("k8", [90.0, 90.0, 90.0], 10.0, 10000)
+        self.assertEqual(verdict(wide, [wide, NARROW], FastGoals("b", 3, {8: 90.0}, {8: 9e5}, Path("g"))), [])
+        self.assertEqual(verdict(wide, [wide], GOALS), ["narrow_k8 is not routed"])
+        with self.assertRaisesRegex(Failure, "goals.toml: fast.mhz.16 is missing"):
+            GOALS.megahertz(16)
+
+    def test_cycles_of_both_memories(self) -> None:
+        rows: list[CycleRow] = [{"plan": "a", "memory": "slow", "cycles": 2.0}, {"plan": "a", "memory": "ideal", "cycles": 1.0},
+                                {"memory": "ideal", "cycles": 3.0}]
+        self.assertEqual(cycles_of(rows, "a", Path("j")), [1.0, 2.0])
+        with self.assertRaisesRegex(Failure, "j: has no rows of plan b with both memories"):
+            cycles_of(rows, "b", Path("j"))
+
+    def test_the_page_changes_with_its_data(self) -> None:
+        data: Data = {"board": "b", "versions": {"yosys": "Yosys 1"}, "rows": [row("k8", [80.0], 10.0, 9000), NARROW]}
+        text = page(data, GOALS)
+        self.assertIn("| `k8` | 2, 8, 2, 2 | 32 | 10.0 | 20.0 | 80.0, 80.0 (1) | 9,000 | 90 | 48 | 888,889 | 1,000,000, from 90.0 MHz | 1 of 3 seeds", text)
+        self.assertIn("Yosys 1", text)
+        data["rows"][0]["digest"] = "other"
+        self.assertNotEqual(page(data, GOALS), text)
+
+    def test_every_plan_has_its_goals(self) -> None:
+        self.assertEqual(names(), ["k8", "narrow_k8", "k16", "narrow_k16", "k50", "narrow_k50"])
+        self.assertEqual(sorted(fast_goals().mhz), [8, 16, 50])
+
+
+if __name__ == "__main__":
+    unittest.main()
