@@ -5,7 +5,7 @@ import unittest
 from pathlib import Path
 
 from flow.shell import Failure
-from signoff import coverage, evidence, holes, mutate, mutators, page, units
+from signoff import coverage, evidence, faults, holes, mutate, mutators, page, units
 from signoff.coverage import Point
 
 
@@ -119,6 +119,18 @@ class Mutants(unittest.TestCase):
         tried[1].equivalent = True
         self.assertEqual(len(mutate.explain("none", tried)), 1)
         self.assertIn("killed of those not proved equivalent | 50.00 %", mutate.section("u", tried, ["p"], 9, 1))
+
+
+class Faults(unittest.TestCase):
+    def test_rows_join_a_page(self) -> None:
+        rows = [faults.Row("byte lost", "link", 1430, 1023, 407, 0, "41.4 ms"),
+                faults.Row("reset in any of 400 cycles of work", "`a`", 5, 5, 0, 0, "4 cycles")]
+        text = f"before\n{faults.BEGIN}\n\n{faults.section(rows)}{faults.END}\nbehind\n"
+        lost, flipped = (faults.Row("byte lost", "link", 7, 7, 0, 0, "1 ms"),
+                         faults.Row("one bit flipped", "`b`", 3, 2, 1, 0, "then, at 2 cycles"))
+        self.assertEqual(faults.joined(text, []), rows)
+        self.assertEqual(faults.joined(text, [flipped, lost]), [lost, flipped, rows[1]])
+        self.assertRaises(Failure, faults.row_of_text, "| byte lost | link | 1 | 2 | 41.4 ms |")
 
 
 class Evidence(unittest.TestCase):

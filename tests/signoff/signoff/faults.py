@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from flow.shell import ROOT, Failure, run, say
+from flow.shell import ROOT, Failure, read_text, run, say
 
 from . import page, units
 
@@ -35,6 +35,15 @@ class Row:
 
     def text(self) -> str:
         return f"| {self.fault} | {self.where} | {self.injected:,} | {self.detected:,} | {self.harmless:,} | {self.wrong} | {self.recovery} |"
+
+
+def row_of_text(line: str) -> Row:
+    """A row as `Row.text` wrote it."""
+    fault, where, *numbers, recovery = line.strip().removeprefix("| ").removesuffix(" |").split(" | ")
+    if len(numbers) != 4:
+        raise Failure(f"{PAGE}: expected seven columns in \"{line.strip()}\"")
+    injected, detected, harmless, wrong = (int(number.replace(",", "")) for number in numbers)
+    return Row(fault, where, injected, detected, harmless, wrong, recovery)
 
 
 def row_of(entry: Any) -> Row:
@@ -76,6 +85,16 @@ def _resets(benches: Path, unit: str, seeds: int, models: Path, log: Path) -> Ro
                f"4 cycles of reset; the {packets:,} packets after them are all golden's")
 
 
+def joined(text: str, rows: list[Row]) -> list[Row]:
+    """The rows of a page, those of the same fault and place replaced, new ones before the units' resets."""
+    table = text.split(BEGIN)[1].split(END)[0]
+    old = [row_of_text(line) for line in table.splitlines() if line.startswith("| ") and not line.startswith("| fault |")]
+    again = {(row.fault, row.where): row for row in rows}
+    kept = [again.pop((row.fault, row.where), row) for row in old]
+    resets = next((i for i, row in enumerate(kept) if row.fault.startswith("reset in any")), len(kept))
+    return kept[:resets] + list(again.values()) + kept[resets:]
+
+
 def section(rows: list[Row]) -> str:
     head = ["| fault | where | injected | told | harmless | wrong results | until all is right again |", "|---|---|---|---|---|---|---|"]
     return "\n".join([*head, *(row.text() for row in rows)]) + "\n"
@@ -84,6 +103,8 @@ def section(rows: list[Row]) -> str:
 def main() -> int:
     parser = argparse.ArgumentParser(prog="faults", description=__doc__)
     parser.add_argument("--update", action="store_true", help=f"write the table of {PAGE}; without, print it")
+    parser.add_argument("--join", type=Path, metavar="FILE",
+                        help="run nothing: take rows that a test program left in PHOTONLOOM_FAULTS=FILE, and the page's others")
     parser.add_argument("--seeds", type=int, default=10, help="seeds of each unit's resets (default 10)")
     parser.add_argument("--tests", type=Path, default=ROOT / "build" / "tests", help="where the test programs are (default build/tests)")
     parser.add_argument("--benches", type=Path, default=ROOT / "build" / "verilator_tb", help="where the benches are (default build/verilator_tb)")
@@ -92,10 +113,13 @@ def main() -> int:
     if arguments.seeds < 1:
         raise Failure(f"--seeds {arguments.seeds}: expected at least 1")
 
-    work = arguments.work.resolve()
-    work.mkdir(parents=True, exist_ok=True)
-    rows = _from_tests(arguments.tests.resolve(), work)
-    rows += [_resets(arguments.benches.resolve(), unit, arguments.seeds, ROOT / "build" / "cosim", work / f"{unit}.log") for unit in units.names()]
+    if arguments.join:
+        rows = joined(read_text(ROOT / PAGE), [row_of(json.loads(line)) for line in read_text(arguments.join).splitlines()])
+    else:
+        work = arguments.work.resolve()
+        work.mkdir(parents=True, exist_ok=True)
+        rows = _from_tests(arguments.tests.resolve(), work)
+        rows += [_resets(arguments.benches.resolve(), unit, arguments.seeds, ROOT / "build" / "cosim", work / f"{unit}.log") for unit in units.names()]
     text = section(rows)
     if arguments.update:
         page.write(ROOT / PAGE, text, BEGIN, END)
