@@ -52,7 +52,7 @@ class CycleRow(TypedDict):
     """A row of throughput_photon_gatherer's JSON."""
     plan: NotRequired[str]
     memory: str
-    cycles: float
+    cycles_per_gather: float
 
 
 def names() -> list[str]:
@@ -63,7 +63,7 @@ def names() -> list[str]:
 
 def cycles_of(rows: Sequence[CycleRow], plan_hash: str, path: Path) -> list[float]:
     """Cycles a gather of a plan, ideal memory first."""
-    of_plan = {row["memory"]: row["cycles"] for row in rows if row.get("plan") == plan_hash}
+    of_plan = {row["memory"]: row["cycles_per_gather"] for row in rows if row.get("plan") == plan_hash}
     if "ideal" not in of_plan or len(of_plan) != 2:
         raise Failure(f"{path}: has no rows of plan {plan_hash} with both memories; run 'make bench-rtl'")
     return [of_plan["ideal"], *(cycles for memory, cycles in of_plan.items() if memory != "ideal")]

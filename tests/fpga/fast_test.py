@@ -43,8 +43,8 @@ class Fast(unittest.TestCase):
             GOALS.megahertz(16)
 
     def test_cycles_of_both_memories(self) -> None:
-        rows: list[CycleRow] = [{"plan": "a", "memory": "slow", "cycles": 2.0}, {"plan": "a", "memory": "ideal", "cycles": 1.0},
-                                {"memory": "ideal", "cycles": 3.0}]
+        rows: list[CycleRow] = [{"plan": "a", "memory": "slow", "cycles_per_gather": 2.0}, {"plan": "a", "memory": "ideal", "cycles_per_gather": 1.0},
+                                {"memory": "ideal", "cycles_per_gather": 3.0}]
         self.assertEqual(cycles_of(rows, "a", Path("j")), [1.0, 2.0])
         with self.assertRaisesRegex(Failure, "j: has no rows of plan b with both memories"):
             cycles_of(rows, "b", Path("j"))
