@@ -50,7 +50,7 @@ Conclusion conclude_system(const StudyOutcome& outcome) {
             "{:.2f} M |\n",
             row->line("gather.k"), is_wide(*row) ? "wide" : "one a cycle", cycles, bytes,
             gathers * bytes / 1e9, row->value("resources.map_bytes") / 1e6, clock / 1e6, gatherers,
-            units(samples * row->value("gather.sample_cycles"), clock),
+            units(samples * row->value("gather.table_cycles"), clock),
             units(kRaysPerSecond * kReorderCycles, clock),
             gatherers * row->value("resources.gatherer_lut") / 1e6);
       }
