@@ -75,7 +75,7 @@ for command in $commands; do
     grep -qF -- "$(printf '%s' "$option" | sed 's/-/\\-/g')" "$prefix/share/man/man1/photonloom.1" || fail "the manual page has no $option"
   done
 done
-[ "$(complete_line photonloom render --integrator '')" = "photonmap path" ] || fail "bash offers no values of --integrator"
+[ "$(complete_line photonloom render --integrator '')" = "photonmap path bdpt" ] || fail "bash offers no values of --integrator"
 [ "$(complete_line photonloom board re)" = replay ] || fail "bash does not complete board replay"
 ! command -v zsh >/dev/null || zsh -n "$prefix/share/zsh/site-functions/_photonloom"
 ! command -v fish >/dev/null || fish -n "$prefix/share/fish/vendor_completions.d/photonloom.fish"
