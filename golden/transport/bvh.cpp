@@ -270,6 +270,7 @@ class DoubleBvh final : public RayCaster {
     start(s, from);
     s.limit = distance;
     if (to_hit) {
+      if (own_wall_before(world_, ray, from, *to_hit)) return true;
       // The segment ends as far before its surface as it starts off the other one.
       s.ignored = {to_hit->primitive, to_hit->instance};
       const Vec3 end = leave_surface(to_hit->position, to_hit->normal, -ray.direction);

@@ -154,6 +154,7 @@ class EmbreeCaster final : public RayCaster {
     Query q(world_, triangles_, others_, ray, from);
     q.limit = distance;
     if (to_hit) {
+      if (own_wall_before(world_, ray, from, *to_hit)) return true;
       q.ignored = to_hit->primitive;
       q.limit = glm::length(leave_surface(to_hit->position, to_hit->normal, -ray.direction) -
                             q.ray.origin);

@@ -142,6 +142,18 @@ inline bool meet_round(const Primitive& p, const Vec3& origin, const Vec3& direc
   }
 }
 
+// Whether the round surface on which a segment ends stands in its way before: one that ends on the
+// inside of a sphere or tube, from outside. Casters take no other notice of the end's own surface.
+inline bool own_wall_before(const World& world, const Ray& ray, const Hit* from,
+                            const Hit& to_hit) {
+  const Primitive& p = world.primitives()[to_hit.primitive];
+  if (p.kind != PrimitiveKind::kSphere && p.kind != PrimitiveKind::kCylinder) return false;
+  if (from && from->primitive == to_hit.primitive) return false;  // a chord
+  Meeting m;
+  return meet_round(p, to_hit.position, -ray.direction, true, m) &&
+         m.t < glm::length(to_hit.position - ray.origin);
+}
+
 // Position on the primitive itself and normals.
 Hit finish_hit(const World& world, uint32_t primitive, const Ray& ray, const Meeting& m,
                uint32_t instance = ~0u);

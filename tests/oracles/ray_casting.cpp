@@ -255,6 +255,39 @@ TEST_CASE("a cylinder: its inside, its open ends, and no second meeting with its
   }
 }
 
+TEST_CASE("a segment to the inside of a round wall is cut by that wall, but for a chord") {
+  Scene s;
+  const int grey = add_diffuse(s, Rgb(0.5));
+  add_sphere(s, grey, Vec3(0), 1);
+  Shape& tube = add_sphere(s, grey, Vec3(0), 1);
+  tube.kind = ShapeKind::kCylinder;
+  tube.to_world = Mat4(1);
+  tube.to_world[2] = glm::dvec4(0, 0, 4, 0);
+  tube.to_world[3] = glm::dvec4(10, 0, 0, 1);
+  tube.radiance = Rgb(1);
+  const World world(s);
+  for (const auto& caster : {make_double_bvh(world), make_embree(world)}) {
+    for (const double x : {0.0, 10.0}) {
+      const Vec3 middle(x, 0, x > 0 ? 2 : 0), along(1, 0, 0);
+      const Hit inside = caster->closest({middle, along}, nullptr);
+      const Hit outside = caster->closest({middle - along * 3.0, along}, nullptr);
+      REQUIRE((inside.valid() && outside.valid()));
+      const auto cut = [&](const Vec3& origin, const Hit* from, const Hit& to) {
+        return caster->occluded({origin, along}, to.position.x - origin.x, from, &to);
+      };
+      CHECK(cut(middle - along * 3.0, nullptr, inside));
+      CHECK_FALSE(cut(middle - along * 3.0, nullptr, outside));
+      CHECK_FALSE(cut(middle, nullptr, inside));
+      CHECK_FALSE(cut(outside.position, &outside, inside));
+    }
+    // Into the tube by its open end.
+    const Vec3 direction = glm::normalize(Vec3(1, 0, 1)), origin(8.5, 0, -1);
+    const Hit wall = caster->closest({origin, direction}, nullptr);
+    REQUIRE(wall.valid());
+    CHECK_FALSE(caster->occluded({origin, direction}, wall.distance, nullptr, &wall));
+  }
+}
+
 TEST_CASE("rays through shared edges and vertices meet one of the neighbours") {
   // A fan of triangles around a vertex, rays aimed at points of its edges.
   Scene s;
