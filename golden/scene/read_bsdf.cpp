@@ -307,18 +307,7 @@ Sides BsdfReader::coating(Properties& p, int level) {
     fail(p.element("thickness"), fmt::format("thickness is {}, expected at least 0", thickness));
   const Rgb sigma = textured(p, "sigma_a", Rgb(0), absorption);
   coat.coat_absorption = mean_of("sigmaA", sigma, absorption) * thickness;
-  std::optional<Sides> nested;
-  for (const auto& child : p.rest()) {
-    if (child.object->tag == "bsdf" && !nested) {
-      nested = bsdf(*child.object, level + 1);
-    } else {
-      findings_.add(*child.place,
-                    fmt::format("{} is not supported in {}, expected one bsdf",
-                                describe(*child.object), describe(p.object())),
-                    "it is left out");
-    }
-  }
-  if (!nested) fail(p.object(), fmt::format("{} has no BSDF, expected one", describe(p.object())));
+  const Sides nested = only_bsdf(p, level, "one bsdf");
   p.ignore({"ensure_energy_conservation"});
   bool named = false;
   const auto coated = [&](int index, const char* side) {
@@ -344,8 +333,8 @@ Sides BsdfReader::coating(Properties& p, int level) {
     return add(b);
   };
   Sides sides;
-  sides.front = coated(nested->front, "");
-  sides.back = nested->back == nested->front ? sides.front : coated(nested->back, ".back");
+  sides.front = coated(nested.front, "");
+  sides.back = nested.back == nested.front ? sides.front : coated(nested.back, ".back");
   return sides;
 }
 
@@ -546,19 +535,8 @@ Sides BsdfReader::mask(Properties& p, int level) {
                   fmt::format("{} is colored, which is not supported, expected a grey opacity",
                               describe(p.element("opacity"))),
                   "its luminance stands for it");
-  std::optional<Sides> nested;
-  for (const auto& child : p.rest()) {
-    if (child.object->tag == "bsdf" && !nested) {
-      nested = bsdf(*child.object, level + 1);
-    } else {
-      findings_.add(*child.place,
-                    fmt::format("{} is not supported in {}, expected one bsdf and an opacity",
-                                describe(*child.object), describe(p.object())),
-                    "it is left out");
-    }
-  }
-  if (!nested) fail(p.object(), fmt::format("{} has no BSDF, expected one", describe(p.object())));
-  if (is_open(nested->front))
+  const Sides nested = only_bsdf(p, level, "one bsdf and an opacity");
+  if (is_open(nested.front))
     findings_.add(p.object(),
                   fmt::format("{} masks a BSDF that is open itself, which is not supported",
                               describe(p.object())),
@@ -571,9 +549,25 @@ Sides BsdfReader::mask(Properties& p, int level) {
     return add(b);
   };
   Sides sides;
-  sides.front = masked(nested->front, "");
-  sides.back = nested->back == nested->front ? sides.front : masked(nested->back, ".back");
+  sides.front = masked(nested.front, "");
+  sides.back = nested.back == nested.front ? sides.front : masked(nested.back, ".back");
   return sides;
+}
+
+Sides BsdfReader::only_bsdf(Properties& p, int level, const char* expected) {
+  std::optional<Sides> nested;
+  for (const auto& child : p.rest()) {
+    if (child.object->tag == "bsdf" && !nested) {
+      nested = bsdf(*child.object, level + 1);
+    } else {
+      findings_.add(*child.place,
+                    fmt::format("{} is not supported in {}, expected {}", describe(*child.object),
+                                describe(p.object()), expected),
+                    "it is left out");
+    }
+  }
+  if (!nested) fail(p.object(), fmt::format("{} has no BSDF, expected one", describe(p.object())));
+  return *nested;
 }
 
 // The BSDF inside with its shading normals turned by a texture.

@@ -56,6 +56,8 @@ class BsdfReader {
   Sides mask(Properties& p, int level);
   Sides mixture(Properties& p, int level);
   Sides normals(Properties& p, int level);
+  // The one BSDF inside; what else stands there is named as not expected.
+  Sides only_bsdf(Properties& p, int level, const char* expected);
   bool turns_normals(int index) const;
   Sides substitute(Properties& p, int level);
   Rgb color0or1(Properties& p, const char* name, const Rgb& otherwise);
