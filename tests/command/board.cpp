@@ -97,6 +97,8 @@ TEST_CASE("a frame through the board has golden's packets and bytes") {
     const auto first = state_now();
     CHECK(first["self_test"] == "passed");
     CHECK(first["faults"] == 0);
+    // The link hears nothing until the self-test is through, which may cut one frame.
+    CHECK(first["frames_bad"].get<int>() <= 1);
     const Outcome o = run(board_cosim(scratch, ""));
     INFO(o.out << o.err);
     REQUIRE(o.status == 0);
@@ -115,7 +117,7 @@ TEST_CASE("a frame through the board has golden's packets and bytes") {
     const auto state = state_now();
     CHECK(state["plan_hash"] == summary["plan_hash"]);
     CHECK(state["queries_inside"] == false);
-    CHECK(state["frames_bad"] == 0);
+    CHECK(state["frames_bad"] == first["frames_bad"]);
     // The flush at the end of the frame is no query.
     const auto& counters = summary["units"]["photon_gatherer"]["counters"];
     CHECK(state["counters"]["queries"].get<int>() - first["counters"]["queries"].get<int>() ==
