@@ -5,6 +5,7 @@ import contextlib
 import copy
 import io
 import json
+import re
 import tempfile
 import unittest
 from pathlib import Path
@@ -25,7 +26,7 @@ from flow.headline.tops import Routing, Top, route, route_seed
 from flow.headline.verdict import Verdict, judge, own_bound
 from flow.results import Entry, add_placements
 from flow.routing import Placement
-from flow.shell import Failure
+from flow.shell import ROOT, Failure
 from flow.tools import Tools
 
 RECORDED = Path(__file__).parent / "recorded"
@@ -448,7 +449,7 @@ class Processor(Folder):
 
 class SerialLink(unittest.TestCase):
     def test_of_a_recorded_package(self) -> None:
-        link = link_of(RECORDED / "package", read_board("ulx3s-85f"), 50000)
+        link = link_of(RECORDED / "package", 50000)
         self.assertEqual(link.baud, 2e6)
         # A query of 88 bits is 3 words, a result of 262 with its number 10; docs/host-link.md has the frames.
         self.assertAlmostEqual(link.down, (3 * (4 + 12 / 64) + 10 * 17 / 64) * 258 / 256)
@@ -459,14 +460,21 @@ class SerialLink(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder:
             rtl = Path(folder, "rtl")
             rtl.mkdir()
-            top, package = rtl / "ulx3s_85f_top.sv", rtl / "photonloom_pkg.sv"
-            top.write_text("endmodule\n")
+            board, package = rtl / "board_pkg.sv", rtl / "photonloom_pkg.sv"
+            board.write_text("endpackage\n")
             package.write_text("endpackage\n")
-            with self.assertRaisesRegex(Failure, "^ulx3s_85f_top.sv: has no ClocksPerBit$"):
-                link_of(Path(folder), read_board("ulx3s-85f"), 50000)
-            top.write_text("    parameter int unsigned ClocksPerBit = 25\n")
+            with self.assertRaisesRegex(Failure, "^board_pkg.sv: has no ClocksPerBit$"):
+                link_of(Path(folder), 50000)
+            board.write_text("  localparam int ClocksPerBit = 25;\n")
             with self.assertRaisesRegex(Failure, "^photonloom_pkg.sv: has no GatherQueryPacketBits$"):
-                link_of(Path(folder), read_board("ulx3s-85f"), 50000)
+                link_of(Path(folder), 50000)
+
+    def test_the_line_is_that_of_the_template(self) -> None:
+        line = r"^  localparam int ClocksPerBit = (\S+);"
+        of_template = re.search(line, (ROOT / "rtl/generate/templates/board_pkg.sv.in").read_text(), re.MULTILINE)
+        recorded = re.search(line, (RECORDED / "package/rtl/board_pkg.sv").read_text(), re.MULTILINE)
+        self.assertEqual(of_template and of_template.group(1), "@CLOCKS_PER_BIT@")
+        self.assertTrue(recorded)
 
 
 if __name__ == "__main__":
