@@ -149,7 +149,7 @@ Memories gatherer_memories(const Plan& p) {
             clog2(static_cast<uint64_t>(p.epsilon_factor)),
         contexts_of(p.nodes_per_cycle) * power_of_two(p.line_bits() + 1) / 2,
         2 * p.nodes_per_cycle);
-  const uint64_t rows = uint64_t{1} << clog2(std::max<uint64_t>(16, 2 * parts) + 24);
+  const uint64_t rows = uint64_t{1} << clog2(std::max<uint64_t>(16, 2 * parts) + 16);
   m.add(p.lanes * load_bits(p), rows, lists);
   m.add(2 * p.lanes * p.direction_bits, rows, lists);
 

@@ -84,8 +84,8 @@ module photon_gatherer_answers #(
     output photonloom_pkg::gather_photon_t   photon_o
 );
   localparam int unsigned QueueDepth = Contexts > 2 ? (1 << $clog2(Contexts)) : 2;
-  // Of results; 64 of them are enough, and as many as LUTs hold well.
-  localparam int unsigned Slots = QueueDepth > 16 ? 2 * QueueDepth : 4 * QueueDepth;
+  // Of results. A slow query shares its gatherer with the others, so scores of them overtake it; 128 are enough.
+  localparam int unsigned Slots = QueueDepth > 64 ? 2 * QueueDepth : QueueDepth > 16 ? 128 : 8 * QueueDepth;
   localparam int unsigned SlotBits = $clog2(Slots);
   localparam int unsigned RideBits = SlotBits + 1 + R2Bits + 2 * NodeBits + IndexBits + 1;
   localparam int unsigned FluxesBits = photonloom_pkg::Channels * photonloom_pkg::FluxBits;
