@@ -10,10 +10,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from flow.headline.data import Rate
+from flow.headline.data import Cores, Rate
 from flow.headline.plans import HeadlinePlan
 from flow.results import Entry
-from flow.shell import ROOT, Failure, read_json, run, say, warn, write_json
+from flow.shell import ROOT, Failure, field, read_json, read_toml, run, say, warn, write_json
 
 CLOUDS = (".photons", ".queries")
 LEAST_RUNS = 7  # of one core, interleaved
@@ -97,12 +97,27 @@ def rate_of(said: Mapping[str, Any], name: str, path: Path) -> Rate:
     return {"least": said["least"], "median": said["median"], "most": said["most"], "runs": said["runs"]}
 
 
-def time_core(simulated: Simulated, bench: Bench) -> dict[int | None, dict[str, Rate]]:
-    """r2_max -> library, and photonloom for golden -> its rate on one core; in the order of the simulation."""
+@dataclass(frozen=True)
+class Timed:
+    """one: library, and photonloom for golden -> its rate on one core. all_cores: golden on the whole machine. recall: of golden,
+    which visits leaf_limit leaves at most where that is not 0, beside the libraries, which are exact."""
+    one: dict[str, Rate]
+    all_cores: Cores
+    leaf_limit: int
+    recall: float
+
+
+def time_core(plan: HeadlinePlan, simulated: Simulated, bench: Bench) -> dict[int | None, Timed]:
+    """r2_max -> what was timed; in the order of the simulation. Golden searches as the plan says."""
     rows, path = simulated.rows, simulated.folder / "core.json"
     radius = next(r["r2_max"] for r in rows if r["r2_max"])
-    say(f"times one core on {simulated.name}")
+    said = read_toml(plan.path)
+    limit = field(said, plan.path, "gather.leaf_limit", int, "a number of leaves")
+    bucket = field(said, plan.path, "photon.bucket", int, "a number of photons")
+    say(f"times one core and all on {simulated.name}")
     run([str(bench.core), str(path), "--cloud", *(str(simulated.folder / (simulated.name + end)) for end in CLOUDS),
-         str(rows[0]["k"]), str(radius)], log=simulated.folder / "core.log")
-    return {core["r2_max"]: {name: rate_of(said, name, path) for name, said in core["spread"].items()}
+         str(rows[0]["k"]), str(radius)] + ([str(limit), str(bucket)] if limit else []), log=simulated.folder / "core.log")
+    return {core["r2_max"]: Timed({name: rate_of(rate, name, path) for name, rate in core["spread"].items()},
+                                  {"threads": core["all_cores"]["threads"], "busy": core["all_cores"]["busy"],
+                                   "rate": rate_of(core["all_cores"], "all cores", path)}, limit, core["recall"])
             for core in read_json(path)}
