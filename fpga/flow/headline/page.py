@@ -204,7 +204,7 @@ def images_text(images: Sequence[ImageTime], judged: Judged, goals: HeadlineGoal
         f"- gathers of the board: their number in the frame over {mega(v.board)} Mquery/s, the row of `{row['plan']}` within the mean r², "
         f"whose queries are those of `{goals.scene.stem}` whichever scene is rendered.",
         f"- the link: {row['uart'] / 1e3:.1f} thousand queries a second over the UART of {link['baud']:.0f} baud, from the bytes of its frames; the map's "
-        "own bytes are not counted.",
+        "own bytes and the photons that make a sampler's table are not counted.",
         "- host and board take turns in this reckoning, as golden's parts do; the link and the board work at the same time.\n",
         markdown([image_cells(image, row, v) for image in images], IMAGE_COLUMNS)]
     if binds:

@@ -21,11 +21,13 @@ LEAST_RUNS = 7  # of one core, interleaved
 
 @dataclass(frozen=True)
 class Bench:
-    """work: where results are kept. throughput, core: the programs that simulate the board and that time one core."""
+    """work: where results are kept. throughput, core: the programs that simulate the board and that time cores. options: further
+    ones of the simulation."""
     work: Path
     scene: Path
     throughput: Path = ROOT / "build" / "verilator_tb" / "throughput" / "throughput_gather_cluster"
     core: Path = ROOT / "build" / "bench" / "bench_gather"
+    options: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -60,7 +62,7 @@ def clock_options(entry: Entry) -> list[str]:
 def made_from(plan: HeadlinePlan, entry: Entry, bench: Bench) -> dict[str, Any]:
     """Everything that a simulation comes from."""
     return {"netlist": entry["digest"], "plan": sha256(plan.path), "scene": sha256(bench.scene),
-            "program": sha256(bench.throughput), "options": clock_options(entry)}
+            "program": sha256(bench.throughput), "options": [*clock_options(entry), *bench.options]}
 
 
 def simulate(plan: HeadlinePlan, entry: Entry, bench: Bench) -> Simulated:
@@ -80,7 +82,7 @@ def simulate(plan: HeadlinePlan, entry: Entry, bench: Bench) -> Simulated:
     say(f"simulates {plan.name}")
     try:
         run([str(bench.throughput), str(plan.path), "--radius", *clock_options(entry), "--json", str(written), "--dump",
-             str(folder), "--scene", str(bench.scene)], log=folder / "log", cwd=ROOT)
+             str(folder), "--scene", str(bench.scene), *bench.options], log=folder / "log", cwd=ROOT)
     except Failure:
         if not written.is_file():
             raise
