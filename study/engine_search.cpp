@@ -71,6 +71,11 @@ double lines_of_sdram(const Plan& plan, const LineVisits& visits, const Order& o
          static_cast<double>(order.size());
 }
 
+// Of two bounds, as modelled_cycles joins a gatherer's.
+double joined(double a, double b) {
+  return std::pow(std::pow(a, kCycleFit.power) + std::pow(b, kCycleFit.power), 1 / kCycleFit.power);
+}
+
 EngineCycles predict(const Plan& plan, GatherLoad load, double lines, double sdram_lines,
                      int core_khz, int sdram_khz) {
   EngineCycles e;
@@ -81,7 +86,13 @@ EngineCycles predict(const Plan& plan, GatherLoad load, double lines, double sdr
       sdram ? kSharedHitLatency +
                   static_cast<int>(std::lround(slow * kSdramLatency * core_khz / sdram_khz))
             : kBlockRamLatency;
-  e.gatherers = modelled_cycles(plan, load, latency) / plan.gatherers;
+  // What the fit has not, for neither binds where one candidate a cycle does: the sum reads its
+  // photons one after the other, a reciprocal is made bit by bit (docs/photon_gatherer.md). Queries
+  // that wait for them hold nothing else up.
+  const double sum = std::max(std::min<double>(plan.k, load.insertions) + 1,
+                              plan.reciprocal_bits == 0 ? 0.0 : plan.reciprocal_bits + 1.5) /
+                     plan.powers_per_cycle;
+  e.gatherers = std::max(modelled_cycles(plan, load, latency), sum) / plan.gatherers;
   const double beats = 8.0 * plan.line_bytes() / plan.beat_bits;
   if (sdram) {
     e.memory_lines = sdram_lines;
@@ -91,8 +102,7 @@ EngineCycles predict(const Plan& plan, GatherLoad load, double lines, double sdr
   } else {
     e.memory = kCycleFit.memory * beats * lines / std::min(2, plan.gatherers);
   }
-  e.cycles = std::pow(std::pow(e.gatherers, kCycleFit.power) + std::pow(e.memory, kCycleFit.power),
-                      1 / kCycleFit.power);
+  e.cycles = joined(e.gatherers, e.memory);
   return e;
 }
 

@@ -23,6 +23,16 @@ struct Load {
   std::vector<GatherQuery> queries;
 };
 
+// The walls of a room. Rays from neighbouring pixels meet all of them.
+UVec3 on_a_wall(uint64_t seed, uint64_t wall, uint64_t place) {
+  const uint64_t bits = hash_bits(seed, place, 0, 0);
+  UVec3 p{static_cast<uint32_t>(bits & 0xffff), static_cast<uint32_t>(bits >> 16 & 0xffff), 0};
+  const int axis = static_cast<int>(hash_bits(seed, wall, 1, 0) % 3);
+  p[2] = hash_bits(seed, wall, 2, 0) % 2 ? 0xffff : 0;
+  std::swap(p[2], p[axis]);
+  return p;
+}
+
 Load make_load(uint64_t photons, int k, uint64_t queries = 3000) {
   Load load;
   load.plan.global = {.present = true, .photons = photons};
@@ -30,15 +40,11 @@ Load make_load(uint64_t photons, int k, uint64_t queries = 3000) {
   load.plan.width = load.plan.height = 256;
   derive_plan(load.plan);
   std::vector<PackedPhoton> packed(photons);
-  for (uint64_t i = 0; i < photons; ++i)
-    for (int axis = 0; axis < 2; ++axis)
-      packed[i].position[axis] = static_cast<uint32_t>(hash_bits(1, i, 0, axis) & 0xffff);
+  for (uint64_t i = 0; i < photons; ++i) packed[i].position = on_a_wall(1, i, i);
   load.map = build_photon_map(packed, load.plan);
   for (uint64_t i = 0; i < queries; ++i) {
     GatherQuery q{};
-    for (int axis = 0; axis < 2; ++axis)
-      q.position[axis] = static_cast<uint32_t>(hash_bits(2, i / 16, 0, axis) & 0xffff) ^
-                         static_cast<uint32_t>(hash_bits(2, i, 1, axis) & 0xff);
+    q.position = on_a_wall(2, i, i);
     load.queries.push_back(q);
   }
   return load;
@@ -147,7 +153,9 @@ TEST_CASE("predicted cycles of engines on block RAM are within 15 % of simulated
     if (best.reorder_key == ReorderKey::kNone) CHECK(results == expected);
     const double simulated =
         static_cast<double>(rtl->cycles() - first) / static_cast<double>(load.queries.size());
-    CAPTURE(simulated, best.gatherers, best.lanes, best.nodes_per_cycle, best.candidates_per_cycle);
+    CAPTURE(simulated, best.gatherers, best.lanes, best.nodes_per_cycle, best.candidates_per_cycle,
+            best.powers_per_cycle, best.contexts, best.lut_ram_words, found.best.cycles.gatherers,
+            found.best.cycles.memory);
     CHECK(found.best.cycles.cycles > 0.85 * simulated);
     CHECK(found.best.cycles.cycles < 1.15 * simulated);
   }
