@@ -19,7 +19,8 @@ struct Found {
   std::vector<double> r2;  // d^2 of the k-th where there are k, else r2_max
 };
 
-// One searcher in one configuration, built over its points. Searches are exact.
+// One searcher in one configuration, built over its points. Searches are exact, but golden's where
+// a leaf limit is asked for.
 class Contender {
  public:
   virtual ~Contender() = default;
@@ -32,14 +33,22 @@ class Contender {
   // golden with the photon's address in the map.
   virtual uint32_t number(uint32_t index) const { return index; }
   // Answers queries [begin, end), one after the other, in one thread. r2_max < 0: no radius.
+  // Threads may share golden, each with queries of its own.
   virtual void search(const std::vector<UVec3>& queries, size_t begin, size_t end, int64_t r2_max,
                       Found& found) const = 0;
 };
 
 using Contenders = std::vector<std::unique_ptr<Contender>>;
 
+// How golden searches. bucket: photons of a leaf; leaf_limit: leaves that a query visits at most,
+// 0: as many as an exact answer needs.
+struct GoldenSearch {
+  uint32_t bucket = 8, leaf_limit = 0;
+};
+std::unique_ptr<Contender> make_photonloom(const std::vector<UVec3>& points,
+                                           const GoldenSearch& how = {});
+
 // Each takes a configuration for each leaf size and result set of its library.
-void add_photonloom(const std::vector<UVec3>& points, Contenders& to);
 void add_nanoflann(const std::vector<UVec3>& points, Contenders& to);
 void add_flann(const std::vector<UVec3>& points, Contenders& to);
 void add_cgal(const std::vector<UVec3>& points, Contenders& to);

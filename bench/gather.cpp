@@ -1,18 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
-// Queries per second of the golden gather beside nanoflann, FLANN and CGAL: one
-// thread, the same quantised points, the same run. See docs/photon_map.md for
-// what is measured and how.
+// Queries per second of the golden gather beside nanoflann, FLANN and CGAL: one thread, the same
+// quantised points, the same run; and of golden on all cores in that run. See docs/photon_map.md
+// for what is measured and how.
 #include <fmt/core.h>
 #include <malloc.h>
+#include <sched.h>
 #include <time.h>
 
 #include <algorithm>
+#include <atomic>
+#include <chrono>
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <string>
+#include <thread>
 
 #include "bench/contender.hpp"
 #include "bench/room.hpp"
@@ -83,6 +88,35 @@ double time_search(const Contender& contender, const std::vector<UVec3>& queries
   return (now() - start) / static_cast<double>(end);
 }
 
+double wall() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+// Threads that this process may run at a time.
+unsigned machine_threads() {
+  cpu_set_t set;
+  return sched_getaffinity(0, sizeof set, &set) == 0 ? static_cast<unsigned>(CPU_COUNT(&set)) : 1;
+}
+
+// The same with all threads, each of which takes some hundred queries at a time: seconds of the
+// clock on the wall a query.
+double time_threads(const Contender& contender, const std::vector<UVec3>& queries, int64_t r2_max,
+                    unsigned threads, Found& found) {
+  constexpr size_t kAtATime = 512;
+  std::atomic<size_t> next{0};
+  const auto work = [&] {
+    for (size_t begin = next.fetch_add(kAtATime); begin < queries.size();
+         begin = next.fetch_add(kAtATime))
+      contender.search(queries, begin, std::min(begin + kAtATime, queries.size()), r2_max, found);
+  };
+  const double start = wall();
+  std::vector<std::thread> others;
+  for (unsigned i = 1; i < threads; ++i) others.emplace_back(work);
+  work();
+  for (std::thread& other : others) other.join();
+  return (wall() - start) / static_cast<double>(queries.size());
+}
+
 uint64_t square_distance(const UVec3& a, const UVec3& b) {
   uint64_t d2 = 0;
   for (size_t c = 0; c < 3; ++c) {
@@ -134,6 +168,29 @@ void check_same(const Contender& own, const Contender& contender, const std::vec
   }
 }
 
+// Part of the k nearest, as a library found them, that golden found too: photons no further than
+// the library's furthest, up to ties.
+double recall_of(const Contender& own, const Contender& library, const std::vector<UVec3>& points,
+                 const std::vector<UVec3>& queries, const Found& golden, const Found& exact) {
+  uint64_t wanted = 0, found = 0;
+  for (size_t i = 0; i < queries.size(); ++i) {
+    const auto distance = [&](const Contender& by, const Found& of, uint32_t j) {
+      return square_distance(points[by.number(of.index[i * of.k + j])], queries[i]);
+    };
+    uint64_t furthest = 0;
+    for (uint32_t j = 0; j < exact.count[i]; ++j)
+      furthest = std::max(furthest, distance(library, exact, j));
+    uint32_t within = 0;
+    for (uint32_t j = 0; j < golden.count[i]; ++j) {
+      const uint64_t d2 = distance(own, golden, j);
+      within += d2 <= furthest || tied(d2, furthest);
+    }
+    wanted += exact.count[i];
+    found += std::min(within, exact.count[i]);
+  }
+  return wanted ? static_cast<double>(found) / static_cast<double>(wanted) : 1;
+}
+
 double median(std::vector<double> x) {
   std::sort(x.begin(), x.end());
   return x[x.size() / 2];
@@ -143,14 +200,23 @@ double median(std::vector<double> x) {
 struct Cell {
   std::map<std::string, std::vector<double>> times;
   std::map<std::string, std::pair<double, const Contender*>> best;
-  std::vector<double> ratios;  // best library / golden, a repetition each
+  std::vector<double> ratios;     // best library / golden, a repetition each
+  std::vector<double> all_cores;  // golden with `threads`
+  std::vector<double> busy;       // wall over CPU seconds of golden's one thread
+  unsigned threads = 0;
+  double recall = 1;  // of golden, beside the libraries' exact answers
 };
 
-Cell time_cell(const Contenders& all, const std::vector<UVec3>& points,
+// all: golden, then the libraries. checked: golden that is exact, which the libraries are compared
+// with; golden itself unless it has a leaf limit.
+Cell time_cell(const Contenders& all, const Contender& checked, const std::vector<UVec3>& points,
                const std::vector<UVec3>& queries, uint32_t k, int64_t r2_max, size_t trial) {
   Cell cell;
+  cell.threads = machine_threads();
   const Contender& golden = *all[0];
   Found found = make_found(k, queries.size()), other = make_found(k, queries.size());
+  Found exact = make_found(k, queries.size());
+  checked.search(queries, 0, queries.size(), r2_max, exact);
   // Each library's best configuration, on the first queries, second of two runs.
   for (size_t i = 1; i < all.size(); ++i) {
     double seconds = 0;
@@ -160,33 +226,67 @@ Cell time_cell(const Contenders& all, const std::vector<UVec3>& points,
   }
   // Interleaved repetitions; the first, which also warms up and is checked, does not count.
   for (int repetition = -1; repetition < kRepetitions; ++repetition) {
+    const double on_all = time_threads(golden, queries, r2_max, cell.threads, found);
+    const double before = wall();
     const double own = time_search(golden, queries, queries.size(), r2_max, found);
+    const double on_wall = (wall() - before) / static_cast<double>(queries.size());
     double least = INFINITY;
     for (const auto& [library, entry] : cell.best) {
       const double seconds = time_search(*entry.second, queries, queries.size(), r2_max, other);
-      if (repetition < 0) check_same(golden, *entry.second, points, queries, r2_max, found, other);
+      if (repetition < 0) {
+        check_same(checked, *entry.second, points, queries, r2_max, exact, other);
+        cell.recall = recall_of(golden, *entry.second, points, queries, found, other);
+      }
       if (repetition >= 0) cell.times[library].push_back(seconds);
       least = std::min(least, seconds);
     }
     if (repetition < 0) continue;
     cell.times["photonloom"].push_back(own);
+    cell.all_cores.push_back(on_all);
+    cell.busy.push_back(on_wall / own);
     cell.ratios.push_back(least / own);
   }
   return cell;
 }
 
+// Queries a second of so many seconds a query.
+nlohmann::ordered_json spread(const std::vector<double>& seconds) {
+  const auto [least, most] = std::minmax_element(seconds.begin(), seconds.end());
+  return {{"least", 1 / *most},
+          {"median", 1 / median(seconds)},
+          {"most", 1 / *least},
+          {"runs", seconds.size()}};
+}
+
 void add_rates(const Cell& cell, nlohmann::ordered_json& to) {
   for (const auto& [library, seconds] : cell.times) {
     to["queries_per_second"][library] = 1 / median(seconds);
-    const auto [least, most] = std::minmax_element(seconds.begin(), seconds.end());
-    to["spread"][library] = {{"least", 1 / *most},
-                             {"median", 1 / median(seconds)},
-                             {"most", 1 / *least},
-                             {"runs", seconds.size()}};
+    to["spread"][library] = spread(seconds);
     const auto best = cell.best.find(library);
     if (best != cell.best.end())
       to["configuration"][library] = best->second.second->configuration();
   }
+  to["all_cores"] = spread(cell.all_cores);
+  to["all_cores"]["threads"] = cell.threads;
+  to["all_cores"]["busy"] = median(cell.busy);
+  to["recall"] = cell.recall;
+}
+
+Contenders make_contenders(const std::vector<UVec3>& points, const GoldenSearch& how = {}) {
+  Contenders all;
+  all.push_back(make_photonloom(points, how));
+  add_nanoflann(points, all);
+  add_flann(points, all);
+  add_cgal(points, all);
+  return all;
+}
+
+int write_report(const std::string& path, const nlohmann::ordered_json& report) {
+  std::ofstream file(path);
+  file << report.dump(1) << '\n';
+  if (file.flush()) return 0;
+  fmt::print(stderr, "bench: cannot write {}\n", path);
+  return 1;
 }
 
 // Positions from a file: three little-endian words of 32 bits each.
@@ -210,33 +310,60 @@ std::vector<UVec3> read_positions(const std::string& path) {
 
 // One cloud of photons and its queries from files, without a radius and with those given.
 int run_cloud(const std::string& json, const std::string& photons, const std::string& queries_file,
-              uint32_t k, const std::vector<int64_t>& radii) {
+              uint32_t k, const std::vector<int64_t>& radii, const GoldenSearch& how) {
   const std::vector<UVec3> points = read_positions(photons);
   const std::vector<UVec3> queries = read_positions(queries_file);
-  Contenders all;
-  add_photonloom(points, all);
-  add_nanoflann(points, all);
-  add_flann(points, all);
-  add_cgal(points, all);
+  const Contenders all = make_contenders(points, how);
+  const std::unique_ptr<Contender> exact = how.leaf_limit ? make_photonloom(points) : nullptr;
   nlohmann::ordered_json report;
   for (const int64_t r2_max : radii) {
-    const Cell cell =
-        time_cell(all, points, queries, k, r2_max, std::min<size_t>(2048, queries.size()));
+    const Cell cell = time_cell(all, exact ? *exact : *all[0], points, queries, k, r2_max,
+                                std::min<size_t>(2048, queries.size()));
     nlohmann::ordered_json row = {
         {"photons", points.size()},
         {"queries", queries.size()},
         {"k", k},
+        {"leaf_limit", how.leaf_limit},
         {"r2_max", r2_max < 0 ? nlohmann::ordered_json() : nlohmann::ordered_json(r2_max)}};
     add_rates(cell, row);
     report.push_back(row);
   }
-  std::ofstream file(json);
-  file << report.dump(1) << '\n';
-  if (!file.flush()) {
-    fmt::print(stderr, "bench: cannot write {}\n", json);
-    return 1;
+  return write_report(json, report);
+}
+
+// Even in the whole cube.
+std::vector<UVec3> uniform_points(size_t n, uint64_t seed) {
+  std::vector<UVec3> points(n);
+  for (size_t i = 0; i < n; ++i)
+    for (uint32_t axis = 0; axis < 3; ++axis)
+      points[i][static_cast<int>(axis)] =
+          static_cast<uint32_t>(hash_bits(seed, i, 0, axis) >> (64 - kPositionBits));
+  return points;
+}
+
+// The workload that a library publishes: points and queries even in a cube, in no order, no radius.
+int run_uniform(const std::string& json, const std::vector<size_t>& sizes,
+                const std::vector<uint32_t>& ks, size_t count) {
+  nlohmann::ordered_json report;
+  const std::vector<UVec3> queries = uniform_points(count, kSeed + 1);
+  fmt::print("us per query, median of {}; uniform points and queries\n", kRepetitions);
+  for (const size_t n : sizes) {
+    const std::vector<UVec3> points = uniform_points(n, kSeed);
+    const Contenders all = make_contenders(points);
+    for (const uint32_t k : ks) {
+      const Cell cell =
+          time_cell(all, *all[0], points, queries, k, -1, std::min<size_t>(2048, count));
+      nlohmann::ordered_json row = {{"points", n}, {"queries", count}, {"k", k}};
+      add_rates(cell, row);
+      fmt::print("{:>8} {:>4}", n, k);
+      for (const auto& [library, seconds] : cell.times)
+        fmt::print("  {} {:.3f}", library, 1e6 * median(seconds));
+      fmt::print("\n");
+      std::fflush(stdout);
+      report.push_back(row);
+    }
   }
-  return 0;
+  return write_report(json, report);
 }
 
 int run(const Options& options) {
@@ -250,11 +377,7 @@ int run(const Options& options) {
   int cells = 0, won = 0;
   for (const size_t n : options.sizes) {
     const std::vector<UVec3> points = trace_photons(n, kSeed);
-    Contenders all;
-    add_photonloom(points, all);
-    add_nanoflann(points, all);
-    add_flann(points, all);
-    add_cgal(points, all);
+    const Contenders all = make_contenders(points);
     fmt::print("\n{} photons\n{:<11} {:<24} {:>9} {:>13}\n", n, "", "configuration", "build s",
                "bytes/photon");
     for (const auto& c : all) {
@@ -279,7 +402,8 @@ int run(const Options& options) {
             with_radius ? static_cast<int64_t>(k * surface_area() / (M_PI * static_cast<double>(n)))
                         : -1;
         for (const Order& order : orders) {
-          const Cell cell_times = time_cell(all, points, order.queries, k, r2_max, options.trial);
+          const Cell cell_times =
+              time_cell(all, *all[0], points, order.queries, k, r2_max, options.trial);
           const std::vector<double>& ratios = cell_times.ratios;
           const double ratio = median(ratios);
           const double low = *std::min_element(ratios.begin(), ratios.end());
@@ -309,13 +433,7 @@ int run(const Options& options) {
   }
   fmt::print("\n{} of {} cells won\n", won, cells);
   report["won"] = won;
-  std::ofstream file(options.json);
-  file << report.dump(1) << '\n';
-  if (!file.flush()) {
-    fmt::print(stderr, "bench: cannot write {}\n", options.json);
-    return 1;
-  }
-  return 0;
+  return write_report(options.json, report);
 }
 
 }  // namespace
@@ -323,21 +441,44 @@ int run(const Options& options) {
 
 // bench_gather FILE.json [queries [photons [k]]]: queries of a repetition; all
 // cells, or those of one size, one k.
-// bench_gather FILE.json --cloud PHOTONS QUERIES k [r2_max]: positions from files, without a radius
-// and within r2_max.
+// bench_gather FILE.json --cloud PHOTONS QUERIES k [r2_max [leaf_limit bucket]]: positions from
+// files, without a radius and within r2_max; golden visits leaf_limit leaves of so many photons at
+// most, where it is not 0, and the libraries stay exact.
+// bench_gather FILE.json --uniform QUERIES POINTS,... K,...: points and queries even in a cube.
 int main(int argc, char** argv) {
-  photonloom::bench::Options options;
-  if (argc > 2 && std::string(argv[2]) == "--cloud") {
-    const unsigned long k = argc > 5 ? std::strtoul(argv[5], nullptr, 10) : 0;
+  using namespace photonloom::bench;
+  Options options;
+  const auto number = [&](int i) { return i < argc ? std::strtoull(argv[i], nullptr, 10) : 0; };
+  const auto usage = [](const char* text) {
+    fmt::print(stderr, "usage: bench_gather FILE.json {}, k at most {}\n", text,
+               photonloom::search::kMaxK);
+    return 2;
+  };
+  const auto possible = [](uint64_t k) { return k > 0 && k <= photonloom::search::kMaxK; };
+  const std::string mode = argc > 2 ? argv[2] : "";
+  if (mode == "--cloud") {
     std::vector<int64_t> radii = {-1};
-    if (argc > 6) radii.push_back(std::strtoll(argv[6], nullptr, 10));
-    if (argc > 7 || k == 0 || k > photonloom::search::kMaxK || radii.back() == 0) {
-      fmt::print(stderr,
-                 "usage: bench_gather FILE.json --cloud PHOTONS QUERIES k [r2_max], k at most {}\n",
-                 photonloom::search::kMaxK);
-      return 2;
-    }
-    return photonloom::bench::run_cloud(argv[1], argv[3], argv[4], static_cast<uint32_t>(k), radii);
+    if (argc > 6) radii.push_back(static_cast<int64_t>(number(6)));
+    GoldenSearch how;
+    if (argc > 8) how = {static_cast<uint32_t>(number(8)), static_cast<uint32_t>(number(7))};
+    if (argc > 9 || argc == 8 || !possible(number(5)) || radii.back() == 0 || how.bucket == 0)
+      return usage("--cloud PHOTONS QUERIES k [r2_max [leaf_limit bucket]]");
+    return run_cloud(argv[1], argv[3], argv[4], static_cast<uint32_t>(number(5)), radii, how);
+  }
+  if (mode == "--uniform") {
+    const auto list = [&](int i) {
+      std::vector<size_t> numbers;
+      std::istringstream words(i < argc ? argv[i] : "");
+      for (std::string word; std::getline(words, word, ',');)
+        numbers.push_back(std::strtoull(word.c_str(), nullptr, 10));
+      return numbers;
+    };
+    const std::vector<size_t> sizes = list(4), ks = list(5);
+    if (argc != 6 || number(3) == 0 || sizes.empty() || ks.empty() ||
+        !std::all_of(ks.begin(), ks.end(), possible) ||
+        std::find(sizes.begin(), sizes.end(), 0) != sizes.end())
+      return usage("--uniform QUERIES POINTS,... K,...");
+    return run_uniform(argv[1], sizes, {ks.begin(), ks.end()}, number(3));
   }
   if (argc > 1) options.json = argv[1];
   if (argc > 2) options.queries = std::strtoull(argv[2], nullptr, 10);
@@ -345,10 +486,8 @@ int main(int argc, char** argv) {
   if (argc > 4) options.ks = {static_cast<uint32_t>(std::strtoul(argv[4], nullptr, 10))};
   if (options.queries == 0 || options.sizes[0] == 0 || options.ks[0] == 0 ||
       options.ks[0] > photonloom::search::kMaxK) {
-    fmt::print(stderr, "usage: bench_gather FILE.json [queries [photons [k]]], k at most {}\n",
-               photonloom::search::kMaxK);
-    return 2;
+    return usage("[queries [photons [k]]]");
   }
   options.trial = std::min(options.trial, options.queries);
-  return photonloom::bench::run(options);
+  return run(options);
 }

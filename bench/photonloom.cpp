@@ -12,7 +12,10 @@ namespace {
 
 class Golden final : public Contender {
  public:
-  explicit Golden(const std::vector<UVec3>& points) : level_(search::chosen_level()) {
+  Golden(const std::vector<UVec3>& points, const GoldenSearch& how)
+      : level_(search::chosen_level()),
+        leaf_limit_(how.leaf_limit == 0 ? search::Settings{}.leaf_limit : how.leaf_limit) {
+    plan_.bucket = static_cast<int>(how.bucket);
     std::vector<PackedPhoton> photons(points.size());
     for (size_t i = 0; i < points.size(); ++i) photons[i].position = points[i];
     const double start = now();
@@ -38,6 +41,7 @@ class Golden final : public Contender {
     if (r2_max >= 0) view.r2_max = static_cast<uint64_t>(r2_max);
     search::Settings settings;
     settings.k = found.k;
+    settings.leaf_limit = leaf_limit_;
     const search::Search search = level_.search[0][0][0];
     const uint64_t mask = (uint64_t{1} << view.index_bits) - 1;
     const auto keys = aligned_keys();
@@ -71,6 +75,7 @@ class Golden final : public Contender {
 
   Plan plan_;
   const search::Level& level_;
+  uint32_t leaf_limit_;
   PhotonMap map_;
   std::unique_ptr<search::Map> fast_;
   double seconds_;
@@ -78,8 +83,9 @@ class Golden final : public Contender {
 
 }  // namespace
 
-void add_photonloom(const std::vector<UVec3>& points, Contenders& to) {
-  to.push_back(std::make_unique<Golden>(points));
+std::unique_ptr<Contender> make_photonloom(const std::vector<UVec3>& points,
+                                           const GoldenSearch& how) {
+  return std::make_unique<Golden>(points, how);
 }
 
 }  // namespace photonloom::bench

@@ -8,6 +8,7 @@
 
 #include "command/console.hpp"
 #include "command/frame_options.hpp"
+#include "command/plan_for_board.hpp"
 #include "command/plan_for_error.hpp"
 #include "golden/numeric/output_file.hpp"
 #include "golden/planner/resources.hpp"
@@ -46,7 +47,8 @@ std::vector<std::pair<std::string, uint64_t>> memory_bits(const Plan& plan) {
 }
 
 // What the plan asks for: units, memory and an estimate of a part's resources.
-void describe(const Plan& plan, const std::string& file, const PlanOptions& o) {
+void describe(const Plan& plan, const std::string& file, const PlanOptions& o,
+              const nlohmann::ordered_json& further = {}) {
   const auto rows = memory_bits(plan);
   const bool gathers = plan.global.present || plan.caustic.present;
   if (o.json) {
@@ -74,6 +76,7 @@ void describe(const Plan& plan, const std::string& file, const PlanOptions& o) {
                         {"units", b.units},
                         {"total", b.total()}};
     }
+    if (!further.is_null()) j.update(further);
     fmt::print("{}\n", j.dump(2));
     return;
   }
@@ -124,15 +127,49 @@ void edit(const FrameRequest& request, const PlanOptions& o) {
   describe(plan, file, o);
 }
 
+// The plan with the fastest gather engine that a board has room for.
+void plan_a_board(const FrameRequest& request, const PlanOptions& o) {
+  const std::string& board = o.for_error.board();
+  const BoardPlan found = plan_for_board(request, board);
+  const Plan& plan = found.engine.best.plan;
+  if (o.output == "-") {
+    fmt::print("{}", plan_text(plan, found.reasons));
+    return;
+  }
+  write_plan(plan, o.output, found.reasons);
+  const auto json_of = [](const EngineCycles& c) {
+    return nlohmann::ordered_json{{"cycles", c.cycles},
+                                  {"gatherers_cycles", c.gatherers},
+                                  {"memory_cycles", c.memory},
+                                  {"sdram_lines", c.memory_lines}};
+  };
+  nlohmann::ordered_json further;
+  further["engine"] = json_of(found.engine.best.cycles);
+  further["engine"]["board"] = board;
+  further["engine"]["core_khz"] = found.core_khz;
+  further["engine"]["tried"] = found.engine.tried;
+  further["engine"]["without"] = json_of(found.engine.given);
+  further["engine"]["without"]["misfit"] = found.engine.misfit;
+  if (!o.json) fmt::print("wrote {} (hash {})\n", o.output, plan_hash_text(plan));
+  describe(plan, o.output, o, further);
+  if (!o.json) fmt::print("{}", engine_text(found, board));
+}
+
 void plan(const PlanOptions& o) {
   const FrameRequest request = o.frame.request();
   if (o.for_error.wanted())
     return o.for_error.run(request, o.output, o.json, o.threads.threads(),
                            [&](const Plan& plan) { describe(plan, o.output, o); });
   o.for_error.refuse_alone();
-  if (is_plan(request.scene_file)) return edit(request, o);
+  if (is_plan(request.scene_file)) {
+    if (!o.for_error.board().empty())
+      throw UsageError(
+          "--board: counts the gathers of a scene; give the scene, and this plan as --plan");
+    return edit(request, o);
+  }
   if (o.output.empty()) throw UsageError("a scene's plan needs -o FILE (- for standard output)");
   o.threads.apply();
+  if (!o.for_error.board().empty()) return plan_a_board(request, o);
   ConsoleProgress progress;
   const PreparedFrame frame = prepare_frame(request, Arithmetic::kGolden, &progress, true);
   print_warnings(frame.warnings);
@@ -155,6 +192,9 @@ void add_plan(CLI::App& app) {
       "built. docs/plan.md explains every line.\n\n"
       "With --error E it measures a few plans on some pixels of the frame and writes the cheapest\n"
       "that keeps the visible error within E; docs/planner.md says what that promises.\n\n"
+      "With --board alone it widens the gatherer and takes as many of them as the board has room "
+      "for:\n"
+      "the same packets, sooner.\n\n"
       "Of a plan.toml instead of a scene it tells the same, with --set lines changed, and writes "
       "the\n"
       "changed plan only with -o.\n\n"
@@ -163,6 +203,7 @@ void add_plan(CLI::App& app) {
       "  photonloom plan scenes/cornell.xml -o - --format-error 0.001\n"
       "  photonloom plan scenes/cornell_balls.xml --error 0.005 --minimise luts -o plan.toml\n"
       "  photonloom plan scenes/cornell_balls.xml --explain gather.k\n"
+      "  photonloom plan scenes/cornell.xml --photons 16384 --k 16 --board ulx3s-85f -o plan.toml\n"
       "  photonloom plan plan.toml --set gather.k=8");
   o->frame.add_to(*c);
   c->get_option("SCENE")->description("A Mitsuba XML scene, or a plan.toml to tell about");

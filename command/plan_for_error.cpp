@@ -21,9 +21,9 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 // What goes with --error or --explain alone.
-constexpr const char* kSearchOptions[] = {
-    "--advise", "--metric",       "--board", "--minimise", "--check",
-    "--work",   "--measure-size", "--seeds", "--points",   "--reference-spp"};
+constexpr const char* kSearchOptions[] = {"--advise", "--metric", "--minimise",
+                                          "--check",  "--work",   "--measure-size",
+                                          "--seeds",  "--points", "--reference-spp"};
 
 // The lines that the user fixed, as a study's [base].
 LineValues asked_lines(const FrameRequest& r) {
@@ -142,7 +142,9 @@ void PlanForError::add_to(CLI::App& c) {
       ->check(CLI::IsMember({"cycles", "luts", "bytes"}))
       ->type_name("COST")
       ->group(group);
-  c.add_option("--board", board_, "A board of fpga/boards that the plan must fit")
+  c.add_option("--board", board_,
+               "A board of fpga/boards that the plan must fit; without --error: for the fastest "
+               "gathers that it has room for")
       ->type_name("BOARD")
       ->group(group);
   c.add_option("--explain", explain_,

@@ -16,6 +16,8 @@ class PlanForError {
   void add_to(CLI::App& command);
   // Whether one of its options asks for a search.
   bool wanted() const;
+  // Of --board; empty: not given.
+  const std::string& board() const { return board_; }
   // Throws UsageError for one of its options that stands without the one it belongs to.
   void refuse_alone() const;
 

@@ -9,6 +9,7 @@
 
 #include "command/console.hpp"
 #include "command/frame_options.hpp"
+#include "command/unit_times.hpp"
 #include "golden/image/pixel_sum.hpp"
 #include "golden/image/sheet.hpp"
 #include "golden/numeric/output_file.hpp"
@@ -48,7 +49,8 @@ Image photon_map(const RenderOptions& o, const FrameRequest& request, ConsolePro
       o.arithmetic == "golden" ? Arithmetic::kGolden : Arithmetic::kReference;
   PreparedFrame frame = prepare_frame(request, arithmetic, &progress);
   print_warnings(frame.warnings);
-  FrameUnits units = make_golden_units(frame.plan);
+  UnitTimes times;
+  FrameUnits units = timed_units(make_golden_units(frame.plan), times);
   GatherWatch watch(frame.plan);
   units.photon_gatherer = watch.wrap(std::move(units.photon_gatherer));
   std::optional<OutputFolder> folder;
@@ -96,6 +98,8 @@ Image photon_map(const RenderOptions& o, const FrameRequest& request, ConsolePro
     for_each_unit([&](auto unit) {
       summary["units"][unit_name<typename decltype(unit)::type>] = units.of(unit)->counters();
     });
+  for (const auto& [unit, time] : times)
+    summary["unit_seconds"][unit] = {{"wall", time.wall}, {"cpu", time.cpu}};
   return image;
 }
 

@@ -13,8 +13,8 @@
 
 #include "golden/planner/planner.hpp"
 #include "golden/planner/resources.hpp"
-#include "rtl/generate/board_file.hpp"
 #include "rtl/generate/hardware.hpp"
+#include "study/board_room.hpp"
 #include "study/collector.hpp"
 #include "study/error_model.hpp"
 #include "study/point_plan.hpp"
@@ -30,8 +30,6 @@ constexpr size_t kSearchSeeds = 2;
 constexpr int kLatency = 60;  // of the line memory, cycles
 constexpr int kGatherQueries = 1024;
 constexpr double kWorthIt = 0.005;  // cheaper by this part is cheaper
-// Of a board's logic: the rest is for its link, its memory's controller and routing.
-constexpr double kBoardShare = 0.85;
 
 // One line of the plan for both, as the two are compared with each other.
 constexpr const char* kDirections = "photon.direction_bits+gather.normal_bits";
@@ -107,58 +105,6 @@ std::vector<double> mean_halves(const std::vector<Result>& results, const std::s
       mean[i] += halves->second[i] / static_cast<double>(results.size());
   }
   return mean;
-}
-
-std::string board_list() {
-  std::string names;
-  for (const std::string& name : board_names())
-    if (read_board(name).resources.count(kBlockRam)) names += (names.empty() ? "" : ", ") + name;
-  return names;
-}
-
-// Throws for one that the predictor does not know.
-BoardDescription predicted_board(const std::string& name) {
-  const std::vector<std::string> all = board_names();
-  if (std::find(all.begin(), all.end(), name) == all.end())
-    throw std::runtime_error(
-        fmt::format("--board: there is no board {}, expected one of {}", name, board_list()));
-  BoardDescription board = read_board(name);
-  for (const char* resource : {"LUT4", "FF", "MULT18X18D", kBlockRam})
-    if (!board.resources.count(resource))
-      throw std::runtime_error(
-          fmt::format("--board: {} states no {} in [part.resources], which the prediction counts; "
-                      "expected one of {}",
-                      name, resource, board_list()));
-  return board;
-}
-
-// Why the plan does not fit; empty: it does. Predictions are taken as too small by the largest
-// error that they had.
-std::string misfit(const Plan& plan, const BoardDescription& board) {
-  double lut = 0, ff = 0, dsp = 0;
-  for (const UnitInfo& unit : all_units()) {
-    if (unit.board == BoardPlace::kHost || !unit.lacks(plan).empty()) continue;
-    if (!is_predicted(unit.name)) continue;
-    const UnitResources r = estimate_resources(plan, unit.name);
-    const double count = unit.board == BoardPlace::kLink ? plan.gatherers : 1;
-    lut += count * r.lut * (1 + resource_error(unit.name, "lut"));
-    ff += count * r.ff * (1 + resource_error(unit.name, "ff"));
-    dsp += count * r.dsp;
-  }
-  const struct {
-    const char* name;
-    double needed, share;
-  } needs[] = {{"LUT4", lut, kBoardShare},
-               {"FF", ff, kBoardShare},
-               {"MULT18X18D", dsp, 1},
-               {kBlockRam, static_cast<double>(board_memories(plan).total()), 1}};
-  for (const auto& need : needs) {
-    const double has = need.share * board.resources.at(need.name);
-    if (need.needed > has)
-      return fmt::format("needs {:.0f} {}, and {} has {:.0f} for it", need.needed, need.name,
-                         board.name, has);
-  }
-  return "";
 }
 
 // One more run differs as much as the seeds did, whatever their mean is off by.
@@ -433,7 +379,7 @@ class PlanSearch::Work {
       Plan plan = plan_of_point(*scene_, study_, lines).plan;
       if (!base_) base_ = plan;
       std::vector<double> terms = error_terms(plan, *base_);
-      std::string why = board_ ? misfit(framed(plan), *board_) : "";
+      std::string why = board_ ? misfit(framed(plan), *board_, kBoardShare) : "";
       made = Candidate{lines, std::move(plan), std::move(terms), std::move(why), {}};
     } catch (const PlanError&) {
       return nullptr;

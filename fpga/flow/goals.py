@@ -17,12 +17,24 @@ class AreaGoals:
 
 
 @dataclass(frozen=True)
+class ImageGoals:
+    """Frames that are timed: of which scenes, with the formats of which plan of fpga/headline."""
+    scenes: tuple[Path, ...]
+    plan: str
+    width: int
+    height: int
+    spp: int
+    gather_rays: int
+
+
+@dataclass(frozen=True)
 class HeadlineGoals:
     """board: where queries a second are those of its routed top. scene: whose photons and queries are gathered. replay: the
-    plan whose replayer is simulated. times: multiples of one core, photon memory -> k as text -> multiple."""
+    plan whose replayer is simulated. images: what is timed of whole images. times: multiples of one core, photon memory -> k as text -> multiple."""
     board: str
     scene: Path
     replay: str
+    images: ImageGoals
     times: dict[str, dict[str, float]]
     path: Path
 
@@ -62,9 +74,13 @@ def headline_goals(path: Path = GOALS) -> HeadlineGoals:
     for memory in times:
         for k in field(said, path, f"headline.times_core.{memory}", dict, "a table"):
             field(said, path, f"headline.times_core.{memory}.{k}", (int, float), "a multiple of one core")
+    scenes = field(said, path, "headline.images.scenes", list, "a list of scenes")
+    counts = [field(said, path, f"headline.images.{name}", int, "a count") for name in ("width", "height", "spp", "gather_rays")]
+    images = ImageGoals(tuple(ROOT / scene for scene in scenes),
+                        field(said, path, "headline.images.plan", str, "a plan of fpga/headline"), *counts)
     return HeadlineGoals(field(said, path, "headline.board", str, "a board"),
                          ROOT / field(said, path, "headline.scene", str, "a scene below the repository's root"),
-                         field(said, path, "headline.replay", str, "a plan of fpga/headline"), times, path)
+                         field(said, path, "headline.replay", str, "a plan of fpga/headline"), images, times, path)
 
 
 def fast_goals(path: Path = GOALS) -> FastGoals:

@@ -182,8 +182,12 @@ PreparedFrame prepare_frame(std::unique_ptr<World> world, const FrameRequest& re
     pass = photons_of(*frame.world, *frame.caster, is_caustic, stored, request.seed, progress);
     if (pass.short_of_request)
       frame.warnings.push_back(
-          fmt::format("{}: only {} of {} {} photons were stored after {} paths", request.scene_file,
-                      pass.photons.size(), stored, is_caustic ? "caustic" : "global", pass.paths));
+          fmt::format("{}: only {} of {} {} photons were stored after {} paths: {}; the image uses "
+                      "those that there are",
+                      request.scene_file, pass.photons.size(), stored,
+                      is_caustic ? "caustic" : "global", pass.paths,
+                      is_caustic ? "little light comes by mirrors and glass to diffuse surfaces"
+                                 : "little light comes to diffuse surfaces"));
   }
 
   if (from_file) {

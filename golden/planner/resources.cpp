@@ -149,12 +149,13 @@ Memories gatherer_memories(const Plan& p) {
             clog2(static_cast<uint64_t>(p.epsilon_factor)),
         contexts_of(p.nodes_per_cycle) * power_of_two(p.line_bits() + 1) / 2,
         2 * p.nodes_per_cycle);
-  const uint64_t rows = uint64_t{1} << clog2(std::max<uint64_t>(16, 2 * parts) + 24);
+  const uint64_t rows = uint64_t{1} << clog2(std::max<uint64_t>(16, 2 * parts) + 16);
   m.add(p.lanes * load_bits(p), rows, lists);
   m.add(2 * p.lanes * p.direction_bits, rows, lists);
 
   // Of a result: what is known of it at the start, at the end, and its reciprocal.
-  const uint64_t slots = contexts > 16 ? 2 * contexts : 4 * contexts;
+  const uint64_t most = p.lut_ram_words >= 64 && p.lut_ram_words < 128 ? 64 : 128;
+  const uint64_t slots = std::min(8 * contexts, std::max(most, 2 * contexts));
   const int body = p.count_bits() + p.r2_bits() + p.channels * p.flux_bits() +
                    2 * (p.line_bits() + 1) + p.index_bits() + 3;
   m.add(p.pixel_bits() + p.sample_bits() + p.tag_bits() + 1, slots);

@@ -3,13 +3,13 @@
 
 #include <fmt/core.h>
 
+#include <bit>
 #include <cmath>
 #include <limits>
-#include <map>
-#include <tuple>
 
 #include "golden/numeric/elementary.hpp"
 #include "golden/numeric/output_file.hpp"
+#include "golden/numeric/random.hpp"
 #include "golden/scene/ply.hpp"
 #include "golden/scene/text.hpp"
 
@@ -31,8 +31,10 @@ bool is_finite(const Vec3& v) {
 }
 
 // Splits a polygon into a fan. A corner that lies on an edge of a larger polygon gives a triangle
-// without area, which is left out; a polygon without any area is refused.
-void add_polygon(Mesh& mesh, const std::vector<uint32_t>& corners, const std::string& place) {
+// without area, which is left out; a polygon without any area is refused. `place()` says where it
+// stands.
+template <class Place>
+void add_polygon(Mesh& mesh, const std::vector<uint32_t>& corners, Place&& place) {
   bool any = false;
   for (size_t i = 2; i < corners.size(); ++i) {
     const std::array<uint32_t, 3> t = {corners[0], corners[i - 1], corners[i]};
@@ -41,7 +43,68 @@ void add_polygon(Mesh& mesh, const std::vector<uint32_t>& corners, const std::st
     any = true;
   }
   if (!any)
-    throw SceneError(fmt::format("{}: the face has no area, expected a proper triangle", place));
+    throw SceneError(fmt::format("{}: the face has no area, expected a proper triangle", place()));
+}
+
+// The vertices of an OBJ file: those that differ in nothing are one.
+class ObjVertices {
+ public:
+  // The number of this vertex in the mesh, to which it is added where it is new.
+  uint32_t number(Mesh& mesh, uint32_t group, const Vec3& p, const Vec3& n, const Vec2& t) {
+    if (2 * groups_.size() >= slots_.size()) grow(mesh);
+    size_t slot = hash(group, p, n, t) & (slots_.size() - 1);
+    for (; slots_[slot] != kFree; slot = (slot + 1) & (slots_.size() - 1)) {
+      const uint32_t v = slots_[slot];
+      if (mesh.positions[v] == p && mesh.normals[v] == n && mesh.uvs[v] == t && groups_[v] == group)
+        return v;
+    }
+    const auto added = static_cast<uint32_t>(groups_.size());
+    slots_[slot] = added;
+    groups_.push_back(group);
+    mesh.positions.push_back(p);
+    mesh.normals.push_back(n);
+    mesh.uvs.push_back(t);
+    return added;
+  }
+
+ private:
+  static constexpr uint32_t kFree = ~0u;
+
+  static uint64_t hash(uint32_t group, const Vec3& p, const Vec3& n, const Vec2& t) {
+    uint64_t h = group;
+    for (const double x : {p.x, p.y, p.z, n.x, n.y, n.z, t.x, t.y}) {
+      // 0 and -0 are equal.
+      const auto bits = std::bit_cast<uint64_t>(x + 0.0);
+      h = (std::rotl(h, 29) ^ bits) * 0x9e3779b97f4a7c15ull;
+    }
+    return mix64(h);
+  }
+
+  void grow(const Mesh& mesh) {
+    slots_.assign(std::max<size_t>(1024, 4 * slots_.size()), kFree);
+    for (uint32_t v = 0; v < groups_.size(); ++v) {
+      size_t slot =
+          hash(groups_[v], mesh.positions[v], mesh.normals[v], mesh.uvs[v]) & (slots_.size() - 1);
+      while (slots_[slot] != kFree) slot = (slot + 1) & (slots_.size() - 1);
+      slots_[slot] = v;
+    }
+  }
+
+  std::vector<uint32_t> slots_;   // open addressing: numbers of vertices; a power of two of them
+  std::vector<uint32_t> groups_;  // of each vertex
+};
+
+// Words between blanks, into a list whose room is used again.
+void split_at_blanks(std::string_view line, std::vector<std::string_view>& words) {
+  const auto blank = [](char c) { return c == ' ' || c == '\t'; };
+  words.clear();
+  for (const char *at = line.data(), *const end = at + line.size();;) {
+    while (at != end && blank(*at)) ++at;
+    if (at == end) return;
+    const char* const begin = at;
+    while (at != end && !blank(*at)) ++at;
+    words.emplace_back(begin, static_cast<size_t>(at - begin));
+  }
 }
 
 // OBJ, line by line.
@@ -52,8 +115,9 @@ class ObjReader {
   MeshFile read() {
     std::string joined;
     std::string_view line;
+    std::vector<std::string_view> words;
     while (next_line(line, joined)) {
-      const auto words = split(line, " \t");
+      split_at_blanks(line, words);
       if (!words.empty() && words[0][0] != '#') statement(words);
     }
     if (out_.mesh.triangles.empty())
@@ -122,19 +186,19 @@ class ObjReader {
   }
 
   // A one-based or negative (from the end) index.
-  size_t index(std::string_view text, size_t count, const char* what) const {
+  uint32_t index(std::string_view text, size_t count, const char* what) const {
     const auto i = parse_integer(text);
     const int64_t n = static_cast<int64_t>(count);
     if (!i || *i == 0 || *i > n || *i < -n)
       fail(fmt::format("'{}' is not the number of a {}, expected 1 to {}",
                        std::string(text.substr(0, 40)), what, count));
-    return static_cast<size_t>(*i > 0 ? *i - 1 : n + *i);
+    return static_cast<uint32_t>(*i > 0 ? *i - 1 : n + *i);
   }
 
   void face(const std::vector<std::string_view>& words) {
     if (words.size() < 4)
       fail(fmt::format("the face has {} vertices, expected at least 3", words.size() - 1));
-    std::vector<uint32_t> corners;
+    corners_.clear();
     for (size_t w = 1; w < words.size(); ++w) {
       // v, v/t, v//n or v/t/n
       std::string_view part[3];
@@ -147,32 +211,46 @@ class ObjReader {
           fail(fmt::format("'{}' is not a face vertex, expected v, v/t, v//n or v/t/n",
                            std::string(words[w].substr(0, 40))));
       }
-      const Vec3 p = positions_[index(part[0], positions_.size(), "vertex")];
-      Vec2 t(0);
-      if (!part[1].empty()) t = coordinates_[index(part[1], coordinates_.size(), "texture vertex")];
-      Vec3 n(0);
-      if (!part[2].empty()) n = normals_[index(part[2], normals_.size(), "normal")];
-      any_normal_ = any_normal_ || n != Vec3(0);
-      const auto [at, inserted] =
-          vertices_.emplace(Key{group_, p.x, p.y, p.z, n.x, n.y, n.z, t.x, t.y},
-                            static_cast<uint32_t>(out_.mesh.positions.size()));
-      if (inserted) {
-        out_.mesh.positions.push_back(p);
-        out_.mesh.normals.push_back(n);
-        out_.mesh.uvs.push_back(t);
-      }
-      corners.push_back(at->second);
+      const uint32_t v = index(part[0], positions_.size(), "vertex");
+      Corner c{.group = group_};
+      if (!part[1].empty()) c.t = index(part[1], coordinates_.size(), "texture vertex");
+      if (!part[2].empty()) c.n = index(part[2], normals_.size(), "normal");
+      corners_.push_back(number(v, c));
     }
-    add_polygon(out_.mesh, corners, fmt::format("{}:{}", path_, line_));
+    add_polygon(out_.mesh, corners_, [&] { return fmt::format("{}:{}", path_, line_); });
   }
 
-  using Key = std::tuple<uint32_t, double, double, double, double, double, double, double, double>;
+  // Of a face vertex: all but the position.
+  static constexpr uint32_t kNone = ~0u;
+  struct Corner {
+    uint32_t t = kNone, n = kNone, group = kNone;
+    bool operator==(const Corner&) const = default;
+  };
+  struct Last {
+    Corner corner;
+    uint32_t vertex = kNone;
+  };
+
+  // The vertex of the mesh. Mostly it is the one that this position was last.
+  uint32_t number(uint32_t v, const Corner& c) {
+    last_.resize(positions_.size());
+    auto& [corner, vertex] = last_[v];
+    if (vertex != kNone && corner == c) return vertex;
+    const Vec3 n = c.n == kNone ? Vec3(0) : normals_[c.n];
+    any_normal_ = any_normal_ || n != Vec3(0);
+    corner = c;
+    return vertex = vertices_.number(out_.mesh, group_, positions_[v], n,
+                                     c.t == kNone ? Vec2(0) : coordinates_[c.t]);
+  }
+
   const std::string& path_;
   const std::string& bytes_;
   size_t at_ = 0, line_ = 0;
   std::vector<Vec3> positions_, normals_;
   std::vector<Vec2> coordinates_;
-  std::map<Key, uint32_t> vertices_;
+  ObjVertices vertices_;
+  std::vector<Last> last_;         // of each position
+  std::vector<uint32_t> corners_;  // of the face that is read
   uint32_t group_ = 0;
   bool any_normal_ = false;
   MeshFile out_;
@@ -288,18 +366,18 @@ MeshFile read_ply_mesh(const std::string& path) {
     throw SceneError(fmt::format("{}: element 'face' has no property list 'vertex_indices'", path));
   std::vector<uint32_t> polygon;
   for (uint64_t f = 0; f < face->rows; ++f) {
-    const std::string place = fmt::format("{}: face {}", path, f);
+    const auto place = [&] { return fmt::format("{}: face {}", path, f); };
     polygon.clear();
     for (uint64_t i = corners->starts[f]; i < corners->starts[f + 1]; ++i) {
       const double v = corners->values[i];
       if (!(v >= 0 && v < static_cast<double>(vertex->rows)) || v != std::floor(v))
-        throw SceneError(fmt::format("{}: vertex number {} does not exist, expected 0 to {}", place,
-                                     v, static_cast<int64_t>(vertex->rows) - 1));
+        throw SceneError(fmt::format("{}: vertex number {} does not exist, expected 0 to {}",
+                                     place(), v, static_cast<int64_t>(vertex->rows) - 1));
       polygon.push_back(static_cast<uint32_t>(v));
     }
     if (polygon.size() < 3)
-      throw SceneError(
-          fmt::format("{}: the face has {} vertices, expected at least 3", place, polygon.size()));
+      throw SceneError(fmt::format("{}: the face has {} vertices, expected at least 3", place(),
+                                   polygon.size()));
     add_polygon(out.mesh, polygon, place);
   }
   return out;

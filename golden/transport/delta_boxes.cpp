@@ -27,9 +27,17 @@ bool meets(const Ray& ray, const Vec3& lower, const Vec3& upper) {
   return near <= far * (1 + 0x1p-40);
 }
 
+// What the face that is seen of the two across each axis covers across a direction.
+Vec3 faces_across(const std::pair<Vec3, Vec3>& box, const Vec3& direction) {
+  const Vec3 edge = box.second - box.first;
+  return Vec3(edge.y * edge.z, edge.z * edge.x, edge.x * edge.y) * glm::abs(direction);
+}
+
+double total(const Vec3& v) { return v.x + v.y + v.z; }
+
 }  // namespace
 
-DeltaBoxes::DeltaBoxes(const World& world) {
+DeltaBoxes::DeltaBoxes(const World& world) : centre_(world.centre()), radius_(world.radius()) {
   uint32_t last_shape = ~0u;
   const World::Range own = world.world_primitives();
   for (uint32_t i = own.begin; i < own.end; ++i) {
@@ -62,6 +70,48 @@ DeltaBoxes::DeltaBoxes(const World& world) {
     boxes_[0].second = glm::max(boxes_[0].second, b.second);
   }
   boxes_.resize(1);
+}
+
+double DeltaBoxes::area_across(const Vec3& direction) const {
+  double area = 0;
+  for (const auto& b : boxes_) area += total(faces_across(b, direction));
+  return area;
+}
+
+double DeltaBoxes::mean_area_across() const {
+  // Cauchy: a quarter of a convex body's surface; the mean of a component of a direction is a half.
+  return area_across(Vec3(0.5));
+}
+
+Ray DeltaBoxes::aim(const Vec3& direction, double choice, const Vec2& u, double& density) const {
+  const double area = area_across(direction);
+  // The face through which the ray enters.
+  size_t chosen = 0;
+  int axis = 0;
+  double rest = choice * area;
+  for (size_t i = 0; i < boxes_.size(); ++i) {
+    const Vec3 faces = faces_across(boxes_[i], direction);
+    for (int a = 0; a < 3; ++a) {
+      if (!(faces[a] > 0) || rest < 0) continue;
+      chosen = i;
+      axis = a;
+      rest -= faces[a];
+    }
+  }
+  const auto& [lower, upper] = boxes_[chosen];
+  const int second = (axis + 1) % 3, third = (axis + 2) % 3;
+  Vec3 point;
+  point[axis] = direction[axis] > 0 ? lower[axis] : upper[axis];
+  point[second] = lower[second] + (upper[second] - lower[second]) * u.x;
+  point[third] = lower[third] + (upper[third] - lower[third]) * u.y;
+  const Ray ray{point - direction * (glm::dot(point - centre_, direction) + 2 * radius_),
+                direction};
+  // The chosen box it meets, whatever rounding at an edge says.
+  int met = 1;
+  for (size_t i = 0; i < boxes_.size(); ++i)
+    met += i != chosen && meets(ray, boxes_[i].first, boxes_[i].second);
+  density = met / area;
+  return ray;
 }
 
 bool DeltaBoxes::met_by(const Ray& ray) const {

@@ -3,11 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "golden/transport/beam.hpp"
 #include "golden/transport/bsdf.hpp"
-#include "golden/transport/delta_boxes.hpp"
-#include "golden/transport/emitters.hpp"
+#include "golden/transport/caustic_emission.hpp"
 #include "golden/transport/intersect.hpp"
 #include "golden/transport/roulette.hpp"
 #include "golden/transport/visibility.hpp"
@@ -49,15 +49,11 @@ bool scatter(const Walk& walk, const Surface& s, uint64_t bounce, Vec3& out, Rgb
       Vec2(r.unit(bounce, kPhotonDirectionU), r.unit(bounce, kPhotonDirectionV)), out, power);
 }
 
-void trace_path(const Walk& walk, uint64_t path, int rr_depth, const DeltaBoxes* boxes,
+// A photon's way from its emitter on.
+void trace_path(const Walk& walk, uint64_t path, int rr_depth, const Emission& e, bool beam,
                 std::vector<Photon>& photons) {
-  uint32_t emitter;
-  Emission e = emit_photon(walk.world, walk.random, emitter);
   Ray ray = e.ray;
-  if (is_black(e.power)) return;  // a texture or an environment may be black in places
-  // A beam's light starts where it lands.
-  bool on_its_way = is_beam(walk.world, emitter);
-  if (boxes && !on_its_way && !boxes->met_by(ray)) return;
+  bool on_its_way = beam;  // its light starts where it lands
   Hit hit = first_surface(walk.world, walk.caster, e);
   Rgb throughput(1);
   double flight = 0;
@@ -102,6 +98,7 @@ void trace_path(const Walk& walk, uint64_t path, int rr_depth, const DeltaBoxes*
 constexpr uint64_t kBlock = 1024;          // paths a task traces
 constexpr uint64_t kBlocksPerRound = 64;   // traced before their photons are counted
 constexpr uint64_t kPathsPerPhoton = 100;  // a map still short after this many is used as it is
+constexpr uint64_t kCastPerPhoton = 32;    // the same for a caustic one, of paths towards a caster
 
 PhotonPass trace(const World& world, const RayCaster& caster, uint64_t stored, uint64_t seed,
                  Progress* progress, bool caustic) {
@@ -113,27 +110,39 @@ PhotonPass trace(const World& world, const RayCaster& caster, uint64_t stored, u
   const int max_segments = depth < 0 ? -1 : depth - taken;
   if (caustic && !world.has_delta()) return pass;
   const DeltaBoxes boxes(world);
-  const ProgressPhase phase(progress, caustic ? "caustic photons" : "global photons", stored,
-                            "photons");
+  const CausticEmission emission(world, boxes);
+  const Phase phase = caustic ? Phase::kCausticPhoton : Phase::kGlobalPhoton;
+  const ProgressPhase progress_phase(progress, caustic ? "caustic photons" : "global photons",
+                                     stored, "photons");
   const uint64_t limit = kPathsPerPhoton * stored;
+  const uint64_t most_cast = caustic ? kCastPerPhoton * stored : limit;
+  uint64_t cast = 0;
   std::vector<std::vector<Photon>> blocks(kBlocksPerRound);
-  for (uint64_t first = 0; first < limit && pass.photons.size() < stored;
+  std::vector<uint64_t> cast_of(kBlocksPerRound);
+  for (uint64_t first = 0; first < limit && cast < most_cast && pass.photons.size() < stored;
        first += kBlock * kBlocksPerRound) {
     tbb::parallel_for(uint64_t{0}, kBlocksPerRound, [&](uint64_t b) {
       blocks[b].clear();
+      cast_of[b] = 0;
       const uint64_t begin = first + b * kBlock, end = std::min(begin + kBlock, limit);
       for (uint64_t i = begin; i < end; ++i) {
-        const Walk walk{world, caster,
-                        Random(seed, caustic ? Phase::kCausticPhoton : Phase::kGlobalPhoton, i),
-                        max_segments, caustic};
-        trace_path(walk, i, world.scene().rr_depth, caustic ? &boxes : nullptr, blocks[b]);
+        const Walk walk{world, caster, Random(seed, phase, i), max_segments, caustic};
+        uint32_t emitter;
+        const Emission e = caustic ? emission.emit(walk.random, emitter)
+                                   : emit_photon(world, walk.random, emitter);
+        if (is_black(e.power)) continue;  // a texture or an environment may be black in places
+        const bool beam = is_beam(world, emitter);
+        if (caustic && !beam && !boxes.met_by(e.ray)) continue;
+        ++cast_of[b];
+        trace_path(walk, i, world.scene().rr_depth, e, beam, blocks[b]);
       }
     });
+    cast = std::accumulate(cast_of.begin(), cast_of.end(), cast);
     const size_t before = pass.photons.size();
     pass.paths = std::min(first + kBlock * kBlocksPerRound, limit);
     for (const auto& block : blocks)
       pass.photons.insert(pass.photons.end(), block.begin(), block.end());
-    phase.advance(std::min<size_t>(pass.photons.size(), stored) - before);
+    progress_phase.advance(std::min<size_t>(pass.photons.size(), stored) - before);
   }
   if (pass.photons.size() >= stored) {
     // Photons stand in the order of paths; the one that fills the map is kept whole.

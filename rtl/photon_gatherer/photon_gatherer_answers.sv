@@ -84,8 +84,12 @@ module photon_gatherer_answers #(
     output photonloom_pkg::gather_photon_t   photon_o
 );
   localparam int unsigned QueueDepth = Contexts > 2 ? (1 << $clog2(Contexts)) : 2;
-  // Of results; 64 of them are enough, and as many as LUTs hold well.
-  localparam int unsigned Slots = QueueDepth > 16 ? 2 * QueueDepth : 4 * QueueDepth;
+  // Of results. A slow query shares its gatherer with the others, so scores of them overtake it; 128 are enough. Block RAM
+  // holds them as well as fewer. Where memories of 64 words are made of LUTs and those of 128 are not, there are 64.
+  localparam int unsigned LutWords = photonloom_pkg::LutRamWords;
+  localparam int unsigned EnoughSlots = LutWords >= 64 && LutWords < 128 ? 64 : 128;
+  localparam int unsigned MostSlots = EnoughSlots > 2 * QueueDepth ? EnoughSlots : 2 * QueueDepth;
+  localparam int unsigned Slots = 8 * QueueDepth < MostSlots ? 8 * QueueDepth : MostSlots;
   localparam int unsigned SlotBits = $clog2(Slots);
   localparam int unsigned RideBits = SlotBits + 1 + R2Bits + 2 * NodeBits + IndexBits + 1;
   localparam int unsigned FluxesBits = photonloom_pkg::Channels * photonloom_pkg::FluxBits;

@@ -15,7 +15,7 @@ module photon_gatherer_beats #(
     parameter int unsigned CacheWays = 2,
     parameter int unsigned CacheMisses = 8,
     parameter int unsigned LineBeatBits = 128,
-    parameter int unsigned Behind = 24,  // beats that may be between a queue and its list
+    parameter int unsigned Behind = 16,  // beats that may be between a queue and its list
     localparam int unsigned ContextBits = Contexts > 1 ? $clog2(Contexts) : 1,
     localparam int unsigned ListContexts = (Contexts + Lists - 1) / Lists,
     localparam int unsigned ListContextBits = ListContexts > 1 ? $clog2(ListContexts) : 1,

@@ -118,9 +118,9 @@ module photon_gatherer_leaves #(
     output logic [             StepBits-1:0] candidates_o,        // how many
     output logic [             StepBits-1:0] insertions_o
 );
-  // Between a beat's place in the FIFO and its candidates' loads: the beat in hand, 16 pairs tested and to be tested, the
+  // Between a beat's place in the FIFO and its candidates' loads: the beat in hand, 8 pairs tested and to be tested, the
   // pair that waits, the pair in hand and 3 stages of the list.
-  localparam int unsigned Behind = 24;
+  localparam int unsigned Behind = 16;
   localparam int unsigned Beats = photonloom_pkg::Bucket / Lanes;
   localparam int unsigned BeatBits = Beats > 1 ? $clog2(Beats) : 1;
   localparam int unsigned RowBits = $clog2((2 * Beats > 16 ? 1 << $clog2(2 * Beats) : 16) + Behind);

@@ -49,7 +49,7 @@ module photon_gatherer_pairs #(
   localparam int unsigned D = DirectionBits + 2;
   localparam int unsigned N = NormalBits + 2;
   localparam int unsigned PairBits = ContextBits + RowBits + 4 + 2 * CandidateBits;
-  localparam int unsigned Depth = 16;
+  localparam int unsigned Depth = 8;
   localparam int unsigned RoomBits = $clog2(Depth + 1);
 
   // ---- the beat to be tested ----

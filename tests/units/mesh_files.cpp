@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // PLY tables keep every value in every format; OBJ files read the same as by an independent reader.
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <random>
@@ -131,6 +133,73 @@ TEST_CASE("OBJ files read as tinyobjloader reads them") {
     }
     CHECK(triangle == mesh.mesh.triangles.size());
   }
+}
+
+TEST_CASE("equal vertices of an OBJ file are one, numbered as they are first used") {
+  const TestFolder folder;
+  std::mt19937 random(7);
+  const auto below = [&](size_t n) { return static_cast<int>(random() % n); };
+  // Few values, 0 with both signs among them, so that equal ones have several indices.
+  const auto number = [&] { return std::array{"0", "-0", "1"}[random() % 3]; };
+  std::string text;
+  std::vector<Vec3> positions, normals;
+  std::vector<Vec2> coordinates;
+  const auto parsed = [](const std::string& s) { return std::stod(s); };
+  struct Vertex {
+    int group;
+    Vec3 p, n;
+    Vec2 t;
+    bool operator==(const Vertex&) const = default;
+  };
+  std::vector<Vertex> expected;
+  std::vector<size_t> used;
+  int group = 0;
+  for (int line = 0; line < 3000; ++line) {
+    const std::string x = number(), y = number(), z = number();
+    if (line < 30 || line % 5 == 0) {
+      text += "v " + x + " " + y + " " + z + "\n";
+      positions.emplace_back(parsed(x), parsed(y), parsed(z));
+      text += "vn " + z + " " + x + " " + y + "\nvt " + y + " " + z + "\n";
+      normals.emplace_back(parsed(z), parsed(x), parsed(y));
+      coordinates.emplace_back(parsed(y), parsed(z));
+      continue;
+    }
+    if (line % 997 == 0) {
+      text += "g other\n";
+      ++group;
+    }
+    std::string face = "f";
+    std::vector<Vertex> corners;
+    for (int c = 0; c < 3; ++c) {
+      const int n = static_cast<int>(positions.size()), p = below(positions.size());
+      const int t = below(3) ? below(positions.size()) : -1, m = below(3) ? t : -1;
+      face += " " + std::to_string(below(2) ? p + 1 : p - n) + "/";
+      if (t >= 0) face += std::to_string(t + 1);
+      face += "/";
+      if (m >= 0) face += std::to_string(m + 1);
+      const auto at = [](const auto& list, int i) {
+        return i < 0 ? std::decay_t<decltype(list[0])>(0) : list[static_cast<size_t>(i)];
+      };
+      corners.push_back({group, at(positions, p), at(normals, m), at(coordinates, t)});
+    }
+    if (no_area(corners[0].p, corners[1].p, corners[2].p)) continue;
+    text += face + "\n";
+    for (const Vertex& v : corners) {
+      const auto found = std::find(expected.begin(), expected.end(), v);
+      used.push_back(static_cast<size_t>(found - expected.begin()));
+      if (found == expected.end()) expected.push_back(v);
+    }
+  }
+  const Mesh mesh = read_obj(folder.write("a.obj", text)).mesh;
+  REQUIRE(mesh.positions.size() == expected.size());
+  REQUIRE(mesh.triangles.size() == used.size() / 3);
+  CHECK(used.size() > 2 * expected.size());
+  bool same = true;
+  for (size_t v = 0; v < expected.size(); ++v)
+    same = same && mesh.positions[v] == expected[v].p && mesh.normals[v] == expected[v].n &&
+           mesh.uvs[v] == expected[v].t;
+  for (size_t i = 0; i < used.size(); ++i) same = same && mesh.triangles[i / 3][i % 3] == used[i];
+  CHECK(same);
 }
 
 TEST_CASE("coordinates are rounded exactly") {

@@ -3,8 +3,8 @@
 
 Queries a second = routed Fmax of the board's whole top (median of the seeds) / cycles per gather, simulated with all its
 gatherers at work on the shared photon memory, fill and drain included. The core: the best of nanoflann, FLANN and CGAL, and
-the golden gather, on the same quantised photons and queries in the same order, timed in this run; without a radius and within
-the mean r^2 of the queries.
+the golden gather, on the same quantised photons and queries in the same order, timed in this run, golden on all cores too;
+without a radius and within the mean r^2 of the queries. Whole images by golden, on one core and on all, end the page.
 
 Routed seeds and simulations are kept in build/headline by what they were made from, and are not made again; a run that was
 ended goes on where it was. Writes report.json there; with --page fpga/headline.json and docs/headline.md, which --render
@@ -17,9 +17,10 @@ from pathlib import Path
 
 from flow.boards import read_board
 from flow.goals import HeadlineGoals, headline_goals
-from flow.headline.data import DATA, Data, Link, Replay, Row, merge, read_data
+from flow.headline.data import DATA, Data, ImageTime, Link, Replay, Row, merge, read_data
+from flow.headline.images import time_images
 from flow.headline.netlist import SHORT, digest_now
-from flow.headline.page import check_page, radius_of, report, stale_plans, summary, write_page
+from flow.headline.page import check_page, images_of, radius_of, report, stale_plans, summary, write_page
 from flow.headline.plans import HeadlinePlan, find_plan, find_plans
 from flow.headline.replay import replay
 from flow.headline.rows import rows_of
@@ -54,6 +55,7 @@ def options() -> argparse.Namespace:
                    help="where results are kept (default: build/headline); such folders can be copied together")
     p.add_argument("--route-only", action="store_true", help="route the seeds, and leave the rest to a later run")
     p.add_argument("--replay-only", action="store_true", help="replay on the simulated board alone; with --page onto the page")
+    p.add_argument("--images-only", action="store_true", help="time whole images by golden alone; with --page onto the page")
     p.add_argument("--page", action="store_true", help="put the rows into fpga/headline.json and docs/headline.md too")
     p.add_argument("--render", action="store_true", help="write docs/headline.md from fpga/headline.json, nothing else")
     p.add_argument("--check", action="store_true", help="tell whether docs/headline.md is that of fpga/headline.json and of today's RTL")
@@ -107,20 +109,22 @@ def play(plan: HeadlinePlan, goals: HeadlineGoals, work: Path, clock: float | No
     return played
 
 
-def publish(rows: list[Row], played: Replay | None, link: Link | None, goals: HeadlineGoals, work: Path, page: bool) -> Data:
+def publish(rows: list[Row], played: Replay | None, images: list[ImageTime], link: Link | None, goals: HeadlineGoals, work: Path,
+            page: bool) -> Data:
     """Writes what was measured; onto the page where asked, beside what stands there of other plans. link: None where that
-    of fpga/headline.json stays."""
+    of fpga/headline.json stays; images: empty where those stay."""
     before = read_data() if DATA.is_file() else None
     if not link:
         if not before:
-            raise Failure(f"{DATA}: is not there, expected the rows beside which a replay stands")
+            raise Failure(f"{DATA}: is not there, expected the rows beside which replays and images stand")
         link = before["link"]
-    data: Data = {"board": goals.board, "rows": merge([], rows), "replay": played, "link": link}
+    data: Data = {"board": goals.board, "rows": merge([], rows), "replay": played, "images": images, "link": link}
     if rows:
         write_json(work / "report.json", data)
     if page:
         whole: Data = {"board": goals.board, "rows": merge(before["rows"] if before else [], rows),
-                       "replay": played or (before["replay"] if before else None), "link": link}
+                       "replay": played or (before["replay"] if before else None),
+                       "images": images or (before["images"] if before else []), "link": link}
         write_json(DATA, whole)
         write_page(whole, goals, stale_plans(whole, digests_today(whole, work)))
     return data
@@ -142,7 +146,13 @@ def main() -> int:
         return 0
     replayed = find_plan(goals.replay, work)
     if o.replay_only:
-        publish([], play(replayed, goals, work, o.clock), None, goals, work, o.page)
+        publish([], play(replayed, goals, work, o.clock), [], None, goals, work, o.page)
+        return 0
+    if o.images_only:
+        images = time_images(goals.images, processor())
+        data = publish([], None, images, None, goals, work, o.page)
+        data["rows"] = read_data()["rows"]
+        print("\n" + images_of(data, goals))
         return 0
     routing = routing_of(o, goals)
     plans = find_plans(o.plans, work)
@@ -157,10 +167,12 @@ def main() -> int:
         simulated = list(pool.map(lambda plan, entry: simulate(plan, entry, bench), plans, entries))
     rows: list[Row] = []
     for plan, top, entry, of_plan in zip(plans, tops, entries, simulated):  # one after the other: a core is timed on a quiet machine
-        rows += rows_of(plan, top, entry, of_plan, time_core(of_plan, bench), routing.tools.versions, processor(), routing.board)
+        rows += rows_of(plan, top, entry, of_plan, time_core(plan, of_plan, bench), routing.tools.versions, processor(), routing.board)
     played = play(replayed, goals, work, o.clock) if goals.replay in [plan.name for plan in plans] else None
-    data = publish(rows, played, tops[-1].link, goals, work, o.page)
-    text = summary(data, goals, []) + "\n" + report(data, goals)
+    # The whole page's images are timed with the whole page's rows.
+    images = time_images(goals.images, processor()) if not o.plans else []
+    data = publish(rows, played, images, tops[-1].link, goals, work, o.page)
+    text = summary(data, goals, []) + "\n" + report(data, goals) + images_of(data, goals)
     (work / "report.md").write_text(text)
     print("\n" + text)
     missed = [(row, miss) for row in rows if not row["rejected"] for miss in judge(row, goals).missed]

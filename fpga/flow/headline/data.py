@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What docs/headline.md is written from: fpga/headline.json, measurements without a verdict."""
+"""What docs/headline.md is written from: fpga/headline.json, measurements without a verdict. What an earlier form of the file
+does not have is None."""
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TypedDict
+from typing import Any, TypedDict
 
 from flow.results import ClockSpread, Spread
 from flow.shell import ROOT, read_json
@@ -17,6 +18,14 @@ class Rate(TypedDict):
     median: float
     most: float | None
     runs: int
+
+
+class Cores(TypedDict):
+    """Queries a second of golden with all threads that the program may run, by the clock on the wall, in turn with one core's
+    runs. busy: wall over CPU seconds of the runs of one thread, 1 on a machine that does nothing else."""
+    threads: int
+    busy: float
+    rate: Rate
 
 
 class Cost(TypedDict):
@@ -42,10 +51,17 @@ class SdramLoad(TypedDict):
 
 class Row(TypedDict):
     """A plan, without a radius or within the mean r^2 of its queries. rejected: why the plan is none of the headline's, "" where it is one.
-    digest: of the netlist that was routed. clocks: None where only the core's was recorded. fits: resource of the part ->
+    shows: what a variant shows, which has no goal of its own, else "". leaf_limit: leaves that a query visits at most, 0 where
+    the search is exact. recall: part of the exact k nearest that golden finds, as the libraries found them. lut_eq:
+    LUT-equivalents of the whole top. all_cores: golden on the whole machine. digest: of the netlist that was routed. clocks: None where only the core's was recorded. fits: resource of the part ->
     gatherers of this plan that it has room for. cores: library, or photonloom for golden -> its rate."""
     plan: str
     rejected: str
+    shows: str
+    leaf_limit: int | None
+    recall: float | None
+    lut_eq: int | None
+    all_cores: Cores | None
     memory: str
     k: int
     within_mean: bool
@@ -84,20 +100,68 @@ class Link(TypedDict):
     up: float
 
 
+class Seconds(TypedDict):
+    """Of several runs."""
+    least: float
+    median: float
+    most: float
+
+
+class FrameTime(TypedDict):
+    """A frame by golden. frame: all of it but the image's file; gathers: in the gatherer and the reorder buffer; host: the
+    rest. Of one thread CPU seconds, of several seconds of the clock on the wall."""
+    threads: int
+    runs: int
+    frame: Seconds
+    gathers: Seconds
+    host: Seconds
+
+
+class ImageTime(TypedDict):
+    """A whole image of a scene in the formats of a plan of fpga/headline. queries: of the gatherer. busy: as of Cores."""
+    scene: str
+    plan: str
+    processor: str
+    width: int
+    height: int
+    spp: int
+    gather_rays: int
+    photons: int
+    caustic_photons: int
+    k: int
+    queries: int
+    busy: float
+    one: FrameTime
+    all: FrameTime
+
+
 class Data(TypedDict):
     board: str
     rows: list[Row]
     replay: Replay | None
+    images: list[ImageTime]
     link: Link
 
 
+# What rows and files of earlier forms do not have.
+NO_ROW: dict[str, Any] = {"shows": "", "leaf_limit": None, "recall": None, "lut_eq": None, "all_cores": None}
+NO_FILE: dict[str, Any] = {"replay": None, "images": []}
+
+
 def read_data(path: Path = DATA) -> Data:
-    data: Data = read_json(path)
-    return data
+    said: dict[str, Any] = read_json(path)
+    data: Any = {**NO_FILE, **said, "rows": [{**NO_ROW, **row} for row in said["rows"]]}
+    whole: Data = data
+    return whole
 
 
 def merge(rows: Sequence[Row], new: Sequence[Row]) -> list[Row]:
     """Rows in the order of their plans, those of newly measured plans in the place of the old."""
     measured = {row["plan"] for row in new}
     return sorted([row for row in rows if row["plan"] not in measured] + list(new),
-                  key=lambda row: (row["rejected"] != "", row["plan"]))
+                  key=lambda row: (row["rejected"] != "", row["shows"] != "", row["plan"]))
+
+
+def of_headline(row: Row) -> bool:
+    """Neither rejected nor a variant: judged by a goal."""
+    return not row["rejected"] and not row["shows"]

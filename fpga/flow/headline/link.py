@@ -4,7 +4,6 @@ import re
 from dataclasses import dataclass
 from pathlib import Path
 
-from flow.boards import Board
 from flow.shell import Failure, read_text
 
 # Bytes of frames beside their words, docs/host-link.md: two ENDs, id, command and CRC; then a PUSH's position, its answer's
@@ -36,10 +35,10 @@ def packet_words(package: Path, name: str) -> int:
     return -(-constant_of(package, camel, rf" {camel} = (\d+);") // 32)
 
 
-def link_of(where: Path, board: Board, constraint_khz: float) -> Link:
+def link_of(where: Path, constraint_khz: float) -> Link:
     """The link of a package whose core runs at its constraint."""
-    package, top = where / "rtl" / "photonloom_pkg.sv", where / "rtl" / f"{board.top()}.sv"
-    baud = 1000 * constraint_khz / constant_of(top, "ClocksPerBit", r"ClocksPerBit = *(\d+)")
+    package, top = where / "rtl" / "photonloom_pkg.sv", where / "rtl" / "board_pkg.sv"
+    baud = 1000 * constraint_khz / constant_of(top, "ClocksPerBit", r" ClocksPerBit = (\d+);")
     query, record = packet_words(package, "gather_query"), 1 + packet_words(package, "gather_result")
     down = (query * (4 + (FRAME + PUSH) / WORDS) + record * (FRAME + PULL) / WORDS) * STUFFED
     up = (record * (4 + (FRAME + PULLED) / WORDS) + query * (FRAME + PUSHED) / WORDS) * STUFFED

@@ -5,15 +5,17 @@ from collections.abc import Collection, Sequence
 from pathlib import Path
 
 from flow.goals import HeadlineGoals
-from flow.headline.data import Data, Rate, Replay, Row
+from flow.headline.data import Data, FrameTime, ImageTime, Link, Rate, Replay, Row, Seconds, of_headline
 from flow.headline.netlist import SHORT
-from flow.headline.verdict import GOLDEN, Verdict, clock_name, cycles_without_row_changes, judge, slower_than_golden
-from flow.headline.plans import rejected_names
+from flow.headline.verdict import (GOLDEN, Verdict, board_for_size, clock_name, cycles_without_row_changes, judge,
+                                   slower_than_golden)
+from flow.headline.plans import rejected_names, variant_names, what_shows
 from flow.results import ClockSpread, Spread
-from flow.shell import ROOT, Failure, read_text
+from flow.shell import ROOT, Failure, field, read_text, read_toml
 from flow.tables import markdown, replace_between
 
 PAGE = ROOT / "docs" / "headline.md"
+PREDECESSORS = ROOT / "fpga" / "predecessors.toml"
 PARTS = {"DP16KD": "block RAM", "LUT4": "LUTs", "MULT18X18D": "multipliers"}
 Judged = Sequence[tuple[Row, Verdict]]
 STALE, STALE_PLAN = "Routed with earlier RTL: ", re.compile(r"`(\w+)`")
@@ -23,6 +25,16 @@ GOAL_COLUMNS = ["plan", "k", "radius", "board, Mquery/s", "best library, one cor
 BOUND_COLUMNS = ["plan", "radius", "cycles a gather, all gatherers", "own bound, Mquery/s", "share of this design's own bound",
                  "by gatherers", "by SDRAM, with row changes", "by SDRAM, without", "the part's bound, Mquery/s",
                  "reordering gains"]
+SIZE_COLUMNS = ["plan", "radius", "board, Mquery/s", "golden, all cores, Mquery/s", "threads", "times golden, all cores",
+                "LUT-equivalents of the top", "gathers a second for 1,000 of them"]
+VARIANT_COLUMNS = ["plan", "k", "radius", "leaves at most", "recall", "board, Mquery/s", "best library, one core, exact",
+                   "golden, one core, the same search", "golden, all cores", "times library", "times golden",
+                   "gathers a second for 1,000 LUT-equivalents"]
+PREDECESSOR_COLUMNS = {"source": "source", "does": "what it does", "figure": "its figure", "against": "measured against",
+                       "exact": "exact"}
+IMAGE_COLUMNS = ["scene", "gathers", "golden, one core, s", "of these gathers", "golden, all cores, s", "of these gathers",
+                 "gathers of the board, s", "host on one core and board, s", "host on all cores and board, s",
+                 "queries over the link, s", "host on all cores, link and board, s"]
 TOP_COLUMNS = ["plan", "gatherers", "core's clock, MHz", "other clocks, MHz", "seeds", "netlist", "over the UART, kquery/s",
                "fullest resource of the top"]
 
@@ -40,6 +52,19 @@ def rate_cell(rate: Rate) -> str:
     if rate["least"] is None or rate["most"] is None:
         return mega(rate["median"])
     return f"{mega(rate['median'])} ({mega(rate['least'])} – {mega(rate['most'])})"
+
+
+def times_cell(board: float, rate: Rate) -> str:
+    """Times a core by its median; the ends come from its most and its least."""
+    text = f"{board / rate['median']:.2f}"
+    if rate["least"] is None or rate["most"] is None:
+        return text
+    return f"{text} ({board / rate['most']:.2f} – {board / rate['least']:.2f})"
+
+
+def size_cell(row: Row, v: Verdict) -> str:
+    rate = board_for_size(row, v)
+    return "–" if rate is None else f"{rate:,.0f}"
 
 
 def clock_cell(clock: Spread, seeds: int) -> str:
@@ -66,6 +91,8 @@ def other_clocks(row: Row) -> str:
 
 def goal_cell(row: Row, v: Verdict) -> str:
     """yes, or no with the figure that misses."""
+    if v.goal is None:
+        return "none" if v.reached else f"none, **missed**: {'; '.join(v.missed_clocks)}"
     if v.reached:
         return "yes, the SDRAM's clock not recorded" if sdram_clock_unknown(row) else "yes"
     misses = [f"{v.times:.2f} of {v.goal:g}"] if v.times < v.goal else []
@@ -75,8 +102,120 @@ def goal_cell(row: Row, v: Verdict) -> str:
 def goal_table(judged: Judged) -> str:
     return markdown([[r["plan"], r["k"], radius_of(r, "none"), mega(v.board),
                       f"{rate_cell(r['cores'][v.library])} {v.library}", rate_cell(r["cores"][GOLDEN]),
-                      f"{v.board / r['cores'][v.library]['median']:.2f}", f"{v.board / r['cores'][GOLDEN]['median']:.2f}",
-                      f"{v.goal:g}", goal_cell(r, v)] for r, v in judged], GOAL_COLUMNS)
+                      times_cell(v.board, r["cores"][v.library]), times_cell(v.board, r["cores"][GOLDEN]),
+                      "–" if v.goal is None else f"{v.goal:g}", goal_cell(r, v)] for r, v in judged], GOAL_COLUMNS)
+
+
+def size_table(judged: Judged) -> str:
+    """The whole machine beside a board, and what a board does for its size."""
+    rows = []
+    for r, v in judged:
+        cores = r["all_cores"]
+        rows.append([r["plan"], radius_of(r, "none"), mega(v.board), rate_cell(cores["rate"]) if cores else "–",
+                     cores["threads"] if cores else "–", times_cell(v.board, cores["rate"]) if cores else "–",
+                     f"{r['lut_eq']:,}" if r["lut_eq"] else "–", size_cell(r, v)])
+    return markdown(rows, SIZE_COLUMNS)
+
+
+def busy_text(judged: Judged) -> str:
+    """How busy the machine was while all of its cores were timed."""
+    busy = [r["all_cores"]["busy"] for r, _ in judged if r["all_cores"]]
+    if not busy:
+        return "Golden on all cores was not timed for any row.\n"
+    return ("All cores are timed by the clock on the wall. Meanwhile one thread took "
+            f"{min(busy):.2f} to {max(busy):.2f} times its CPU seconds: 1 is a machine that does nothing else.\n")
+
+
+def recall_cell(row: Row) -> str:
+    return "–" if row["recall"] is None else f"{row['recall']:.4f}"
+
+
+def variant_table(judged: Judged) -> str:
+    rows = []
+    for r, v in judged:
+        cores = r["all_cores"]
+        rows.append([r["plan"], r["k"], radius_of(r, "none"), r["leaf_limit"] or "no limit", recall_cell(r), mega(v.board),
+                     f"{rate_cell(r['cores'][v.library])} {v.library}", rate_cell(r["cores"][GOLDEN]),
+                     f"{rate_cell(cores['rate'])}, {cores['threads']} threads" if cores else "–",
+                     times_cell(v.board, r["cores"][v.library]), times_cell(v.board, r["cores"][GOLDEN]), size_cell(r, v)])
+    return markdown(rows, VARIANT_COLUMNS)
+
+
+def variants_text(judged: Judged) -> str:
+    """Rows of what published accelerators search for."""
+    parts = ["Published accelerators mostly find one nearest neighbour or search approximately; the rows above are exact. k and the leaf "
+             "limit are constants of a generated package, no registers, so each of these is a top of its own, routed for itself. Recall is "
+             "the part of the exact k nearest that golden, with this row's search, finds among the row's own photons and queries; "
+             "the libraries are exact in every row. Back sides are not told apart in it.\n"]
+    for name in variant_names():
+        found = any(r["plan"] == name for r, _ in judged)
+        parts.append(f"`{name}`: {what_shows(name)}" +
+                     (".\n" if found else f"; not measured, `make headline PLAN={name} HEADLINE_FLAGS=--page` does.\n"))
+    if judged:
+        parts += [variant_table(judged), top_table(judged)]
+    return "\n".join(parts)
+
+
+def predecessors_table(path: Path = PREDECESSORS) -> str:
+    """What others published, and what they measured it against."""
+    said = read_toml(path)
+    entries: list[dict[str, str]] = field(said, path, "predecessor", list, "a list of tables")
+    rows = [[field(entry, path, name, str, "a text") for name in PREDECESSOR_COLUMNS] for entry in entries]
+    return markdown(rows, list(PREDECESSOR_COLUMNS.values()))
+
+
+def seconds_cell(seconds: Seconds) -> str:
+    return f"{seconds['median']:.2f} ({seconds['least']:.2f} – {seconds['most']:.2f})"
+
+
+def image_cells(image: ImageTime, row: Row, v: Verdict) -> list[str]:
+    """Golden's frame, then a board in the place of its gathers; nothing overlaps, but the link and the board's work on it."""
+    def golden(time: FrameTime) -> list[str]:
+        return [seconds_cell(time["frame"]), seconds_cell(time["gathers"])]
+
+    def with_board(host: Seconds, board: float) -> str:
+        return seconds_cell({"least": host["least"] + board, "median": host["median"] + board, "most": host["most"] + board})
+
+    engine, link = image["queries"] / v.board, image["queries"] / row["uart"]
+    hosts = image["one"]["host"], image["all"]["host"]
+    return [image["scene"], f"{image['queries']:,}", *golden(image["one"]), *golden(image["all"]), f"{engine:.2f}",
+            with_board(hosts[0], engine), with_board(hosts[1], engine), f"{link:.0f}", with_board(hosts[1], max(link, engine))]
+
+
+def images_text(images: Sequence[ImageTime], judged: Judged, goals: HeadlineGoals, link: Link) -> str:
+    """Whole images, each input named."""
+    if not images:
+        return "Not measured; `make headline HEADLINE_FLAGS=\"--images-only --page\"` does.\n"
+    row, v = next(((r, v) for r, v in judged if r["plan"] == goals.images.plan and r["within_mean"]), (None, None))
+    if row is None or v is None:
+        return f"Measured, but no row is of `{goals.images.plan}` within the mean r², whose rate is wanted.\n"
+    first = images[0]
+    threads, runs = first["all"]["threads"], first["one"]["runs"]
+    busy = max(image["busy"] for image in images)
+    binds = row["uart"] < v.board
+    parts = [
+        f"Golden renders {first['width']} x {first['height']} pixels, {first['spp']} samples of {first['gather_rays']} final gather rays, "
+        f"k = {first['k']}, {first['photons']:,} photons, in the formats of `{first['plan']}`. A board would take over the gathers and the "
+        "reorder buffer; rays, photons, maps, sampling and shading stay with the host. Nothing was run on a board:\n",
+        f"- golden's seconds: `photonloom render --json`, medians of {runs} runs in turn with the least and the most, on {first['processor']}. "
+        f"One core: CPU seconds. All cores: {threads} threads, by the clock on the wall; one thread's wall took up to {busy:.2f} times its "
+        "CPU seconds meanwhile.",
+        "- host: the frame without the gatherer's and the reorder buffer's calls, of the same runs; files of the image are not counted.",
+        f"- gathers of the board: their number in the frame over {mega(v.board)} Mquery/s, the row of `{row['plan']}` within the mean r², "
+        f"whose queries are those of `{goals.scene.stem}` whichever scene is rendered.",
+        f"- the link: {row['uart'] / 1e3:.1f} thousand queries a second over the UART of {link['baud']:.0f} baud, from the bytes of its frames; the map's "
+        "own bytes and the photons that make a sampler's table are not counted.",
+        "- host and board take turns in this reckoning, as golden's parts do; the link and the board work at the same time.\n",
+        markdown([image_cells(image, row, v) for image in images], IMAGE_COLUMNS)]
+    if binds:
+        parts.append(f"Over the UART the link binds: it brings a query in {1e6 / row['uart']:.0f} µs, the engine answers one in "
+                     f"{1e6 / v.board:.2f} µs. The columns without it are for a link that keeps up.\n")
+    return "\n".join(parts)
+
+
+def unrecorded(judged: Judged) -> set[str]:
+    """Plans whose rows lack what earlier forms of the data did not have."""
+    return {r["plan"] for r, _ in judged if r["all_cores"] is None or r["lut_eq"] is None or r["recall"] is None}
 
 
 def gain_cell(row: Row) -> str:
@@ -147,7 +286,7 @@ def judged_of(rows: Sequence[Row], goals: HeadlineGoals) -> Judged:
 
 def summary(data: Data, goals: HeadlineGoals, stale: Collection[str]) -> str:
     """The first lines of the page. stale: plans whose netlist is not that of today's RTL."""
-    judged = judged_of([r for r in data["rows"] if not r["rejected"]], goals)
+    judged = judged_of([r for r in data["rows"] if of_headline(r)], goals)
     if not judged:
         return "No row is of a plan of `fpga/headline`."
     reached = [r["plan"] for r, v in judged if v.reached]
@@ -163,6 +302,8 @@ def summary(data: Data, goals: HeadlineGoals, stale: Collection[str]) -> str:
                      "their goal is judged without it.")
     if single := {r["plan"] for r, _ in judged if any(rate["least"] is None for rate in r["cores"].values())}:
         lines.append(f"Of one core the median alone was recorded: {names(single)}.")
+    if old := unrecorded(judged):
+        lines.append(f"Golden on all cores, recall and the LUT-equivalents of the top were not recorded: {names(old)}.")
     fewest, most = (f(r["replay_queries"] for r, _ in judged) for f in (min, max))
     slowest, fastest = (f(r["uart"] for r, _ in judged) / 1e3 for f in (min, max))
     lines.append("Rates are the engine's, which gets queries as fast as it takes them. A board is fed by its link, "
@@ -191,12 +332,16 @@ def replay_text(replay: Replay | None, judged: Judged) -> str:
 
 def report(data: Data, goals: HeadlineGoals) -> str:
     """Everything below the first lines."""
-    judged = judged_of([r for r in data["rows"] if not r["rejected"]], goals)
+    judged = judged_of([r for r in data["rows"] if of_headline(r)], goals)
+    variants = judged_of([r for r in data["rows"] if r["shows"]], goals)
     rejected = judged_of([r for r in data["rows"] if r["rejected"]], goals)
     link = data["link"]
     parts = ["One core of: " + "; ".join(dict.fromkeys(r["processor"] for r, _ in judged)) + ". " +
              "; ".join(dict.fromkeys(v for r, _ in judged for v in r["versions"])) + ".\n",
-             goal_table(judged), "## A board's replayer\n", replay_text(data["replay"], judged), "## What bounds a row\n",
+             goal_table(judged), "## All cores, and for its size\n", size_table(judged), busy_text(judged),
+             "## One neighbour, and few leaves\n", variants_text(variants), "## Others' figures\n",
+             "Multiples below are of what stands beside them, so none can be set against another or against ours. Each is from an abstract, "
+             "a catalogue or a vendor's page; none of the hardware is open.\n", predecessors_table(), "## A board's replayer\n", replay_text(data["replay"], judged), "## What bounds a row\n",
              bound_table(judged), "The part's bounds, Mquery/s, and how many gatherers each resource has room for:\n",
              part_table(judged), "## Tops\n", top_table(judged), "## Rejected plans\n"]
     for name in rejected_names():
@@ -205,14 +350,21 @@ def report(data: Data, goals: HeadlineGoals) -> str:
                                       f"not measured; `make headline PLAN={name} HEADLINE_FLAGS=--page` does.") + "\n")
     if rejected:
         parts += [goal_table(rejected), bound_table(rejected), top_table(rejected)]
-    parts += ["## Arithmetic of the bounds\n", arithmetic([*judged, *rejected]),
+    parts += ["## Arithmetic of the bounds\n", arithmetic([*judged, *variants, *rejected]),
               f"UART: {link['baud']:.0f} baud, {link['down']:.1f} bytes a query down, {link['up']:.1f} up.\n"]
     return "\n" + "\n".join(parts) + "\n"
+
+
+def images_of(data: Data, goals: HeadlineGoals) -> str:
+    """The end of the page."""
+    judged = judged_of([r for r in data["rows"] if of_headline(r)], goals)
+    return "\n" + images_text(data["images"], judged, goals, data["link"]) + "\n"
 
 
 def write_page(data: Data, goals: HeadlineGoals, stale: Collection[str], page: Path = PAGE) -> None:
     replace_between(page, "summary", summary(data, goals, stale) + "\n")
     replace_between(page, "report", report(data, goals))
+    replace_between(page, "images", images_of(data, goals))
 
 
 def said_stale(text: str) -> set[str]:
@@ -230,7 +382,8 @@ def check_page(data: Data, goals: HeadlineGoals, today: dict[str, str], page: Pa
             raise Failure(f"{page.name}: row {row['plan']} was routed with earlier RTL (netlist {row['digest'][:SHORT]}, today's "
                           f"is {today[row['plan']][:SHORT]}), and the first lines do not say so; make headline "
                           f"PLAN={row['plan']} HEADLINE_FLAGS=--page measures it again, scripts/headline --render marks it")
-    if f"{summary(data, goals, stale)}\n<!-- end of summary -->" not in text or report(data, goals) not in text:
+    if f"{summary(data, goals, stale)}\n<!-- end of summary -->" not in text or any(
+            part not in text for part in (report(data, goals), images_of(data, goals))):
         raise Failure(f"{page.name}: is not what fpga/headline.json and fpga/goals.toml give; scripts/headline --render "
                       "writes it")
 

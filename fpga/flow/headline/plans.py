@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The plans of the headline: files of fpga/headline, and of fpga/headline.toml those that were rejected."""
+"""The plans of the headline: files of fpga/headline, and of fpga/headline.toml those that were rejected and the variants that
+show something else."""
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,38 +14,58 @@ VARIANTS = ROOT / "fpga" / "headline.toml"
 
 @dataclass(frozen=True)
 class HeadlinePlan:
-    """rejected: why it is none of the headline's; "" for one of them."""
+    """rejected: why it is none of the headline's; "" for one of them. shows: what a variant shows, "" for others."""
     name: str
     path: Path
     rejected: str = ""
+    shows: str = ""
 
 
 def rejected_names(variants: Path = VARIANTS) -> list[str]:
     return list(field(read_toml(variants), variants, "rejected", dict, "a table of plans"))
 
 
-def rejected_plan(name: str, work: Path, variants: Path = VARIANTS) -> HeadlinePlan:
-    """Writes the plan into `work`."""
-    said, key = read_toml(variants), f"rejected.{name}"
+def variant_names(variants: Path = VARIANTS) -> list[str]:
+    return list(field(read_toml(variants), variants, "variant", dict, "a table of plans"))
+
+
+def what_shows(name: str, variants: Path = VARIANTS) -> str:
+    said: str = field(read_toml(variants), variants, f"variant.{name}.shows", str, "what it shows")
+    return said
+
+
+def changed_plan(kind: str, name: str, work: Path, variants: Path) -> Path:
+    """Writes the plan into `work`: its base with lines that change."""
+    said, key = read_toml(variants), f"{kind}.{name}"
     base = field(said, variants, f"{key}.base", str, "a plan of fpga/headline")
     settings = field(said, variants, f"{key}.set", list, "a list of strings")
-    why = field(said, variants, f"{key}.why", str, "why it is not in the headline")
     path = work / "plans" / f"{name}.toml"
     path.parent.mkdir(parents=True, exist_ok=True)
     run([PHOTONLOOM, "plan", str(FOLDER / f"{base}.toml"), "-o", str(path)] + set_options(settings))
-    return HeadlinePlan(name, path, why)
+    return path
+
+
+def rejected_plan(name: str, work: Path, variants: Path = VARIANTS) -> HeadlinePlan:
+    why = field(read_toml(variants), variants, f"rejected.{name}.why", str, "why it is not in the headline")
+    return HeadlinePlan(name, changed_plan("rejected", name, work, variants), why)
+
+
+def variant_plan(name: str, work: Path, variants: Path = VARIANTS) -> HeadlinePlan:
+    return HeadlinePlan(name, changed_plan("variant", name, work, variants), shows=what_shows(name, variants))
 
 
 def find_plan(name: str, work: Path) -> HeadlinePlan:
-    """A plan of the headline, a rejected one, or one of a file of its own."""
+    """A plan of the headline, a rejected one, a variant, or one of a file of its own."""
     path = FOLDER / f"{name}.toml"
     if path.is_file():
         return HeadlinePlan(name, path)
     if name in rejected_names():
         return rejected_plan(name, work)
+    if name in variant_names():
+        return variant_plan(name, work)
     path = Path(name)
     if not path.is_file():
-        known = [p.stem for p in sorted(FOLDER.glob("*.toml"))] + rejected_names()
+        known = [p.stem for p in sorted(FOLDER.glob("*.toml"))] + rejected_names() + variant_names()
         raise Failure(f"{name}: there is no such plan, expected a file or one of {', '.join(known)}")
     return HeadlinePlan(path.stem, path, "" if path.resolve().parent == FOLDER else f"not in {FOLDER.relative_to(ROOT)}")
 

@@ -3,10 +3,10 @@
 from collections.abc import Mapping
 from typing import Any
 
-from flow.boards import Board
-from flow.headline.data import Rate, Row, SdramLoad
+from flow.boards import LUT_EQ, Board
+from flow.headline.data import Row, SdramLoad
 from flow.headline.plans import HeadlinePlan
-from flow.headline.simulation import Simulated
+from flow.headline.simulation import Simulated, Timed
 from flow.headline.tops import Top
 from flow.package import PlanFacts, describe
 from flow.results import Entry
@@ -35,7 +35,7 @@ def sdram_load(own: Mapping[str, Any], plain: Mapping[str, Any] | None) -> Sdram
             "cycles": own["roofline_cycles"], "mhz": own["sdram_mhz"], "reorder_gain": plain["reorder_gain"], "reorder_goal": plain["reorder_goal"]}
 
 
-def rows_of(plan: HeadlinePlan, top: Top, entry: Entry, simulated: Simulated, cores: Mapping[int | None, dict[str, Rate]],
+def rows_of(plan: HeadlinePlan, top: Top, entry: Entry, simulated: Simulated, cores: Mapping[int | None, Timed],
             versions: Mapping[str, str], processor: str, board: Board) -> list[Row]:
     """The rows of one plan."""
     def simulated_row(order: str, radius: int | None) -> dict[str, Any] | None:
@@ -43,11 +43,13 @@ def rows_of(plan: HeadlinePlan, top: Top, entry: Entry, simulated: Simulated, co
 
     replay = field(read_toml(plan.path), plan.path, "board.replay_queries", int, "a number of queries")
     out: list[Row] = []
-    for radius, rates in cores.items():
+    for radius, timed in cores.items():
         own = simulated_row("reordered", radius)
         if not own:
             raise Failure(f"{plan.name}: the simulation has no reordered row with r2_max {radius}")
-        out.append({"plan": plan.name, "rejected": plan.rejected, "memory": own["memory"], "k": own["k"],
+        out.append({"plan": plan.name, "rejected": plan.rejected, "shows": plan.shows, "leaf_limit": timed.leaf_limit,
+                    "recall": timed.recall, "lut_eq": entry["resources"][LUT_EQ], "all_cores": timed.all_cores,
+                    "memory": own["memory"], "k": own["k"],
                     "within_mean": radius is not None, "gatherers": own["gatherers"], "replay_queries": replay, "digest": top.digest,
                     "clock_mhz": top.clock_mhz, "versions": list(versions.values()), "processor": processor,
                     "seeds": [s["seed"] for s in entry["seeds"]], "fmax_mhz": entry["fmax_mhz"], "clocks": entry["clocks"],
@@ -55,5 +57,5 @@ def rows_of(plan: HeadlinePlan, top: Top, entry: Entry, simulated: Simulated, co
                     "cycles_per_gather": own["cycles_per_gather"],
                     "cost": {"nodes": own["nodes"], "leaves": own["leaves"], "insertions": own["insertions"],
                              "bound": own["bound"]},
-                    "sdram": sdram_load(own, simulated_row("pixels", radius)), "cores": rates, "uart": top.rate})
+                    "sdram": sdram_load(own, simulated_row("pixels", radius)), "cores": timed.one, "uart": top.rate})
     return out

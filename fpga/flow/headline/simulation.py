@@ -10,10 +10,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from flow.headline.data import Rate
+from flow.headline.data import Cores, Rate
 from flow.headline.plans import HeadlinePlan
 from flow.results import Entry
-from flow.shell import ROOT, Failure, read_json, run, say, warn, write_json
+from flow.shell import ROOT, Failure, field, read_json, read_toml, run, say, warn, write_json
 
 CLOUDS = (".photons", ".queries")
 LEAST_RUNS = 7  # of one core, interleaved
@@ -21,11 +21,13 @@ LEAST_RUNS = 7  # of one core, interleaved
 
 @dataclass(frozen=True)
 class Bench:
-    """work: where results are kept. throughput, core: the programs that simulate the board and that time one core."""
+    """work: where results are kept. throughput, core: the programs that simulate the board and that time cores. options: further
+    ones of the simulation."""
     work: Path
     scene: Path
     throughput: Path = ROOT / "build" / "verilator_tb" / "throughput" / "throughput_gather_cluster"
     core: Path = ROOT / "build" / "bench" / "bench_gather"
+    options: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -60,7 +62,7 @@ def clock_options(entry: Entry) -> list[str]:
 def made_from(plan: HeadlinePlan, entry: Entry, bench: Bench) -> dict[str, Any]:
     """Everything that a simulation comes from."""
     return {"netlist": entry["digest"], "plan": sha256(plan.path), "scene": sha256(bench.scene),
-            "program": sha256(bench.throughput), "options": clock_options(entry)}
+            "program": sha256(bench.throughput), "options": [*clock_options(entry), *bench.options]}
 
 
 def simulate(plan: HeadlinePlan, entry: Entry, bench: Bench) -> Simulated:
@@ -80,7 +82,7 @@ def simulate(plan: HeadlinePlan, entry: Entry, bench: Bench) -> Simulated:
     say(f"simulates {plan.name}")
     try:
         run([str(bench.throughput), str(plan.path), "--radius", *clock_options(entry), "--json", str(written), "--dump",
-             str(folder), "--scene", str(bench.scene)], log=folder / "log", cwd=ROOT)
+             str(folder), "--scene", str(bench.scene), *bench.options], log=folder / "log", cwd=ROOT)
     except Failure:
         if not written.is_file():
             raise
@@ -97,12 +99,27 @@ def rate_of(said: Mapping[str, Any], name: str, path: Path) -> Rate:
     return {"least": said["least"], "median": said["median"], "most": said["most"], "runs": said["runs"]}
 
 
-def time_core(simulated: Simulated, bench: Bench) -> dict[int | None, dict[str, Rate]]:
-    """r2_max -> library, and photonloom for golden -> its rate on one core; in the order of the simulation."""
+@dataclass(frozen=True)
+class Timed:
+    """one: library, and photonloom for golden -> its rate on one core. all_cores: golden on the whole machine. recall: of golden,
+    which visits leaf_limit leaves at most where that is not 0, beside the libraries, which are exact."""
+    one: dict[str, Rate]
+    all_cores: Cores
+    leaf_limit: int
+    recall: float
+
+
+def time_core(plan: HeadlinePlan, simulated: Simulated, bench: Bench) -> dict[int | None, Timed]:
+    """r2_max -> what was timed; in the order of the simulation. Golden searches as the plan says."""
     rows, path = simulated.rows, simulated.folder / "core.json"
     radius = next(r["r2_max"] for r in rows if r["r2_max"])
-    say(f"times one core on {simulated.name}")
+    said = read_toml(plan.path)
+    limit = field(said, plan.path, "gather.leaf_limit", int, "a number of leaves")
+    bucket = field(said, plan.path, "photon.bucket", int, "a number of photons")
+    say(f"times one core and all on {simulated.name}")
     run([str(bench.core), str(path), "--cloud", *(str(simulated.folder / (simulated.name + end)) for end in CLOUDS),
-         str(rows[0]["k"]), str(radius)], log=simulated.folder / "core.log")
-    return {core["r2_max"]: {name: rate_of(said, name, path) for name, said in core["spread"].items()}
+         str(rows[0]["k"]), str(radius)] + ([str(limit), str(bucket)] if limit else []), log=simulated.folder / "core.log")
+    return {core["r2_max"]: Timed({name: rate_of(rate, name, path) for name, rate in core["spread"].items()},
+                                  {"threads": core["all_cores"]["threads"], "busy": core["all_cores"]["busy"],
+                                   "rate": rate_of(core["all_cores"], "all cores", path)}, limit, core["recall"])
             for core in read_json(path)}

@@ -80,7 +80,7 @@ def prepare(plan: HeadlinePlan, work: Path, o: Routing) -> Top:
         package = Path(made, "package")
         clock_mhz = generate(plan.path, package, o.board, None, o.clock)["clock_khz"] / 1000
         digest = netlist_digest(package)
-        link = link_of(package, o.board, 1000 * clock_mhz)
+        link = link_of(package, 1000 * clock_mhz)
         top = Top(plan.name, digest, work / "tops" / f"{plan.name}-{top_key(digest, o.tools.versions)}", clock_mhz,
                   {"baud": link.baud, "down": link.down, "up": link.up}, link.rate)
         with locked(top):

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "command/plan_for_board.hpp"
+
+#include <fmt/core.h>
+
+#include <utility>
+
+#include "command/console.hpp"
+#include "study/board_room.hpp"
+#include "study/gather_cost.hpp"
+
+namespace photonloom {
+namespace {
+
+constexpr size_t kQueries = 131072;
+
+}  // namespace
+
+BoardPlan plan_for_board(const FrameRequest& request, const std::string& board_name) {
+  const BoardDescription board = predicted_board(board_name);
+  ConsoleProgress progress;
+  PreparedFrame frame = prepare_frame(request, Arithmetic::kGolden, &progress);
+  print_warnings(frame.warnings);
+  Plan sampled = frame.plan;
+  sampled.spp = 1;
+  FrameUnits units = make_golden_units(sampled);
+  auto watched = std::make_unique<WatchedGatherer>(sampled, kQueries);
+  const WatchedGatherer& window = *watched;
+  units.photon_gatherer = std::move(watched);
+  FrameCounts counts;
+  const FrameInput input{*frame.world,  *frame.caster, sampled, frame.global,
+                         frame.caustic, nullptr,       nullptr, frame.seed};
+  render_frame(input, units, counts, &progress);
+
+  BoardPlan found;
+  found.engine = fastest_engine(frame.plan, frame.global, frame.caustic, window.kept(), board);
+  found.core_khz = board.core_khz;
+  found.reasons = frame.reasons;
+  for (const auto& [line, why] : found.engine.reasons) found.reasons[line] = why;
+  return found;
+}
+
+std::string engine_text(const BoardPlan& found, const std::string& board) {
+  const EngineSearch& e = found.engine;
+  const auto rate = [&](double cycles) { return found.core_khz / cycles / 1000; };
+  std::string text = fmt::format(
+      "engine for {}: {:.2f} cycles a gather, {:.2f} million gathers/s at {:g} MHz, predicted; the "
+      "fastest that fits of {}\n"
+      "  the gatherers need {:.2f} cycles, the photon memory {:.2f}\n"
+      "  the plan without --board: {:.2f} cycles",
+      board, e.best.cycles.cycles, rate(e.best.cycles.cycles), found.core_khz / 1000.0, e.tried,
+      e.best.cycles.gatherers, e.best.cycles.memory, e.given.cycles);
+  if (!e.misfit.empty()) text += ", which " + e.misfit;
+  return text + "\n";
+}
+
+}  // namespace photonloom

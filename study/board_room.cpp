@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "study/board_room.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <stdexcept>
+#include <vector>
+
+#include "golden/planner/resources.hpp"
+
+namespace photonloom {
+namespace {
+
+std::string board_list() {
+  std::string names;
+  for (const std::string& name : board_names())
+    if (read_board(name).resources.count(kBlockRam)) names += (names.empty() ? "" : ", ") + name;
+  return names;
+}
+
+// Of one of them, without block RAM.
+BoardNeeds unit_needs(const Plan& plan, const std::string& unit) {
+  const UnitResources r = estimate_resources(plan, unit);
+  return {r.lut * (1 + resource_error(unit, "lut")), r.ff * (1 + resource_error(unit, "ff")), r.dsp,
+          0};
+}
+
+}  // namespace
+
+BoardDescription predicted_board(const std::string& name) {
+  const std::vector<std::string> all = board_names();
+  if (std::find(all.begin(), all.end(), name) == all.end())
+    throw std::runtime_error(
+        fmt::format("--board: there is no board {}, expected one of {}", name, board_list()));
+  BoardDescription board = read_board(name);
+  for (const char* resource : {"LUT4", "FF", "MULT18X18D", kBlockRam})
+    if (!board.resources.count(resource))
+      throw std::runtime_error(
+          fmt::format("--board: {} states no {} in [part.resources], which the prediction counts; "
+                      "expected one of {}",
+                      name, resource, board_list()));
+  return board;
+}
+
+BoardNeeds operator+(const BoardNeeds& a, const BoardNeeds& b) {
+  return {a.lut + b.lut, a.ff + b.ff, a.dsp + b.dsp, a.blocks + b.blocks};
+}
+
+BoardNeeds operator*(int n, const BoardNeeds& a) {
+  return {n * a.lut, n * a.ff, n * a.dsp, n * a.blocks};
+}
+
+BoardNeeds gatherer_needs(const Plan& plan) {
+  BoardNeeds needs = unit_needs(plan, unit_name<PhotonGatherer>);
+  needs.blocks = estimate_resources(plan, unit_name<PhotonGatherer>).ebr;
+  return needs;
+}
+
+BoardNeeds other_needs(const Plan& plan) {
+  BoardNeeds needs;
+  for (const UnitInfo& unit : all_units()) {
+    if (unit.board != BoardPlace::kInside || !unit.lacks(plan).empty()) continue;
+    if (is_predicted(unit.name)) needs = needs + unit_needs(plan, unit.name);
+  }
+  needs.blocks = board_memories(plan).total() -
+                 plan.gatherers * estimate_resources(plan, unit_name<PhotonGatherer>).ebr;
+  return needs;
+}
+
+std::string misfit(const BoardNeeds& needs, const BoardDescription& board, double logic_share) {
+  const struct {
+    const char* name;
+    double needed, share;
+  } all[] = {{"LUT4", needs.lut, logic_share},
+             {"FF", needs.ff, logic_share},
+             {"MULT18X18D", needs.dsp, 1},
+             {kBlockRam, needs.blocks, 1}};
+  for (const auto& need : all) {
+    const double has = need.share * board.resources.at(need.name);
+    if (need.needed > has)
+      return fmt::format("needs {:.0f} {}, and {} has {:.0f} for it", need.needed, need.name,
+                         board.name, has);
+  }
+  return "";
+}
+
+std::string misfit(const Plan& plan, const BoardDescription& board, double logic_share) {
+  return misfit(other_needs(plan) + plan.gatherers * gatherer_needs(plan), board, logic_share);
+}
+
+}  // namespace photonloom

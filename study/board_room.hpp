@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+// Whether a board's part has room for a plan's hardware, by prediction (docs/fpga-plans.md).
+#pragma once
+#include <string>
+
+#include "golden/plan/plan.hpp"
+#include "rtl/generate/board_file.hpp"
+
+namespace photonloom {
+
+// Of a board's logic: the rest is for its link, its memory's controller and routing.
+inline constexpr double kBoardShare = 0.85;
+
+// The board of this name. Throws std::runtime_error, naming --board and the boards there are, for
+// one that there is not and for one whose resources the prediction does not count.
+BoardDescription predicted_board(const std::string& name);
+
+// LUT-equivalents and flip-flops, larger by the largest error of their prediction, multipliers and
+// block RAMs.
+struct BoardNeeds {
+  double lut = 0, ff = 0, dsp = 0, blocks = 0;
+};
+BoardNeeds operator+(const BoardNeeds& a, const BoardNeeds& b);
+BoardNeeds operator*(int n, const BoardNeeds& a);
+// Of one gatherer, and of all else on the board that is predicted: other units, memories, link.
+BoardNeeds gatherer_needs(const Plan& plan);
+BoardNeeds other_needs(const Plan& plan);
+
+// Why these do not fit in this share of the board's logic and in all of its multipliers and block
+// RAM; empty: they do.
+std::string misfit(const BoardNeeds& needs, const BoardDescription& board, double logic_share);
+// The same of a plan's.
+std::string misfit(const Plan& plan, const BoardDescription& board, double logic_share);
+
+}  // namespace photonloom

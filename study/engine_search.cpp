@@ -1,0 +1,319 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "study/engine_search.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <memory>
+#include <stdexcept>
+
+#include "golden/unit/reorder_buffer.hpp"
+#include "study/board_room.hpp"
+#include "study/cycle_fit.hpp"
+#include "study/gather_cost.hpp"
+
+namespace photonloom {
+namespace {
+
+// Queries of one gatherer whose lines are followed through its cache.
+constexpr size_t kFollowed = 1024;
+// As fast within this part is as fast.
+constexpr double kAsFast = 0.01;
+// From a lookup that misses to the line's first beat: rtl/board/photon_ram.sv; from a hit of the
+// cache before the SDRAM, and more where the SDRAM is read (rtl/board/photon_sdram.sv).
+constexpr int kBlockRamLatency = 5, kSharedHitLatency = 12, kSdramLatency = 30;
+constexpr uint32_t kSharedWays = 4;
+// Share of an SDRAM's cycles that refreshes leave (docs/gather_cluster.md).
+constexpr double kRefreshLeaves = 1 - 12.0 / 780;
+
+using Order = std::vector<uint32_t>;
+
+Order served_order(const Plan& plan, std::span<const GatherQuery> queries) {
+  const std::unique_ptr<ReorderBuffer> buffer = make_golden_reorder_pool(plan);
+  std::vector<GatherQuery> in(queries.begin(), queries.end()), out;
+  for (size_t i = 0; i < in.size(); ++i) in[i].pixel = static_cast<uint32_t>(i);
+  in.emplace_back().flush = 1;
+  buffer->process(in, out);
+  Order order;
+  order.reserve(queries.size());
+  for (const GatherQuery& q : out)
+    if (!q.flush) order.push_back(q.pixel);
+  return order;
+}
+
+// Lines that a gatherer asks the photon memory for, a query: its share of queries dealt in turn,
+// through its own cache. Widths and contexts hardly matter to what a cache fetches: they are the
+// usual ones, so that engines that differ in them alone are told apart by their cycles alone.
+double lines_asked(const Plan& plan, const LineVisits& visits, const Order& order) {
+  Plan usual = plan;
+  usual.contexts = 16;
+  usual.lanes = std::min(4, plan.bucket);
+  usual.beat_bits = 8 * plan.photon_bytes * usual.lanes;
+  Order own;
+  for (size_t i = 0; i < order.size() && own.size() < kFollowed;
+       i += static_cast<size_t>(plan.gatherers))
+    own.push_back(order[i]);
+  return static_cast<double>(lines_fetched(leaf_cache_shape(plan), visits, own, usual.contexts,
+                                           lookup_times(usual, kBlockRamLatency))) /
+         static_cast<double>(own.size());
+}
+
+// Lines that come from the SDRAM, a query: what the cache before it does not have.
+double lines_of_sdram(const Plan& plan, const LineVisits& visits, const Order& order) {
+  const CacheShape shape{
+      std::max<uint32_t>(
+          1, static_cast<uint32_t>(plan.board_cache_bytes / plan.line_bytes()) / kSharedWays),
+      kSharedWays};
+  return static_cast<double>(lines_fetched(shape, visits, order)) /
+         static_cast<double>(order.size());
+}
+
+EngineCycles predict(const Plan& plan, GatherLoad load, double lines, double sdram_lines,
+                     int core_khz, int sdram_khz) {
+  EngineCycles e;
+  const bool sdram = plan.photon_memory == PhotonMemory::kSdram;
+  load.misses = lines;
+  const double slow = lines > 0 ? std::min(1.0, sdram_lines / lines) : 0;
+  const int latency =
+      sdram ? kSharedHitLatency +
+                  static_cast<int>(std::lround(slow * kSdramLatency * core_khz / sdram_khz))
+            : kBlockRamLatency;
+  e.gatherers = modelled_cycles(plan, load, latency) / plan.gatherers;
+  const double beats = 8.0 * plan.line_bytes() / plan.beat_bits;
+  if (sdram) {
+    e.memory_lines = sdram_lines;
+    // A halfword a cycle of its clock.
+    const double data = sdram_lines * plan.line_bytes() / 2 / kRefreshLeaves;
+    e.memory = std::max(data * core_khz / sdram_khz, kCycleFit.memory * beats * lines);
+  } else {
+    e.memory = kCycleFit.memory * beats * lines / std::min(2, plan.gatherers);
+  }
+  e.cycles = std::pow(std::pow(e.gatherers, kCycleFit.power) + std::pow(e.memory, kCycleFit.power),
+                      1 / kCycleFit.power);
+  return e;
+}
+
+// A board's memory for the lines, and the buffer in front of the gatherers.
+struct Stream {
+  PhotonMemory memory;
+  ReorderKey key;
+  int packets;
+  int64_t cache_bytes;
+  size_t order;  // by number
+  double sdram_lines = 0;
+};
+
+// Values of the searched lines.
+struct Widths {
+  int gatherers, nodes, candidates, powers, lanes, contexts, cache_lines, lut_words;
+};
+
+// The widest beat of at most 1,024 bits: whole photons that divide a line.
+int widest_beat(const Plan& p) {
+  int beat = 8 * p.line_bytes();
+  while (beat > 1024 && beat % 2 == 0 && beat / 2 % (8 * p.photon_bytes) == 0) beat /= 2;
+  return beat;
+}
+
+Plan with(const Plan& plan, const Stream& s, const Widths& w) {
+  Plan p = plan;
+  p.photon_memory = s.memory;
+  p.reorder_key = s.key;
+  p.reorder_packets = s.packets;
+  p.board_cache_bytes = static_cast<decltype(p.board_cache_bytes)>(s.cache_bytes);
+  p.gatherers = w.gatherers;
+  p.nodes_per_cycle = w.nodes;
+  p.candidates_per_cycle = w.candidates;
+  p.powers_per_cycle = w.powers;
+  p.lanes = w.lanes;
+  p.contexts = w.contexts;
+  p.cache_ways = 2;
+  p.cache_bytes = w.cache_lines * p.line_bytes();
+  p.lut_ram_words = w.lut_words;
+  // Before an SDRAM a part of a line is a beat: more come from no chip at once.
+  p.beat_bits = s.memory == PhotonMemory::kSdram ? 8 * p.photon_bytes * w.lanes : widest_beat(p);
+  return p;
+}
+
+std::vector<Widths> all_widths(const Plan& plan) {
+  std::vector<Widths> all;
+  for (int gatherers = 1; gatherers <= 8; ++gatherers)
+    for (const int nodes : {1, 2})
+      for (const int candidates : {1, 2, 4})
+        for (const int powers : {1, 2, 4})
+          for (const int lanes : {2, 4, 8})
+            for (const int contexts : {8, 16, 32, 48})
+              for (const int cache_lines : {16, 32, 64, 128})
+                for (const int lut_words : {0, 32, 64, 128}) {
+                  if (powers > candidates || lanes > plan.bucket) continue;
+                  all.push_back({gatherers, nodes, candidates, powers, lanes, contexts, cache_lines,
+                                 lut_words});
+                }
+  return all;
+}
+
+}  // namespace
+
+EngineCycles engine_cycles(const Plan& plan, const PhotonMap& global, const PhotonMap& caustic,
+                           std::span<const GatherQuery> queries, int core_khz, int sdram_khz) {
+  const GatherSearches s = searched(plan, global, caustic, queries);
+  const Order order = served_order(plan, queries);
+  return predict(
+      plan, s.load, lines_asked(plan, s.visits, order),
+      plan.photon_memory == PhotonMemory::kSdram ? lines_of_sdram(plan, s.visits, order) : 0,
+      core_khz, sdram_khz);
+}
+
+EngineSearch fastest_engine(const Plan& plan, const PhotonMap& global, const PhotonMap& caustic,
+                            std::span<const GatherQuery> queries, const BoardDescription& board) {
+  if (queries.empty())
+    throw std::runtime_error(
+        "--board: the frame asks for no gather, so no engine is faster than "
+        "another");
+  const GatherSearches s = searched(plan, global, caustic, queries);
+  const int sdram_khz = board.sdram ? board.sdram->clock_khz : 1;
+
+  // ---- memories and buffers ----
+  std::vector<Stream> streams;
+  std::vector<Order> orders;
+  std::map<std::pair<ReorderKey, int>, size_t> order_of;
+  const auto add = [&](PhotonMemory memory, ReorderKey key, int packets, int64_t cache_bytes) {
+    Plan p = plan;
+    p.photon_memory = memory;
+    p.reorder_key = key;
+    p.reorder_packets = packets;
+    p.board_cache_bytes = static_cast<decltype(p.board_cache_bytes)>(cache_bytes);
+    const auto [at, is_new] = order_of.try_emplace({key, packets}, orders.size());
+    if (is_new) orders.push_back(served_order(p, queries));
+    Stream made{memory, key, packets, cache_bytes, at->second};
+    if (memory == PhotonMemory::kSdram)
+      made.sdram_lines = lines_of_sdram(p, s.visits, orders[made.order]);
+    streams.push_back(made);
+  };
+  if (board.tops.count("block_ram"))
+    for (const ReorderKey key : {plan.reorder_key, ReorderKey::kNone}) {
+      add(PhotonMemory::kBlockRam, key, plan.reorder_packets, plan.board_cache_bytes);
+      if (key == ReorderKey::kNone) break;
+    }
+  if (board.tops.count("sdram") && board.sdram) {
+    const ReorderKey key =
+        plan.reorder_key == ReorderKey::kNone ? ReorderKey::kHilbert : plan.reorder_key;
+    // A pool of 16 places less than its memories have words wastes none of them.
+    for (const int packets : {2032, 4080, 8176, 12272})
+      for (const int lines : {512, 1024})
+        add(PhotonMemory::kSdram, key, packets, int64_t{lines} * plan.line_bytes());
+  }
+
+  // ---- all engines, predicted ----
+  struct Candidate {
+    size_t stream;
+    Widths widths;
+    EngineCycles cycles;
+    BoardNeeds needs;
+  };
+  // What was predicted, by what it depends on.
+  std::map<std::array<int, 3>, double> asked;
+  std::map<std::array<int, 8>, BoardNeeds> gatherers;
+  std::map<std::array<int, 2>, BoardNeeds> others;
+  const auto candidate = [&](size_t stream, const Widths& w) {
+    const Stream& at = streams[stream];
+    const Plan p = with(plan, at, w);
+    const bool sdram = at.memory == PhotonMemory::kSdram;
+    const auto [lines, new_lines] =
+        asked.try_emplace({static_cast<int>(at.order), w.gatherers, w.cache_lines});
+    if (new_lines) lines->second = lines_asked(p, s.visits, orders[at.order]);
+    const auto [one, new_gatherer] = gatherers.try_emplace(
+        {sdram, w.nodes, w.candidates, w.powers, w.lanes, w.contexts, w.cache_lines, w.lut_words});
+    if (new_gatherer) one->second = gatherer_needs(p);
+    const auto [rest, new_rest] = others.try_emplace({static_cast<int>(stream), w.lut_words});
+    if (new_rest) rest->second = other_needs(p);
+    return Candidate{stream, w,
+                     predict(p, s.load, lines->second, at.sdram_lines, board.core_khz, sdram_khz),
+                     rest->second + w.gatherers * one->second};
+  };
+  std::vector<Candidate> all;
+  const std::vector<Widths> widths = all_widths(plan);
+  for (size_t i = 0; i < streams.size(); ++i)
+    for (const Widths& w : widths) all.push_back(candidate(i, w));
+  std::stable_sort(all.begin(), all.end(), [](const Candidate& a, const Candidate& b) {
+    return a.cycles.cycles < b.cycles.cycles;
+  });
+  const auto plan_of = [&](const Candidate& c) { return with(plan, streams[c.stream], c.widths); };
+  const auto why_not = [&](const Candidate& c) -> std::string {
+    std::string why = misfit(c.needs, board, kEngineShare);
+    if (!why.empty()) return why;
+    const Plan p = plan_of(c);
+    if (const auto problem = find_problem(p)) return problem->line + ": " + problem->what;
+    return "";
+  };
+
+  // ---- the fastest that fits, and of those as fast the smallest ----
+  EngineSearch found;
+  found.tried = all.size();
+  const Candidate* best = nullptr;
+  double limit = 0;
+  for (const Candidate& c : all) {
+    if (best && c.cycles.cycles > limit) break;
+    if (!why_not(c).empty()) continue;
+    if (!best) limit = c.cycles.cycles * (1 + kAsFast);
+    if (!best || c.needs.lut < best->needs.lut) best = &c;
+  }
+  if (!best) {
+    const Candidate* smallest = &all.front();
+    for (const Candidate& c : all)
+      if (c.needs.blocks < smallest->needs.blocks) smallest = &c;
+    throw std::runtime_error(
+        fmt::format("--board: no engine fits {}: the smallest {}", board.name, why_not(*smallest)));
+  }
+  found.best = {plan_of(*best), best->cycles};
+  derive_plan(found.best.plan);
+  found.given = engine_cycles(plan, global, caustic, queries, board.core_khz, sdram_khz);
+  found.misfit = misfit(plan, board, kEngineShare);
+
+  // ---- what each line's next values would do, all others as they are ----
+  // Values in rising order.
+  const auto tell = [&](const char* line, int Widths::*field, const std::vector<int>& values) {
+    const auto now = std::find(values.begin(), values.end(), best->widths.*field);
+    std::string text;
+    const auto beside = [&](int value) {
+      Widths changed = best->widths;
+      changed.*field = value;
+      if (changed.powers > changed.candidates || changed.lanes > plan.bucket) return;
+      const Candidate other = candidate(best->stream, changed);
+      const std::string why = why_not(other);
+      text += fmt::format(
+          "{}{}: {}", text.empty() ? "" : "; ", value,
+          why.empty() ? fmt::format("{:.2f} cycles a gather", other.cycles.cycles) : why);
+    };
+    if (now != values.begin()) beside(*(now - 1));
+    if (now + 1 != values.end()) beside(*(now + 1));
+    if (!text.empty()) found.reasons[line] = text;
+  };
+  tell("board.gatherers", &Widths::gatherers, {1, 2, 3, 4, 5, 6, 7, 8});
+  tell("gatherer.nodes_per_cycle", &Widths::nodes, {1, 2});
+  tell("gatherer.candidates_per_cycle", &Widths::candidates, {1, 2, 4});
+  tell("gatherer.powers_per_cycle", &Widths::powers, {1, 2, 4});
+  tell("gatherer.lanes", &Widths::lanes, {2, 4, 8});
+  tell("gatherer.contexts", &Widths::contexts, {8, 16, 32, 48});
+  tell("board.lut_ram_words", &Widths::lut_words, {0, 32, 64, 128});
+  found.reasons["gatherer.cache_bytes"] = fmt::format(
+      "{} lines, so that {:.1f} of {:.1f} lines a gather come from the photon memory",
+      best->widths.cache_lines,
+      lines_asked(found.best.plan, s.visits, orders[streams[best->stream].order]), s.load.leaves);
+  found.reasons["gatherer.beat_bits"] = "as wide as the photon memory gives them";
+  found.reasons["board.photon_memory"] =
+      found.best.plan.photon_memory == PhotonMemory::kSdram
+          ? fmt::format("{:.2f} lines a gather come from the SDRAM", best->cycles.memory_lines)
+          : "the map fits, and two lines come at a time";
+  if (found.best.plan.photon_memory == PhotonMemory::kSdram)
+    found.reasons["reorder.packets"] = "block RAM that the gatherers leave, for fewer lines";
+  else if (found.best.plan.reorder_key == ReorderKey::kNone)
+    found.reasons["reorder.key"] =
+        "block RAM holds the lines: their order gains less than its pool takes";
+  return found;
+}
+
+}  // namespace photonloom

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+// The gather engine of a board (docs/gather_cluster.md): how many gatherers, how wide, and what its
+// memories are made of, for the most gathers a second that the board has room for. What it changes
+// decides when packets come, never which. docs/planner.md, "The fastest that a board holds".
+#pragma once
+#include <cstddef>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "golden/packet/packet.hpp"
+#include "golden/plan/plan_file.hpp"
+#include "golden/unit/photon_map.hpp"
+#include "rtl/generate/board_file.hpp"
+
+namespace photonloom {
+
+// Cycles of the core a gather of all gatherers together, predicted.
+struct EngineCycles {
+  double cycles = 0;
+  double gatherers = 0;     // that the gatherers need by themselves
+  double memory = 0;        // that the photon memory needs by itself
+  double memory_lines = 0;  // lines a gather that come from an SDRAM; 0 with block RAM
+};
+
+// Of a plan's engine for these queries, in the order in which the frame makes them and as the
+// plan's reorder buffer lets them go on. The SDRAM's controller runs at sdram_khz, the core at
+// core_khz.
+EngineCycles engine_cycles(const Plan& plan, const PhotonMap& global, const PhotonMap& caustic,
+                           std::span<const GatherQuery> queries, int core_khz, int sdram_khz);
+
+struct Engine {
+  Plan plan;
+  EngineCycles cycles;
+};
+
+struct EngineSearch {
+  Engine best;
+  PlanReasons reasons;  // of its lines
+  EngineCycles given;   // of the plan as it was
+  std::string misfit;   // why that does not fit; empty: it does
+  size_t tried = 0;
+};
+
+// Largest share of a part's logic that is planned for: that of the fullest tops that were routed
+// (docs/headline.md).
+inline constexpr double kEngineShare = 0.55;
+
+// Every combination of the searched lines is predicted; the fastest that fits is the plan, the
+// smallest of those that are as fast within 1 %. Throws std::runtime_error where none fits, with
+// what the smallest lacks, and where there are no queries.
+EngineSearch fastest_engine(const Plan& plan, const PhotonMap& global, const PhotonMap& caustic,
+                            std::span<const GatherQuery> queries, const BoardDescription& board);
+
+}  // namespace photonloom

@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: Apache-2.0
+// The fastest gather engine of a board: it fits, nothing that fits is faster, and it changes when
+// packets come, never which.
+#include "study/engine_search.hpp"
+
+#include <algorithm>
+
+#include "golden/numeric/random.hpp"
+#include "golden/plan/plan_file.hpp"
+#include "golden/unit/photon_gatherer.hpp"
+#include "study/board_room.hpp"
+#include "tests/catch.hpp"
+#include "tests/photon_sets.hpp"
+#include "verilator_tb/unit/backends.hpp"
+
+using namespace photonloom;
+
+namespace {
+
+struct Load {
+  Plan plan;
+  PhotonMap map;
+  std::vector<GatherQuery> queries;
+};
+
+Load make_load(uint64_t photons, int k, uint64_t queries = 3000) {
+  Load load;
+  load.plan.global = {.present = true, .photons = photons};
+  load.plan.k = k;
+  load.plan.width = load.plan.height = 256;
+  derive_plan(load.plan);
+  std::vector<PackedPhoton> packed(photons);
+  for (uint64_t i = 0; i < photons; ++i)
+    for (int axis = 0; axis < 2; ++axis)
+      packed[i].position[axis] = static_cast<uint32_t>(hash_bits(1, i, 0, axis) & 0xffff);
+  load.map = build_photon_map(packed, load.plan);
+  for (uint64_t i = 0; i < queries; ++i) {
+    GatherQuery q{};
+    for (int axis = 0; axis < 2; ++axis)
+      q.position[axis] = static_cast<uint32_t>(hash_bits(2, i / 16, 0, axis) & 0xffff) ^
+                         static_cast<uint32_t>(hash_bits(2, i, 1, axis) & 0xff);
+    load.queries.push_back(q);
+  }
+  return load;
+}
+
+// The lines that decide when packets come.
+const char* const kWhen[] = {"[gatherer]", "[board]", "[reorder]"};
+
+// Sections of a plan's file that no engine changes.
+std::string which_packets(const Plan& plan) {
+  const std::string text = plan_text(plan);
+  std::string kept;
+  for (size_t at = text.find("\n["); at != std::string::npos;) {
+    const size_t next = text.find("\n[", at + 1);
+    const std::string section = text.substr(at + 1, next == std::string::npos ? next : next - at);
+    if (std::none_of(std::begin(kWhen), std::end(kWhen),
+                     [&](const char* name) { return section.rfind(name, 0) == 0; }))
+      kept += section;
+    at = next;
+  }
+  return kept;
+}
+
+}  // namespace
+
+TEST_CASE(
+    "the engine for a board fits it, is faster than the plan's own and gives the same packets") {
+  const BoardDescription board = predicted_board("ulx3s-85f");
+  for (const auto& [photons, k] : {std::pair<uint64_t, int>{8192, 8}, {16384, 16}, {65536, 8}}) {
+    CAPTURE(photons, k);
+    const Load load = make_load(photons, k);
+    const EngineSearch found = fastest_engine(load.plan, load.map, {}, load.queries, board);
+    const Plan& best = found.best.plan;
+    CHECK_FALSE(find_problem(best));
+    CHECK(misfit(best, board, kEngineShare) == "");
+    CHECK(which_packets(best) == which_packets(load.plan));
+    if (found.misfit.empty()) CHECK(found.best.cycles.cycles <= found.given.cycles);
+    const EngineCycles again =
+        engine_cycles(best, load.map, {}, load.queries, board.core_khz, board.sdram->clock_khz);
+    CHECK(again.cycles == Approx(found.best.cycles.cycles));
+    // The map of 65,536 photons is larger than all block RAM.
+    if (photons == 65536) CHECK(best.photon_memory == PhotonMemory::kSdram);
+  }
+}
+
+TEST_CASE("no engine beside the one for a board is faster and fits") {
+  const BoardDescription board = predicted_board("ulx3s-85f");
+  const Load load = make_load(16384, 16);
+  const EngineSearch found = fastest_engine(load.plan, load.map, {}, load.queries, board);
+  int fitting = 0;
+  const auto any = [](uint64_t i, int line, const std::vector<int>& values) {
+    return values[hash_bits(3, i, static_cast<uint64_t>(line), 0) % values.size()];
+  };
+  for (uint64_t i = 0; i < 300; ++i) {
+    Plan p = found.best.plan;
+    p.gatherers = any(i, 0, {1, 2, 3, 4, 5, 6, 7, 8});
+    p.nodes_per_cycle = any(i, 1, {1, 2});
+    p.candidates_per_cycle = any(i, 2, {1, 1, 2});
+    p.powers_per_cycle = any(i, 3, {1, p.candidates_per_cycle});
+    p.lanes = any(i, 4, {2, 4, 8});
+    p.contexts = any(i, 5, {8, 16, 32});
+    p.cache_bytes = any(i, 6, {16, 32, 64, 128}) * p.line_bytes();
+    p.lut_ram_words = any(i, 7, {0, 32, 64});
+    if (find_problem(p) || !misfit(p, board, kEngineShare).empty()) continue;
+    ++fitting;
+    CHECK(engine_cycles(p, load.map, {}, load.queries, board.core_khz, board.sdram->clock_khz)
+              .cycles >= found.best.cycles.cycles * 0.99);
+  }
+  CHECK(fitting > 20);
+}
+
+TEST_CASE("a board without room for one gatherer, and a frame without gathers, say so") {
+  BoardDescription board = predicted_board("ulx3s-85f");
+  const Load load = make_load(8192, 8);
+  CHECK_THROWS_WITH(fastest_engine(load.plan, load.map, {}, {}, board),
+                    "--board: the frame asks for no gather, so no engine is faster than another");
+  board.resources["DP16KD"] = 10;
+  CHECK_THROWS_WITH(
+      fastest_engine(load.plan, load.map, {}, load.queries, board),
+      Catch::Matchers::StartsWith("--board: no engine fits ulx3s-85f: the smallest needs "));
+}
+
+TEST_CASE("predicted cycles of engines on block RAM are within 15 % of simulated ones", "[slow]") {
+  BoardDescription board = predicted_board("ulx3s-85f");
+  board.tops.erase("sdram");
+  for (const int k : {8, 16, 50}) {
+    CAPTURE(k);
+    const Load load = make_load(8192, k, 24000);
+    const EngineSearch found = fastest_engine(load.plan, load.map, {}, load.queries, board);
+    const Plan& best = found.best.plan;
+    RunOptions options;
+    const auto rtl = make_rtl_gather_engine(best, options, true, true);
+    const auto golden = make_golden_photon_gatherer(best);
+    PhotonMap none;
+    none.bucket = best.bucket;
+    rtl->load(load.map, none);
+    golden->load(load.map, none);
+    std::vector<GatherQuery> in = load.queries;
+    if (best.reorder_key != ReorderKey::kNone) in.emplace_back().flush = 1;
+    std::vector<GatherResult> results, expected;
+    std::vector<GatherPhoton> photons;
+    const uint64_t first = rtl->cycles();
+    rtl->process(in, results, photons);
+    golden->process(load.queries, expected, photons);
+    CHECK(results.size() == in.size());
+    if (best.reorder_key == ReorderKey::kNone) CHECK(results == expected);
+    const double simulated =
+        static_cast<double>(rtl->cycles() - first) / static_cast<double>(load.queries.size());
+    CAPTURE(simulated, best.gatherers, best.lanes, best.nodes_per_cycle, best.candidates_per_cycle);
+    CHECK(found.best.cycles.cycles > 0.85 * simulated);
+    CHECK(found.best.cycles.cycles < 1.15 * simulated);
+  }
+}
