@@ -12,19 +12,20 @@ namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
-double asked_rays(const StudyRow& row) {
-  const std::string mean = row.line("frame.mean_rays"), rays = row.line("frame.gather_rays");
+double asked_rays(const StudyRow& row, const RayKind& kind) {
+  const std::string mean = row.line(kind.mean), rays = row.line(kind.fixed);
   const std::string& asked = mean.empty() ? rays : mean;
   return asked.empty() ? kNone : std::stod(asked);
 }
 
 }  // namespace
 
-RayCurve::RayCurve(std::string name, const std::vector<const StudyRow*>& rows)
+RayCurve::RayCurve(std::string name, const std::vector<const StudyRow*>& rows, const RayKind& kind)
     : name_(std::move(name)) {
+  const std::string measure = kind.measure;
   for (const StudyRow* row : rows) {
-    const Point p{asked_rays(*row), row->value("noise.rays"), row->value("noise.relmse"),
-                  row->error("noise.relmse")};
+    const Point p{asked_rays(*row, kind), row->value(measure + "." + kind.rays),
+                  row->value(measure + ".relmse"), row->error(measure + ".relmse")};
     if (std::isfinite(p.asked) && p.rays > 0 && p.noise > 0) points_.push_back(p);
   }
   std::sort(points_.begin(), points_.end(),
@@ -62,7 +63,7 @@ std::string RayCurve::data() const {
 }
 
 void plot_curves(const std::string& folder, const std::string& name, const std::string& title,
-                 const std::vector<RayCurve>& curves) {
+                 const RayKind& kind, const std::vector<RayCurve>& curves) {
   std::string blocks, plots;
   for (size_t i = 0; i < curves.size(); ++i) {
     blocks += fmt::format("$c{} << EOD\n{}EOD\n", i, curves[i].data());
@@ -71,10 +72,10 @@ void plot_curves(const std::string& folder, const std::string& name, const std::
   }
   write_plot(folder, name,
              fmt::format("set logscale xy 2\nset grid\nset key outside right top\n"
-                         "set xlabel \"final gather rays a sample\"\n"
+                         "set xlabel \"{} a sample\"\n"
                          "set ylabel \"noise (relMSE)\"\nset format y \"%.2g\"\n"
                          "set title \"{}\" noenhanced\n{}{}\n",
-                         title, blocks, plots),
+                         kind.name, title, blocks, plots),
              900, 420);
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Noise against final gather rays, and what curves of it say beside each other: the measure `noise`
-// of points that differ in their number of rays.
+// Noise against rays, and what curves of it say beside each other: the measures `noise` and
+// `shadows` of points that differ in their number of final gather rays and of shadow rays.
 #pragma once
 #include <string>
 #include <vector>
@@ -17,9 +17,24 @@ struct RayPart {
 // "0.48 ± 0.03", "> 4.0".
 std::string text_of(const RayPart& part);
 
+// Where a curve's points are from.
+struct RayKind {
+  const char* measure;  // with a column `relmse`
+  const char* rays;     // its column of rays
+  const char* name;     // of the rays, in plots
+  const char* mean;     // plan line with the rays asked for, in the mean
+  const char* fixed;    // likewise where there is no mean
+};
+inline constexpr RayKind kGatherRays{"noise", "rays", "final gather rays", "frame.mean_rays",
+                                     "frame.gather_rays"};
+inline constexpr RayKind kAllShadowRays{"shadows", "rays", "shadow rays", "frame.mean_shadow_rays",
+                                        "frame.shadow_rays"};
+inline constexpr RayKind kEmitterRays{"shadows", "emitter_rays", "shadow rays to emitters",
+                                      "frame.mean_shadow_rays", "frame.shadow_rays"};
+
 class RayCurve {
  public:
-  RayCurve(std::string name, const std::vector<const StudyRow*>& rows);
+  RayCurve(std::string name, const std::vector<const StudyRow*>& rows, const RayKind& kind);
 
   const std::string& name() const { return name_; }
   bool empty() const { return points_.empty(); }
@@ -43,6 +58,6 @@ class RayCurve {
 
 // A plot of noise against rays, FOLDER/NAME.svg and .png.
 void plot_curves(const std::string& folder, const std::string& name, const std::string& title,
-                 const std::vector<RayCurve>& curves);
+                 const RayKind& kind, const std::vector<RayCurve>& curves);
 
 }  // namespace photonloom

@@ -47,7 +47,7 @@ const ShippedStudy kStudies[] = {
      conclude_sampling},
     {"adaptive",
      "Final gather rays that two passes save",
-     {"adaptive", "adaptive_means"},
+     {"adaptive", "adaptive_means", "adaptive_shadows"},
      conclude_adaptive},
     {"system",
      "Units, memory and area that the dissertation's load would take",

@@ -14,6 +14,7 @@ namespace photonloom {
 namespace {
 
 constexpr double kRays = 16;  // of the baseline that others are compared with
+constexpr double kShadowBaseline = 8;
 // Scenes whose indirect light is concentrated: through a doorway, and from a pool's caustics.
 const std::vector<std::string> kConcentrated = {"doorway", "water_pool"};
 
@@ -26,6 +27,10 @@ std::string combination(const StudyRow& row) {
 }
 std::string passes(const StudyRow& row) {
   const std::string first = row.line("frame.first_rays");
+  return first.empty() ? "one pass" : fmt::format("two passes, the first of {}", first);
+}
+std::string shadow_passes(const StudyRow& row) {
+  const std::string first = row.line("frame.first_shadow_rays");
   return first.empty() ? "one pass" : fmt::format("two passes, the first of {}", first);
 }
 
@@ -50,7 +55,8 @@ struct RowCurves {
 // Rays for equal noise, a row a name and a column a scene; the first name is the baseline.
 template <class Name>
 std::vector<RowCurves> part_table(const StudyOutcome& outcome, const std::string& study,
-                                  const Name& name, const std::string& heads, std::string& page,
+                                  const RayKind& kind, double rays, const Name& name,
+                                  const std::string& heads, std::string& page,
                                   std::vector<std::string>& scenes) {
   std::vector<RowCurves> rows;
   for (const std::string& scene : outcome.scenes)
@@ -61,7 +67,7 @@ std::vector<RowCurves> part_table(const StudyOutcome& outcome, const std::string
       std::vector<const StudyRow*> points;
       for (const StudyRow* r : outcome.rows_of(study, scene))
         if (!r->lines.empty() && name(*r) == row) points.push_back(r);
-      rows.back().by_scene.emplace_back(row, points);
+      rows.back().by_scene.emplace_back(row, points, kind);
     }
   }
   if (rows.empty()) return rows;
@@ -75,7 +81,7 @@ std::vector<RowCurves> part_table(const StudyOutcome& outcome, const std::string
   for (RowCurves& row : rows) {
     page += "| " + row.name + " |";
     for (size_t s = 0; s < scenes.size(); ++s) {
-      row.parts.push_back(row.by_scene[s].part_of(rows.front().by_scene[s], kRays));
+      row.parts.push_back(row.by_scene[s].part_of(rows.front().by_scene[s], rays));
       page += &row == &rows.front() ? " 1 |" : " " + text_of(row.parts.back()) + " |";
     }
     page += "\n";
@@ -84,8 +90,11 @@ std::vector<RowCurves> part_table(const StudyOutcome& outcome, const std::string
   for (size_t s = 0; s < scenes.size(); ++s) {
     std::vector<RayCurve> curves;
     for (const RowCurves& row : rows) curves.push_back(row.by_scene[s]);
-    plot_curves(outcome.folder, study + "_" + scenes[s], scenes[s] + ": noise of final gather rays",
-                curves);
+    plot_curves(
+        outcome.folder,
+        fmt::format("{}_{}{}", study, scenes[s],
+                    std::string_view(kind.rays) == "rays" ? "" : fmt::format("_{}", kind.rays)),
+        fmt::format("{}: noise of {}", scenes[s], kind.name), kind, curves);
   }
   return rows;
 }
@@ -128,6 +137,36 @@ void means_table(const StudyOutcome& outcome, const std::string& study, const Na
       heads, rule, table);
 }
 
+// A table of two passes beside one, and as goals the best two scenes of the one setting whose
+// second best scene is best.
+template <class Name>
+void compare_passes(const StudyOutcome& outcome, const std::string& study, const RayKind& kind,
+                    double rays, const Name& name, Conclusion& conclusion) {
+  std::vector<std::string> scenes;
+  const std::vector<RowCurves> rows =
+      part_table(outcome, study, kind, rays, name, "frame", conclusion.page, scenes);
+  const RowCurves* best = nullptr;
+  std::vector<size_t> order;
+  for (size_t r = 1; r < rows.size(); ++r) {
+    std::vector<size_t> by_part;
+    for (size_t s = 0; s < scenes.size(); ++s)
+      if (std::isfinite(rows[r].parts[s].value)) by_part.push_back(s);
+    std::sort(by_part.begin(), by_part.end(),
+              [&](size_t a, size_t b) { return rows[r].parts[a].value < rows[r].parts[b].value; });
+    if (by_part.size() < 2) continue;
+    if (!best || rows[r].parts[by_part[1]].value < best->parts[order[1]].value) {
+      best = &rows[r];
+      order = by_part;
+    }
+  }
+  if (best)
+    for (const size_t i : {0, 1})
+      conclusion.goals.push_back(
+          {fmt::format("{}, {}: part of the {} of one pass, ± {:.2g}", scenes[order[i]], best->name,
+                       kind.name, best->parts[order[i]].error),
+           0.7, best->parts[order[i]].value, false});
+}
+
 std::string seeds_text(const StudyOutcome& outcome) {
   std::string text;
   for (const uint64_t seed : outcome.seeds)
@@ -144,8 +183,9 @@ Conclusion conclude_sampling(const StudyOutcome& outcome) {
       "{}:\n\n",
       kRays, kRays, seeds_text(outcome));
   std::vector<std::string> scenes;
-  const std::vector<RowCurves> rows = part_table(
-      outcome, "sampling", combination, "combine | levels | photons", conclusion.page, scenes);
+  const std::vector<RowCurves> rows =
+      part_table(outcome, "sampling", kGatherRays, kRays, combination, "combine | levels | photons",
+                 conclusion.page, scenes);
   // One setting for all scenes: the least product of parts.
   const RowCurves* best = nullptr;
   double least = 0;
@@ -187,31 +227,16 @@ Conclusion conclude_adaptive(const StudyOutcome& outcome) {
       "Rays for the noise that one pass of {:g} rays leaves, as a part of those {:g}; seeds "
       "{}:\n\n",
       kRays, kRays, seeds_text(outcome));
-  std::vector<std::string> scenes;
-  const std::vector<RowCurves> rows =
-      part_table(outcome, "adaptive", passes, "frame", conclusion.page, scenes);
-  // The one setting whose second best scene is best.
-  const RowCurves* best = nullptr;
-  std::vector<size_t> order;
-  for (size_t r = 1; r < rows.size(); ++r) {
-    std::vector<size_t> by_part;
-    for (size_t s = 0; s < scenes.size(); ++s)
-      if (std::isfinite(rows[r].parts[s].value)) by_part.push_back(s);
-    std::sort(by_part.begin(), by_part.end(),
-              [&](size_t a, size_t b) { return rows[r].parts[a].value < rows[r].parts[b].value; });
-    if (by_part.size() < 2) continue;
-    if (!best || rows[r].parts[by_part[1]].value < best->parts[order[1]].value) {
-      best = &rows[r];
-      order = by_part;
-    }
-  }
-  if (best)
-    for (const size_t i : {0, 1})
-      conclusion.goals.push_back(
-          {fmt::format("{}, {}: part of the rays of one pass, ± {:.2g}", scenes[order[i]],
-                       best->name, best->parts[order[i]].error),
-           0.7, best->parts[order[i]].value, false});
+  compare_passes(outcome, "adaptive", kGatherRays, kRays, passes, conclusion);
   means_table(outcome, "adaptive_means", passes, "frame", conclusion);
+  for (const RayKind* kind : {&kAllShadowRays, &kEmitterRays}) {
+    conclusion.page += fmt::format(
+        "Rays for the noise of direct light that one pass of {:g} shadow rays of each kind leaves, "
+        "as a part of those that it casts; {}; seeds {}:\n\n",
+        kShadowBaseline, kind == &kEmitterRays ? "rays towards emitters alone" : "both kinds",
+        seeds_text(outcome));
+    compare_passes(outcome, "adaptive_shadows", *kind, kShadowBaseline, shadow_passes, conclusion);
+  }
   return conclusion;
 }
 

@@ -23,6 +23,7 @@ namespace {
 // Of the image that noise is measured against, twice; their seeds are far from those of frames.
 constexpr int kConvergedRays = 256;
 constexpr uint64_t kConvergedSeed = uint64_t{1} << 32;
+constexpr int kConvergedShadowRays = 256;
 
 // The cache's other lines as a plan has them that says nothing of it.
 Plan without_cache(Plan plan) {
@@ -58,6 +59,12 @@ Plan cosine_plan(const Plan& of) {
   plan.first_rays = 0;
   plan.mean_rays = usual.mean_rays;
   plan.table_photons = TablePhotons::kAll;
+  return plan;
+}
+
+Plan direct_plan(const Plan& of) {
+  Plan plan = cosine_plan(of);
+  plan.gather_rays = 0;
   return plan;
 }
 
@@ -254,6 +261,8 @@ double walk_correction(PointRun& run, const WalkNoise& noise, size_t p) {
 Measurement measure_visible(PointRun& run) {
   const SceneReferences& r = run.scene().references();
   Measurement m = image_errors(run.golden(), r.b1, r.b2, r.mean);
+  // What is known of the walks' noise is that of one shadow ray a sample.
+  if (run.plan().shadow_rays > 1) return m;
   const auto walks = run.scene().walk_noise(run.plan().spp);
   Blocks& relmse = m.blocks["relmse"];
   for (size_t p = 0; p < r.mean.c[0].size(); ++p)
@@ -283,13 +292,14 @@ Measurement measure_lot(PointRun& run) {
   if (run.study().frame_width == 0) return {{reference_error(a, r), 0.0}, {}};
   const size_t pixels = a.c[0].size();
   const auto walks = run.scene().walk_noise(run.plan().spp);
+  const bool one_shadow_ray = run.plan().shadow_rays == 1;
   std::vector<double> relmse(pixels, 0.0);
   for (size_t p = 0; p < pixels; ++p) {
     for (size_t c = 0; c < 3; ++c) {
       const double v = a.c[c][p], b = r.mean.c[c][p];
       relmse[p] += (v - r.b1.c[c][p]) * (v - r.b2.c[c][p]) / (b * b + 0.01) / 3;
     }
-    relmse[p] += static_cast<double>(pixels) * walk_correction(run, *walks, p);
+    if (one_shadow_ray) relmse[p] += static_cast<double>(pixels) * walk_correction(run, *walks, p);
   }
   // What the references' noise adds to how pixels differ is in it.
   const Blocks halves = half_differences(relmse, a.width, a.height),
@@ -349,6 +359,45 @@ Measurement measure_noise(PointRun& run) {
   m.values.push_back(static_cast<double>(counts.directions) / samples);
   m.values.push_back(static_cast<double>(counts.table_gathers) / samples);
   m.values.push_back(static_cast<double>(counts.below_horizon) / samples);
+  return m;
+}
+
+// A frame without final gathers.
+Planes direct_frame(PointRun& run, const Plan& plan, uint64_t ray_seed, FrameCounts& counts) {
+  check_plan(plan);
+  FrameUnits units = make_golden_units(plan);
+  return planes_of(run.render(plan, Arithmetic::kGolden, units, counts, ray_seed), "",
+                   "the frame of direct light");
+}
+
+Measurement measure_shadows(PointRun& run) {
+  const Plan plan = direct_plan(run.plan());
+  Plan converged = plan;
+  converged.shadow_rays = kConvergedShadowRays;
+  converged.first_shadow_rays = 0;
+  converged.mean_shadow_rays = Plan().mean_shadow_rays;
+  const auto exact = run.scene().converged(
+      fmt::format("shadows {} {}", plan_hash_text(converged), run.seed()), [&] {
+        ConvergedFrames frames;
+        FrameCounts counts;
+        frames.b1 = direct_frame(run, converged, kConvergedSeed + 2 * run.seed(), counts);
+        frames.b2 = direct_frame(run, converged, kConvergedSeed + 2 * run.seed() + 1, counts);
+        frames.mean = frames.b1;
+        for (size_t c = 0; c < 3; ++c)
+          for (size_t p = 0; p < frames.mean.c[c].size(); ++p)
+            frames.mean.c[c][p] = (frames.b1.c[c][p] + frames.b2.c[c][p]) / 2;
+        return frames;
+      });
+  FrameCounts counts;
+  const Planes image = direct_frame(run, plan, run.seed(), counts);
+  Measurement m = image_errors(image, exact->b1, exact->b2, exact->mean);
+  m.values.resize(1);
+  m.blocks = {{"relmse", m.blocks["relmse"]}};
+  const double samples = static_cast<double>(counts.camera_samples);
+  m.values.push_back(static_cast<double>(counts.shadow_rays) / samples);
+  m.values.push_back(static_cast<double>(counts.emitter_rays_cast + counts.cosine_rays_cast) /
+                     samples);
+  m.values.push_back(static_cast<double>(counts.emitter_rays_cast) / samples);
   return m;
 }
 
@@ -485,6 +534,16 @@ const std::vector<Measure>& measures() {
        measure_noise,
        [](const Study&, const StudyScene&) {
          return fmt::format("{} rays, twice", kConvergedRays);
+       }},
+      {"shadows",
+       "of shadow rays: error of direct light against the converged one of the same walks",
+       {{"relmse", "", "mean (a - c1)(a - c2) / (c^2 + 0.01)"},
+        {"asked", "", "shadow rays a camera sample, of both kinds"},
+        {"rays", "", "of them, those that were not known to be dark before"},
+        {"emitter_rays", "", "of these, those towards an emitter"}},
+       measure_shadows,
+       [](const Study&, const StudyScene&) {
+         return fmt::format("{} rays, twice", kConvergedShadowRays);
        }},
       {"ray_means",
        "whether final gather rays find the light that cosine-sampled ones find: 64 seeds of rays "

@@ -98,6 +98,9 @@ class PointRun {
 // all plans that differ in how rays are chosen.
 Plan cosine_plan(const Plan& plan);
 
+// The same plan without final gathers: the same for all plans that differ only in these.
+Plan direct_plan(const Plan& plan);
+
 struct Measure {
   const char* name;
   const char* meaning;

@@ -35,7 +35,8 @@ enum class Phase : uint64_t {
   kGather,
   kDirect,
   kSampler,
-  kPath
+  kPath,
+  kShadow
 };
 
 // Numbers for one walk: (seed, phase, index) fixed, bounce and dimension given per call.

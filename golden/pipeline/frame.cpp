@@ -14,6 +14,7 @@
 #include "golden/pipeline/batch.hpp"
 #include "golden/pipeline/light.hpp"
 #include "golden/pipeline/ray_budget.hpp"
+#include "golden/pipeline/shadow_pass.hpp"
 #include "golden/pipeline/splat_film.hpp"
 #include "golden/pipeline/tile_cache.hpp"
 #include "golden/plan/quantiser.hpp"
@@ -56,6 +57,7 @@ class Renderer {
         ray_seed_(in.ray_seed.value_or(in.seed)),
         filter_(in.world.scene().film.filter),
         batch_{pixels_, spp_},
+        shadows_(in),
         cache_(in, units, counts, shader_),
         place_(static_cast<size_t>(in.plan.width) * static_cast<size_t>(in.plan.height), kNone) {
     make_channels();
@@ -119,6 +121,7 @@ class Renderer {
     begin_pass(0, std::vector<uint32_t>(entries, static_cast<uint32_t>(!gathers_  ? 0
                                                                        : adaptive ? first_rays_
                                                                                   : rays_)));
+    shadows_.begin(batch_, entries);
     caching_ = gathers_ && plan_.cache_present;
     if (caching_) cache_.begin(batch_, entries_, tile_ends_);
     {
@@ -131,9 +134,18 @@ class Renderer {
       }
     }
     if (gathers_) gather_finally("final gather");
+    if (caching_)
+      cache_.share_light([&](size_t entry, const Value& value) { add_layers(entry, value); });
+    // Both numbers of rays follow from first passes alone: that of one kind of light must not know
+    // the second pass of another.
+    std::vector<uint32_t> second;
+    if (adaptive)
+      second = second_rays(plan_, gather_passes(plan_), pixels_, tile_begins_,
+                           [&](size_t entry, size_t) { return first_pass_of(entry); });
+    if (shadows_.has_two())
+      shadows_.plan_second(pixels_, tile_begins_, [&](size_t entry) { return light_seen(entry); });
     if (adaptive) {
-      begin_pass(first_rays_, second_rays(plan_, pixels_, tile_begins_,
-                                          [&](size_t entry) { return first_pass_of(entry); }));
+      begin_pass(first_rays_, second);
       {
         const ProgressPhase phase(progress_, "second tables", entries, "samples");
         for (size_t begin = 0, end; begin < entries; begin = end) {
@@ -149,22 +161,54 @@ class Renderer {
         add_layers(entry, scaled(first, first_rays_, first_rays_ + rays_of(entry)));
       }
     }
-    if (caching_)
-      cache_.share_light([&](size_t entry, const Value& value) { add_layers(entry, value); });
+    if (shadows_.has_two()) cast_second_shadows();
+    shadows_.count(counts_);
     finish_pixels();
     if (film_) film_->splat(batch_, place_, kNone, layers_, places_);
   }
 
+  // All light of a sample that first passes and whatever has but one pass found; but not that of a
+  // first pass of shadow rays.
+  Rgb light_seen(size_t entry) const {
+    Rgb light;
+    for (int c = 0; c < 3; ++c) {
+      light[c] = radiance(totals_[entry], c);
+      if (!halves_.empty())
+        light[c] += radiance(halves_[2 * entry], c) + radiance(halves_[2 * entry + 1], c);
+    }
+    return light;
+  }
+
   FirstPass first_pass_of(size_t entry) const {
     FirstPass seen;
-    seen.diffuse = entries_[entry].diffuse;
+    seen.casts = entries_[entry].diffuse;
+    const Rgb direct = shadows_.has_two() ? shadows_.direct(entry) : Rgb(0);
     for (int c = 0; c < 3; ++c) {
       const double even = radiance(halves_[2 * entry], c);
       const double odd = radiance(halves_[2 * entry + 1], c);
-      seen.light[c] = radiance(totals_[entry], c) + even + odd;
+      seen.light[c] = radiance(totals_[entry], c) + even + odd + direct[c];
       seen.difference[c] = even - odd;
     }
     return seen;
+  }
+
+  // Shadow rays of the second pass, and the direct light of both.
+  void cast_second_shadows() {
+    const ProgressPhase phase(progress_, "second shadow rays", entries_.size(), "samples");
+    std::vector<Value> direct(entries_.size());
+    SharedCounts shared;
+    parallel(entries_.size(), [&](size_t entry) {
+      shadows_.cast_second(entry);
+      ShaderCounts own;
+      direct[entry] = value_of(shadows_.direct(entry), own);
+      shared.take(own);
+    });
+    shared.give(counts_.shader);
+    for (size_t entry = 0; entry < entries_.size(); ++entry) {
+      add(layers_of(entry).direct, direct[entry]);
+      add(totals_[entry], direct[entry]);
+    }
+    phase.advance(entries_.size());
   }
 
   // A pass casts rays [first_tag, first_tag + count) of each sample.
@@ -269,9 +313,14 @@ class Renderer {
       const CameraSample s = trace_camera(
           in_.world, in_.caster, static_cast<int>(pixel % static_cast<uint32_t>(plan_.width)),
           static_cast<int>(pixel / static_cast<uint32_t>(plan_.width)), sample_of(begin + i),
-          in_.seed);
+          in_.seed, shadows_.casts() ? ShadowRays::kLater : ShadowRays::kWithPath);
+      if (shadows_.casts()) shadows_.cast_first(begin + i, s);
+      // Of two passes of shadow rays direct light is known after the second.
+      const Rgb direct = !shadows_.casts()    ? s.direct
+                         : shadows_.has_two() ? Rgb(0)
+                                              : shadows_.direct(begin + i);
       ShaderCounts own;
-      walks[i] = {value_of(s.direct, own),
+      walks[i] = {value_of(direct, own),
                   value_of(s.indirect, own),
                   value_of(s.emission, own),
                   s.albedo,
@@ -725,6 +774,7 @@ class Renderer {
   const uint64_t ray_seed_;
   const FilterTable filter_;
   const BatchSamples batch_;
+  ShadowPass shadows_;
   TileCache<kArithmetic> cache_;
   bool gathers_ = false;  // whether samples send final gather rays
   Image image_;

@@ -62,6 +62,9 @@ struct FrameCounts {
   uint64_t cache_samples = 0, cache_records = 0, cache_full = 0, cache_hits = 0;
   uint64_t cache_most_records = 0;  // of a tile
   uint64_t probe_rays = 0;
+  // At first hits of a frame whose plan asks for more than one: as asked for, of both kinds; and
+  // without those that were known to meet no light before, by kind.
+  uint64_t shadow_rays = 0, emitter_rays_cast = 0, cosine_rays_cast = 0;
   uint64_t unmatched = 0, unanswered = 0;
   ShaderCounts shader;
 };

@@ -126,8 +126,11 @@ struct Plan {
   int width = 256, height = 256;
   int spp = 16;
   int gather_rays = 16;
-  int first_rays = 0;  // of the first pass of an adaptive frame; 0: all gather_rays at once
-  int mean_rays = 16;  // of both passes, a sample in the mean; gather_rays at most
+  int first_rays = 0;         // of the first pass of an adaptive frame; 0: all gather_rays at once
+  int mean_rays = 16;         // of both passes, a sample in the mean; gather_rays at most
+  int shadow_rays = 1;        // at a sample's first hit that is not a mirror's or glass
+  int first_shadow_rays = 0;  // of the first of two passes; 0: all shadow_rays at once
+  int mean_shadow_rays = 1;   // of both passes, a sample in the mean; shadow_rays at most
   TablePhotons table_photons = TablePhotons::kAll;
   int tile = 16;        // edge of a tile in pixels
   int batch_tiles = 0;  // tiles per batch; 0: the whole frame
@@ -326,6 +329,11 @@ struct Plan {
       "rays of the first of two passes, 0 for gather_rays in one");
     v("frame", "mean_rays", p.mean_rays, 1, 65535,
       "with two passes, rays per sample in the mean; gather_rays is the most");
+    v("frame", "shadow_rays", p.shadow_rays, 1, 4096, "shadow rays per sample");
+    v("frame", "first_shadow_rays", p.first_shadow_rays, 0, 4096,
+      "shadow rays of the first of two passes, 0 for shadow_rays in one");
+    v("frame", "mean_shadow_rays", p.mean_shadow_rays, 1, 4096,
+      "with two passes, shadow rays per sample in the mean; shadow_rays is the most");
     v("frame", "table_photons", p.table_photons, 0, 0,
       "photons that make a sampler's table: all, or those that another surface sent (indirect)");
     v("frame", "tile", p.tile, 1, 1024, "edge of a tile in pixels");

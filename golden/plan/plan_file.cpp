@@ -434,6 +434,16 @@ std::optional<PlanProblem> find_problem(const Plan& plan) {
                   fmt::format("is {}, expected from first_rays, {}, to gather_rays, {}",
                               plan.mean_rays, plan.first_rays, plan.gather_rays));
   }
+  if (plan.first_shadow_rays > 0) {
+    if (plan.first_shadow_rays % 2 != 0)
+      return fail("frame.first_shadow_rays",
+                  fmt::format("is {}, expected an even number: its halves tell the noise",
+                              plan.first_shadow_rays));
+    if (plan.mean_shadow_rays < plan.first_shadow_rays || plan.mean_shadow_rays > plan.shadow_rays)
+      return fail("frame.mean_shadow_rays",
+                  fmt::format("is {}, expected from first_shadow_rays, {}, to shadow_rays, {}",
+                              plan.mean_shadow_rays, plan.first_shadow_rays, plan.shadow_rays));
+  }
   if (plan.contribution_bits() > 127)
     return fail(
         "pixel.weight_bits",
@@ -502,6 +512,9 @@ bool may_be_left_out(const std::string& line) {
                                             "sampler.cosine_samples",
                                             "frame.first_rays",
                                             "frame.mean_rays",
+                                            "frame.shadow_rays",
+                                            "frame.first_shadow_rays",
+                                            "frame.mean_shadow_rays",
                                             "frame.table_photons",
                                             "frame.order",
                                             "frame.direction_bin_bits"};

@@ -433,6 +433,9 @@ PlannedFrame make_plan(const World& world, const PlanRequest& request, const Pho
 
   // The frame.
   why["frame.first_rays"] = why["frame.mean_rays"] = "one pass, the same number of rays everywhere";
+  why["frame.shadow_rays"] = "samples of a pixel share its shadow rays' strata";
+  why["frame.first_shadow_rays"] = why["frame.mean_shadow_rays"] =
+      "one pass, the same number of shadow rays everywhere";
   why["frame.table_photons"] = "tables of all photons around a point";
   why["frame.order"] = "the reorder buffer brings neighbours together; the frame need not";
   why["frame.direction_bin_bits"] = "used where frame.order is direction_bins";

@@ -17,6 +17,7 @@ DirectLight direct_light(const World& world, const RayCaster& caster, const Hit&
   if (!sample_light(world, shading_point(hit, surface), choice, u, light)) return out;
   if (is_beam(world, light.emitter)) {
     const Random random(std::bit_cast<uint64_t>(u.x), Phase::kDirect, std::bit_cast<uint64_t>(u.y));
+    out.cast = true;
     BeamSpot spot;
     if (!land_beam(world, caster, light.emitter, random, spot)) return out;
     const BeamLight beam = light_of_beam(world, caster, spot, hit, surface);
@@ -28,6 +29,7 @@ DirectLight direct_light(const World& world, const RayCaster& caster, const Hit&
   if (share.diffuse > 0) out.diffuse = diffuse_times_cosine(surface, d);
   if (share.glossy > 0) out.glossy = glossy_times_cosine(surface, d);
   if (is_black(out.diffuse) && is_black(out.glossy)) return out;
+  out.cast = true;
   const Ray ray{hit.position, d};
   // A lamp without a surface may lie on one: the shadow ray ends before it by more than rounding.
   const double end = light.on_surface
@@ -36,7 +38,7 @@ DirectLight direct_light(const World& world, const RayCaster& caster, const Hit&
                                                        std::min(light.distance, world.radius()));
   const double passing =
       transmittance(world, caster, ray, end, &hit, light.on_surface ? &light.hit : nullptr);
-  if (passing == 0) return DirectLight();
+  if (passing == 0) return {.cast = true};
   out.diffuse *= light.radiance;
   out.glossy *= light.radiance;
   if (passing != 1) {

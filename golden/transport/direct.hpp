@@ -14,6 +14,7 @@ struct LobeShare {
 
 struct DirectLight {
   Rgb diffuse{0}, glossy{0};
+  bool cast = false;  // a ray was, to an emitter that light could come from
 };
 
 inline ShadingPoint shading_point(const Hit& hit, const Surface& s) {

@@ -4,6 +4,7 @@
 #include "golden/transport/direct.hpp"
 #include "golden/transport/roulette.hpp"
 #include "golden/transport/sampling.hpp"
+#include "golden/transport/shadow_rays.hpp"
 #include "golden/transport/visibility.hpp"
 
 namespace photonloom {
@@ -110,23 +111,6 @@ double opening_number(const World& world, const Numbers& numbers, uint64_t segme
   return world.has_openings() ? numbers.unit(segment, dimension) : 0;
 }
 
-// The diffuse lobe's own sample of direct light: one ray along the cosine.
-Rgb diffuse_partner(const World& world, const RayCaster& caster, const Hit& hit, const Surface& s,
-                    const Vec2& u, double opening) {
-  const Vec3 d = sample_diffuse(s, u);
-  if (!s.above(d)) return Rgb(0);
-  const Ray ray{hit.position, d};
-  const Hit found = pass_openings(world, caster, ray, caster.closest(ray, &hit), opening);
-  if (!found.valid() && !world.environment()) return Rgb(0);
-  const Rgb radiance = found.valid() ? world.emission(found, d) : world.environment()->radiance(d);
-  if (is_black(radiance)) return Rgb(0);
-  const ShadingPoint x = shading_point(hit, s);
-  const double w = found.valid() ? found_weight(world, x, diffuse_pdf(s, d), found, d)
-                                 : escaped_weight(world, x, diffuse_pdf(s, d), d);
-  const Rgb sent = s.diffuse() * radiance * w;
-  return s.coat ? sent * s.coat->passes(glm::dot(s.shading_normal, d)) : sent;
-}
-
 bool depth_left(const World& world, uint64_t segments) {
   const int depth = world.scene().max_depth;
   return depth < 0 || segments < static_cast<uint64_t>(depth);
@@ -149,7 +133,7 @@ Rgb camera_direct(const World& world, const RayCaster& caster, const Hit& hit, c
 }  // namespace
 
 CameraSample trace_camera(const World& world, const RayCaster& caster, int px, int py,
-                          uint64_t sample, uint64_t seed) {
+                          uint64_t sample, uint64_t seed, ShadowRays shadow_rays) {
   const Scene& scene = world.scene();
   const uint64_t pixel = static_cast<uint64_t>(py) * static_cast<uint64_t>(scene.film.width) +
                          static_cast<uint64_t>(px);
@@ -182,8 +166,13 @@ CameraSample trace_camera(const World& world, const RayCaster& caster, int px, i
     if (s.is_delta()) {
       if (!pass_delta(s, numbers.unit(segment, kWalkLobe), path)) break;
     } else {
-      const Rgb direct = camera_direct(world, caster, hit, s, numbers, segment);
-      (at_first ? out.direct : out.indirect) += path.throughput * direct;
+      if (at_first && shadow_rays == ShadowRays::kLater) {
+        out.lit = {true, hit, path.ray.direction, part_number(world, numbers, segment),
+                   path.throughput};
+      } else {
+        const Rgb direct = camera_direct(world, caster, hit, s, numbers, segment);
+        (at_first ? out.direct : out.indirect) += path.throughput * direct;
+      }
       const double p = s.diffuse_probability();
       if (numbers.unit(segment, kWalkLobe) < p) {
         // Photons take one segment more at least.

@@ -262,6 +262,15 @@ struct DiffuseHit {
   const Coat* coat = nullptr;  // through which light enters; null: none
 };
 
+// A camera path's first hit that is neither mirror nor glass, as its direct light needs it.
+struct LitHit {
+  bool exists = false;
+  Hit hit;
+  Vec3 direction{0};  // of the ray that came
+  double part = 0;    // chooses among the parts of its BSDF
+  Rgb throughput{0};
+};
+
 // The camera's path of one sample: everything but the caustic estimate and the final gather.
 struct CameraSample {
   Vec2 place{0};  // on the film, within its pixel
@@ -278,6 +287,7 @@ struct CameraSample {
       false;  // x is the first non-delta hit, so its caustic estimate belongs to the caustic layer
   DiffuseHit x;
   Rgb weight{0};  // throughput up to x, times rho_d / pi, over the probability of the lobe
+  LitHit lit;     // where `direct` still lacks its shadow rays
 };
 
 // One final gather ray.
@@ -300,9 +310,14 @@ PhotonPass trace_global_photons(const World& world, const RayCaster& caster, uin
 PhotonPass trace_caustic_photons(const World& world, const RayCaster& caster, uint64_t stored,
                                  uint64_t seed, Progress* progress = nullptr);
 
+// Who casts the shadow rays of a camera path's first hit that is neither mirror nor glass: the
+// path, one of each kind, or whoever calls trace_camera (shadow_rays.hpp).
+enum class ShadowRays { kWithPath, kLater };
+
 // One camera path through pixel (px, py) of the film, (0, 0) top left.
 CameraSample trace_camera(const World& world, const RayCaster& caster, int px, int py,
-                          uint64_t sample, uint64_t seed);
+                          uint64_t sample, uint64_t seed,
+                          ShadowRays shadow_rays = ShadowRays::kWithPath);
 
 // One final gather ray from x; zero where the direction is below x's surface.
 GatherSample trace_gather(const World& world, const RayCaster& caster, const DiffuseHit& x,

@@ -159,14 +159,65 @@ TEST_CASE("two passes: the mean number of rays, the same image in any order and 
   CHECK(!same_bytes(rendered(frame), one));
 }
 
+TEST_CASE(
+    "two passes of shadow rays: the mean number, the same image in any order and with any "
+    "threads") {
+  FrameRequest request = small_request();
+  request.gather_rays = 2;
+  request.set = {"frame.shadow_rays=64", "frame.first_shadow_rays=2", "frame.mean_shadow_rays=4",
+                 "frame.tile=12"};
+  PreparedFrame frame = prepared(room(1, true), request);
+  FrameCounts counts;
+  Image one;
+  {
+    const tbb::global_control single(tbb::global_control::max_allowed_parallelism, 1);
+    one = rendered(frame, Arithmetic::kGolden, &counts);
+  }
+  // The lamp fills little of the hemisphere: rays along the cosine show next to no noise.
+  CHECK(counts.emitter_rays_cast > counts.shadow_rays / 2);
+  CHECK(counts.cosine_rays_cast < counts.shadow_rays / 2);
+  for (const char* line :
+       {"reorder.key=none", "reorder.key=hash", "reorder.drain=fullest", "reorder.packets=1",
+        "gatherer.contexts=1", "frame.order=pixel", "frame.order=direction_bins"}) {
+    INFO(line);
+    set_plan_line(frame.plan, line);
+    CHECK(same_bytes(rendered(frame), one));
+  }
+  // As many everywhere: the same mean, and another image. The other layers do not know of it.
+  set_plan_line(frame.plan, "frame.first_shadow_rays=0");
+  set_plan_line(frame.plan, "frame.shadow_rays=4");
+  FrameCounts fixed;
+  const Image even = rendered(frame, Arithmetic::kGolden, &fixed);
+  CHECK(static_cast<double>(counts.shadow_rays) ==
+        Approx(static_cast<double>(fixed.shadow_rays)).epsilon(0.005));
+  CHECK(even.find("direct.G")->pixels != one.find("direct.G")->pixels);
+  CHECK(even.find("indirect.G")->pixels == one.find("indirect.G")->pixels);
+}
+
+TEST_CASE("a lamp without a size has no noise, and no second shadow rays") {
+  Scene scene = room(1, false);
+  std::erase_if(scene.shapes, [](const Shape& shape) { return shape.radiance.has_value(); });
+  Light lamp;
+  lamp.kind = LightKind::kPoint;
+  lamp.position = Vec3(0.5, 0.9, 0.5);
+  lamp.intensity = Rgb(1);
+  scene.lights.push_back(lamp);
+  FrameRequest request = small_request();
+  request.set = {"frame.shadow_rays=64", "frame.first_shadow_rays=2", "frame.mean_shadow_rays=8"};
+  FrameCounts counts;
+  rendered(prepared(scene, request), Arithmetic::kGolden, &counts);
+  CHECK(counts.shadow_rays == 2 * 2 * counts.camera_samples);
+}
+
 namespace {
 
-// Means of the indirect light in 4 x 4 blocks of the image and of all of it, over seeds of the
-// final gather rays with everything else fixed, and their squared standard errors.
+// Means of a layer in 4 x 4 blocks of the image and of all of it, over seeds of the final gather
+// rays and shadow rays with everything else fixed, and their squared standard errors.
 struct Means {
   std::vector<double> mean, variance;
 };
-Means indirect_over_ray_seeds(const PreparedFrame& frame, uint64_t first, uint64_t seeds) {
+Means over_ray_seeds(const PreparedFrame& frame, const std::string& layer, uint64_t first,
+                     uint64_t seeds) {
   std::vector<double> sum(17, 0.0), sum2(17, 0.0);
   for (uint64_t seed = first; seed < first + seeds; ++seed) {
     FrameUnits units = make_golden_units(frame.plan);
@@ -175,8 +226,8 @@ Means indirect_over_ray_seeds(const PreparedFrame& frame, uint64_t first, uint64
     FrameCounts counts;
     const Image image = render_frame(input, units, counts);
     std::vector<double> blocks(17, 0.0);
-    for (const char* channel : {"indirect.R", "indirect.G", "indirect.B"}) {
-      const std::vector<float>& pixels = image.find(channel)->pixels;
+    for (const char* channel : {".R", ".G", ".B"}) {
+      const std::vector<float>& pixels = image.find(layer + channel)->pixels;
       for (size_t i = 0; i < pixels.size(); ++i) {
         blocks[i / 24 / 6 * 4 + i % 24 / 6] += static_cast<double>(pixels[i]);
         blocks[16] += static_cast<double>(pixels[i]);
@@ -196,7 +247,42 @@ Means indirect_over_ray_seeds(const PreparedFrame& frame, uint64_t first, uint64
   return m;
 }
 
+// |z| of the whole image below 3, of the blocks as 17 normal numbers have it.
+void check_same_light(const Means& got, const Means& expected) {
+  double chi2 = 0;
+  for (size_t b = 0; b < 17; ++b) {
+    const double d = got.mean[b] - expected.mean[b];
+    const double z = d / std::sqrt(got.variance[b] + expected.variance[b]);
+    CAPTURE(b, z, got.mean[b], expected.mean[b]);
+    CHECK(std::fabs(z) < (b == 16 ? 3 : 4));
+    if (b < 16) chi2 += z * z;
+  }
+  // 16 blocks: 99.9 % lie below 39.
+  CHECK(chi2 < 45);
+}
+
 }  // namespace
+
+TEST_CASE("two passes of shadow rays are unbiased: 64 ray seeds against as many fixed rays",
+          "[slow]") {
+  FrameRequest request = small_request();
+  request.spp = 1;
+  const Scene scene = room(1, true);
+  const std::vector<std::string> fixed = {"frame.gather_rays=0", "frame.shadow_rays=16"};
+  const std::vector<std::vector<std::string>> settings = {
+      {"frame.gather_rays=0", "frame.shadow_rays=16", "frame.first_shadow_rays=2",
+       "frame.mean_shadow_rays=4", "frame.tile=6"},
+      // Both kinds of two passes at once.
+      {"frame.gather_rays=4", "frame.first_rays=2", "frame.mean_rays=3", "frame.shadow_rays=16",
+       "frame.first_shadow_rays=2", "frame.mean_shadow_rays=4"}};
+  request.set = fixed;
+  const Means expected = over_ray_seeds(prepared(scene, request), "direct", 1000, 64);
+  for (const auto& lines : settings) {
+    request.set = lines;
+    INFO(lines.front());
+    check_same_light(over_ray_seeds(prepared(scene, request), "direct", 1, 64), expected);
+  }
+}
 
 TEST_CASE("every table and both passes are unbiased: 64 ray seeds against 64 times the rays",
           "[slow]") {
@@ -205,7 +291,7 @@ TEST_CASE("every table and both passes are unbiased: 64 ray seeds against 64 tim
   request.set = {"sampler.combine=cosine", "frame.gather_rays=16"};
   const Scene scene = room(1, true);
   // 16 seeds of 16 rays: 64 times the 4 rays below.
-  const Means expected = indirect_over_ray_seeds(prepared(scene, request), 1000, 16);
+  const Means expected = over_ray_seeds(prepared(scene, request), "indirect", 1000, 16);
   const std::vector<std::vector<std::string>> settings = {
       {"sampler.combine=sum", "sampler.levels=4", "frame.table_photons=indirect"},
       {"sampler.combine=product", "sampler.levels=5"},
@@ -219,20 +305,10 @@ TEST_CASE("every table and both passes are unbiased: 64 ray seeds against 64 tim
   for (const auto& lines : settings) {
     request.set = {"frame.gather_rays=4"};
     request.set.insert(request.set.end(), lines.begin(), lines.end());
-    const Means got = indirect_over_ray_seeds(prepared(scene, request), 1, 64);
     std::string name;
     for (const std::string& line : lines) name += line + " ";
     INFO(name);
-    double chi2 = 0;
-    for (size_t b = 0; b < 17; ++b) {
-      const double d = got.mean[b] - expected.mean[b];
-      const double z = d / std::sqrt(got.variance[b] + expected.variance[b]);
-      CAPTURE(b, z, got.mean[b], expected.mean[b]);
-      CHECK(std::fabs(z) < (b == 16 ? 3 : 4));
-      if (b < 16) chi2 += z * z;
-    }
-    // 16 blocks: 99.9 % lie below 39.
-    CHECK(chi2 < 45);
+    check_same_light(over_ray_seeds(prepared(scene, request), "indirect", 1, 64), expected);
   }
 }
 
