@@ -45,14 +45,19 @@ Order served_order(const Plan& plan, std::span<const GatherQuery> queries) {
 }
 
 // Lines that a gatherer asks the photon memory for, a query: its share of queries dealt in turn,
-// through its own cache.
+// through its own cache. Widths and contexts hardly matter to what a cache fetches: they are the
+// usual ones, so that engines that differ in them alone are told apart by their cycles alone.
 double lines_asked(const Plan& plan, const LineVisits& visits, const Order& order) {
+  Plan usual = plan;
+  usual.contexts = 16;
+  usual.lanes = std::min(4, plan.bucket);
+  usual.beat_bits = 8 * plan.photon_bytes * usual.lanes;
   Order own;
   for (size_t i = 0; i < order.size() && own.size() < kFollowed;
        i += static_cast<size_t>(plan.gatherers))
     own.push_back(order[i]);
-  return static_cast<double>(lines_fetched(leaf_cache_shape(plan), visits, own, plan.contexts,
-                                           lookup_times(plan, kBlockRamLatency))) /
+  return static_cast<double>(lines_fetched(leaf_cache_shape(plan), visits, own, usual.contexts,
+                                           lookup_times(usual, kBlockRamLatency))) /
          static_cast<double>(own.size());
 }
 
@@ -210,15 +215,15 @@ EngineSearch fastest_engine(const Plan& plan, const PhotonMap& global, const Pho
     BoardNeeds needs;
   };
   // What was predicted, by what it depends on.
-  std::map<std::array<int, 4>, double> asked;
+  std::map<std::array<int, 3>, double> asked;
   std::map<std::array<int, 8>, BoardNeeds> gatherers;
   std::map<std::array<int, 2>, BoardNeeds> others;
   const auto candidate = [&](size_t stream, const Widths& w) {
     const Stream& at = streams[stream];
     const Plan p = with(plan, at, w);
     const bool sdram = at.memory == PhotonMemory::kSdram;
-    const auto [lines, new_lines] = asked.try_emplace(
-        {static_cast<int>(at.order), w.gatherers, w.cache_lines, sdram ? w.lanes : 0});
+    const auto [lines, new_lines] =
+        asked.try_emplace({static_cast<int>(at.order), w.gatherers, w.cache_lines});
     if (new_lines) lines->second = lines_asked(p, s.visits, orders[at.order]);
     const auto [one, new_gatherer] = gatherers.try_emplace(
         {sdram, w.nodes, w.candidates, w.powers, w.lanes, w.contexts, w.cache_lines, w.lut_words});

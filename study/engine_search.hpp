@@ -42,9 +42,9 @@ struct EngineSearch {
   size_t tried = 0;
 };
 
-// Largest share of a part's logic that is planned for: fuller tops were not routed
+// Largest share of a part's logic that is planned for: that of the fullest tops that were routed
 // (docs/headline.md).
-inline constexpr double kEngineShare = 0.7;
+inline constexpr double kEngineShare = 0.55;
 
 // Every combination of the searched lines is predicted; the fastest that fits is the plan, the
 // smallest of those that are as fast within 1 %. Throws std::runtime_error where none fits, with
