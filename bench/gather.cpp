@@ -92,16 +92,27 @@ double wall() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
+double process_seconds() {
+  timespec t{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
+
 // Threads that this process may run at a time.
 unsigned machine_threads() {
   cpu_set_t set;
   return sched_getaffinity(0, sizeof set, &set) == 0 ? static_cast<unsigned>(CPU_COUNT(&set)) : 1;
 }
 
-// The same with all threads, each of which takes some hundred queries at a time: seconds of the
-// clock on the wall a query.
-double time_threads(const Contender& contender, const std::vector<UVec3>& queries, int64_t r2_max,
-                    unsigned threads, Found& found) {
+// Of all threads together: seconds of the clock on the wall a query, and which part of what they
+// could have had of the cores they got; the rest went to other programs.
+struct OnAllCores {
+  double seconds, share;
+};
+
+// Each thread takes some hundred queries at a time.
+OnAllCores time_threads(const Contender& contender, const std::vector<UVec3>& queries,
+                        int64_t r2_max, unsigned threads, Found& found) {
   constexpr size_t kAtATime = 512;
   std::atomic<size_t> next{0};
   const auto work = [&] {
@@ -109,12 +120,13 @@ double time_threads(const Contender& contender, const std::vector<UVec3>& querie
          begin = next.fetch_add(kAtATime))
       contender.search(queries, begin, std::min(begin + kAtATime, queries.size()), r2_max, found);
   };
-  const double start = wall();
+  const double start = wall(), cpu = process_seconds();
   std::vector<std::thread> others;
   for (unsigned i = 1; i < threads; ++i) others.emplace_back(work);
   work();
   for (std::thread& other : others) other.join();
-  return (wall() - start) / static_cast<double>(queries.size());
+  const double took = wall() - start;
+  return {took / static_cast<double>(queries.size()), (process_seconds() - cpu) / (took * threads)};
 }
 
 uint64_t square_distance(const UVec3& a, const UVec3& b) {
@@ -202,7 +214,7 @@ struct Cell {
   std::map<std::string, std::pair<double, const Contender*>> best;
   std::vector<double> ratios;     // best library / golden, a repetition each
   std::vector<double> all_cores;  // golden with `threads`
-  std::vector<double> busy;       // wall over CPU seconds of golden's one thread
+  std::vector<double> share;      // of the cores, while all were timed
   unsigned threads = 0;
   double recall = 1;  // of golden, beside the libraries' exact answers
 };
@@ -226,10 +238,8 @@ Cell time_cell(const Contenders& all, const Contender& checked, const std::vecto
   }
   // Interleaved repetitions; the first, which also warms up and is checked, does not count.
   for (int repetition = -1; repetition < kRepetitions; ++repetition) {
-    const double on_all = time_threads(golden, queries, r2_max, cell.threads, found);
-    const double before = wall();
+    const OnAllCores on_all = time_threads(golden, queries, r2_max, cell.threads, found);
     const double own = time_search(golden, queries, queries.size(), r2_max, found);
-    const double on_wall = (wall() - before) / static_cast<double>(queries.size());
     double least = INFINITY;
     for (const auto& [library, entry] : cell.best) {
       const double seconds = time_search(*entry.second, queries, queries.size(), r2_max, other);
@@ -242,8 +252,8 @@ Cell time_cell(const Contenders& all, const Contender& checked, const std::vecto
     }
     if (repetition < 0) continue;
     cell.times["photonloom"].push_back(own);
-    cell.all_cores.push_back(on_all);
-    cell.busy.push_back(on_wall / own);
+    cell.all_cores.push_back(on_all.seconds);
+    cell.share.push_back(on_all.share);
     cell.ratios.push_back(least / own);
   }
   return cell;
@@ -268,7 +278,7 @@ void add_rates(const Cell& cell, nlohmann::ordered_json& to) {
   }
   to["all_cores"] = spread(cell.all_cores);
   to["all_cores"]["threads"] = cell.threads;
-  to["all_cores"]["busy"] = median(cell.busy);
+  to["all_cores"]["share"] = median(cell.share);
   to["recall"] = cell.recall;
 }
 

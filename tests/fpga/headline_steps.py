@@ -20,7 +20,7 @@ from flow.tools import Tools
 
 FEW = ("--size", "8", "--samples", "1", "--gather-rays", "16")
 RATE: Rate = {"least": 1.0, "median": 2.0, "most": 3.0, "runs": 7}
-CORES: Cores = {"threads": 2, "busy": 1.0, "rate": RATE}
+CORES: Cores = {"threads": 2, "share": 1.0, "rate": RATE}
 
 
 def made_up(simulated: Simulated) -> dict[int | None, Timed]:

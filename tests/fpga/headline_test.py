@@ -137,7 +137,7 @@ class Simulations(Folder):
 
     def cores(self, runs: int, runs_of_all: int = 7) -> dict[int | None, Timed]:
         rate = {"least": 1.0, "median": 2.0, "most": 3.0, "runs": runs}
-        all_cores = {**rate, "most": 5.0, "runs": runs_of_all, "threads": 2, "busy": 1.5}
+        all_cores = {**rate, "most": 5.0, "runs": runs_of_all, "threads": 2, "share": 0.9}
         self.write("cores", json.dumps([{"r2_max": r, "spread": {"photonloom": rate, "FLANN": rate}, "all_cores": all_cores,
                                          "recall": 0.75} for r in (None, 7)]))
         return time_core(self.plan, simulate(self.plan, routed(placement(1)), self.bench), self.bench)
@@ -148,7 +148,7 @@ class Simulations(Folder):
             self.cores(6)
 
     def test_all_cores_are_timed_seven_times(self) -> None:
-        self.assertEqual(self.cores(7)[None].all_cores, {"threads": 2, "busy": 1.5, "rate": {"least": 1, "median": 2, "most": 5, "runs": 7}})
+        self.assertEqual(self.cores(7)[None].all_cores, {"threads": 2, "share": 0.9, "rate": {"least": 1, "median": 2, "most": 5, "runs": 7}})
         with self.assertRaisesRegex(Failure, "core.json: all cores was timed 6 times, expected at least 7"):
             self.cores(7, 6)
 
@@ -234,7 +234,7 @@ def rate(median: float) -> Rate:
 
 
 def all_cores(median: float) -> Cores:
-    return {"threads": 2, "busy": 1.01, "rate": rate(median)}
+    return {"threads": 2, "share": 0.987, "rate": rate(median)}
 
 
 class MadeUp(unittest.TestCase):
@@ -341,13 +341,13 @@ class Neighbours(MadeUp):
         self.assertEqual(board_for_size(row, self.judge(row)), 500000)
         self.assertEqual(page.size_table([(row, self.judge(row))]).splitlines()[2],
                          "| p | none | 10.00 | 2.00 (1.80 – 2.20) | 2 | 5.00 (4.55 – 5.56) | 20,000 | 500,000 |")
-        self.assertIn("one thread took 1.01 to 1.01 times its CPU seconds", page.busy_text([(row, self.judge(row))]))
+        self.assertIn("Golden's threads had 99 to 99 % of them", page.share_text([(row, self.judge(row))]))
 
     def test_what_was_not_recorded_is_a_dash(self) -> None:
         row = self.row(lut_eq=None, all_cores=None, recall=None)
         self.assertEqual(page.size_table([(row, self.judge(row))]).splitlines()[2], "| p | none | 10.00 | – | – | – | – | – |")
         self.assertEqual(page.recall_cell(row), "–")
-        self.assertIn("not timed for any row", page.busy_text([(row, self.judge(row))]))
+        self.assertIn("not timed for any row", page.share_text([(row, self.judge(row))]))
 
     def test_a_core_without_a_range_gives_a_multiple_without_one(self) -> None:
         self.assertEqual(page.times_cell(10e6, {"least": None, "median": 2e6, "most": None, "runs": 7}), "5.00")

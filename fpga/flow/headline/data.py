@@ -22,9 +22,9 @@ class Rate(TypedDict):
 
 class Cores(TypedDict):
     """Queries a second of golden with all threads that the program may run, by the clock on the wall, in turn with one core's
-    runs. busy: wall over CPU seconds of the runs of one thread, 1 on a machine that does nothing else."""
+    runs. share: of what the threads could have had of the cores, what they got: less than 1 where other programs ran."""
     threads: int
-    busy: float
+    share: float
     rate: Rate
 
 
@@ -118,7 +118,8 @@ class FrameTime(TypedDict):
 
 
 class ImageTime(TypedDict):
-    """A whole image of a scene in the formats of a plan of fpga/headline. queries: of the gatherer. busy: as of Cores."""
+    """A whole image of a scene in the formats of a plan of fpga/headline. queries: of the gatherer. busy: wall over CPU
+    seconds of the frames of one thread, 1 on a machine that does nothing else."""
     scene: str
     plan: str
     processor: str

@@ -117,13 +117,13 @@ def size_table(judged: Judged) -> str:
     return markdown(rows, SIZE_COLUMNS)
 
 
-def busy_text(judged: Judged) -> str:
-    """How busy the machine was while all of its cores were timed."""
-    busy = [r["all_cores"]["busy"] for r, _ in judged if r["all_cores"]]
-    if not busy:
+def share_text(judged: Judged) -> str:
+    """What golden had of the machine while all of its cores were timed."""
+    shares = [r["all_cores"]["share"] for r, _ in judged if r["all_cores"]]
+    if not shares:
         return "Golden on all cores was not timed for any row.\n"
-    return ("All cores are timed by the clock on the wall. Meanwhile one thread took "
-            f"{min(busy):.2f} to {max(busy):.2f} times its CPU seconds: 1 is a machine that does nothing else.\n")
+    return (f"All cores are timed by the clock on the wall. Golden's threads had {100 * min(shares):.0f} to {100 * max(shares):.0f} % of them; "
+            "other programs had the rest.\n")
 
 
 def recall_cell(row: Row) -> str:
@@ -338,7 +338,7 @@ def report(data: Data, goals: HeadlineGoals) -> str:
     link = data["link"]
     parts = ["One core of: " + "; ".join(dict.fromkeys(r["processor"] for r, _ in judged)) + ". " +
              "; ".join(dict.fromkeys(v for r, _ in judged for v in r["versions"])) + ".\n",
-             goal_table(judged), "## All cores, and for its size\n", size_table(judged), busy_text(judged),
+             goal_table(judged), "## All cores, and for its size\n", size_table(judged), share_text(judged),
              "## One neighbour, and few leaves\n", variants_text(variants), "## Others' figures\n",
              "Multiples below are of what stands beside them, so none can be set against another or against ours. Each is from an abstract, "
              "a catalogue or a vendor's page; none of the hardware is open.\n", predecessors_table(), "## A board's replayer\n", replay_text(data["replay"], judged), "## What bounds a row\n",
