@@ -126,7 +126,7 @@ TEST_CASE("plan --error: wrong command lines name the option and what was expect
       {"--explain gather.nothing", "the plan has no line gather.nothing", 1},
       {"--error 0.1", "needs -o FILE", 2},
       {"--metric flip" + end, "--metric: goes with --error", 2},
-      {"--board ulx3s-85f" + end, "--board: goes with --error", 2},
+      {"--board ulx3s-85f" + end, "--work: goes with --error", 2},
       {"--advise" + end, "--advise: goes with --error", 2},
       {"--error 0.1 --metric flip" + end, "--measure-size: HDR-FLIP looks at a pixel's neighbours",
        2},
@@ -144,5 +144,43 @@ TEST_CASE("plan --error: wrong command lines name the option and what was expect
     INFO(w.arguments << "\n" << o.err);
     CHECK(o.status == w.status);
     CHECK(o.err.find(w.said) != std::string::npos);
+  }
+}
+
+TEST_CASE("plan --board: the fastest engine, the same image") {
+  const Scratch s;
+  const std::string scene = cornell_box() + "--photons 2000 --size 12x12 --spp 1 --gather-rays 8 ";
+  const auto plain = run("plan" + scene + "-o '" + s / "plain.toml" + "'");
+  REQUIRE(plain.status == 0);
+  const auto o = run("plan" + scene + "--board ulx3s-85f --json -o '" + s / "board.toml" + "'");
+  INFO(o.err);
+  REQUIRE(o.status == 0);
+  const auto engine = nlohmann::json::parse(o.out)["engine"];
+  CHECK(engine["board"] == "ulx3s-85f");
+  CHECK(engine["cycles"].get<double>() < engine["without"]["cycles"].get<double>());
+  const auto image = [&](const std::string& name) {
+    const auto r = run("render" + cornell_box() + "--plan '" + s / (name + ".toml") +
+                       "' --json -o '" + s / (name + ".exr") + "'");
+    INFO(r.err);
+    REQUIRE(r.status == 0);
+    return nlohmann::json::parse(r.out)["pixels_sha256"];
+  };
+  CHECK(image("plain") == image("board"));
+
+  const struct {
+    std::string arguments, said;
+    int status;
+  } wrong[] = {
+      {scene + "--board nowhere -o -", "there is no board nowhere, expected one of ulx3s-85f", 1},
+      {scene + "--board up5k -o -", "up5k states no ", 1},
+      {scene + "--board ulx3s-85f", "needs -o FILE", 2},
+      {" '" + s / "plain.toml" + "' --board ulx3s-85f", "--board: counts the gathers of a scene",
+       2},
+  };
+  for (const auto& w : wrong) {
+    const auto r = run("plan" + w.arguments);
+    INFO(w.arguments << "\n" << r.err);
+    CHECK(r.status == w.status);
+    CHECK(r.err.find(w.said) != std::string::npos);
   }
 }

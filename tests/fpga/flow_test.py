@@ -9,7 +9,9 @@ from collections.abc import Container
 from pathlib import Path
 from typing import Any
 
+from flow.boards import read_board
 from flow.headline.data import read_data
+from flow.headline.netlist import digest_now
 from flow.measure import table
 from flow.package import PHOTONLOOM
 from flow.plans.fit import fit_one, least_squares, relative_error, twins_of
@@ -164,15 +166,19 @@ class Fitted(unittest.TestCase):
 
 
 class BoardMemories(unittest.TestCase):
-    """Block RAMs of a whole top: `photonloom plan` beside what was synthesized."""
+    """Block RAMs of a whole top: `photonloom plan` beside what was synthesized, with today's RTL: docs/headline.md names the rows
+    of another, whose memories may be others."""
 
     def predicted(self, plan: str) -> Any:
         return json.loads(run([PHOTONLOOM, "plan", str(ROOT / plan), "--json"]))["board_ebr"]["total"]
 
     def test_of_the_headline(self) -> None:
-        tops = {row["plan"]: row["binding"] for row in read_data()["rows"] if not row["rejected"]}
-        self.assertEqual(len(tops), 6)
-        for plan, fullest in tops.items():
+        rows = {row["plan"]: row for row in read_data()["rows"] if not row["rejected"]}
+        self.assertEqual(len(rows), 6)
+        for plan, row in rows.items():
+            if row["digest"] != digest_now(ROOT / "fpga/headline" / f"{plan}.toml", read_board("ulx3s-85f")):
+                continue
+            fullest = row["binding"]
             with self.subTest(plan):
                 self.assertEqual(fullest["resource"], "DP16KD")
                 self.assertEqual(self.predicted(f"fpga/headline/{plan}.toml"), fullest["used"])
