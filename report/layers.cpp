@@ -112,8 +112,10 @@ Json packed_layers(const Image& image, int mantissa, Payloads& payloads, const I
       names.push_back(c->name);
       exponents.push_back(exponent);
     }
-    const std::string alone = packed_text(coded(channels, image.width, false)),
-                      chained = packed_text(coded(channels, image.width, true));
+    const std::string alone =
+                          packed_text(coded(channels, image.width, false), Content::kDifferences),
+                      chained =
+                          packed_text(coded(channels, image.width, true), Content::kDifferences);
     const bool is_chained = chained.size() < alone.size();
     layers.push_back({{"name", layer.name},
                       {"channels", names},

@@ -9,14 +9,21 @@
 namespace photonloom {
 namespace {
 
-std::string deflated(std::string_view bytes) {
-  uLongf size = compressBound(static_cast<uLong>(bytes.size()));
-  std::string out(size, '\0');
-  if (compress2(reinterpret_cast<Bytef*>(out.data()), &size,
-                reinterpret_cast<const Bytef*>(bytes.data()), static_cast<uLong>(bytes.size()),
-                Z_BEST_COMPRESSION) != Z_OK)
+std::string deflated(std::string_view bytes, int strategy) {
+  z_stream stream{};
+  // 15 and 8: zlib's usual window and memory.
+  if (deflateInit2(&stream, Z_BEST_COMPRESSION, Z_DEFLATED, 15, 8, strategy) != Z_OK)
     throw std::runtime_error("zlib: compression failed");
-  out.resize(size);
+  std::string out(deflateBound(&stream, static_cast<uLong>(bytes.size())), '\0');
+  // zlib reads only.
+  stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data()));
+  stream.avail_in = static_cast<uInt>(bytes.size());
+  stream.next_out = reinterpret_cast<Bytef*>(out.data());
+  stream.avail_out = static_cast<uInt>(out.size());
+  const int status = deflate(&stream, Z_FINISH);
+  out.resize(stream.total_out);
+  deflateEnd(&stream);
+  if (status != Z_STREAM_END) throw std::runtime_error("zlib: compression failed");
   return out;
 }
 
@@ -36,6 +43,8 @@ std::string base64(std::string_view bytes) {
 
 }  // namespace
 
-std::string packed_text(std::string_view bytes) { return base64(deflated(bytes)); }
+std::string packed_text(std::string_view bytes, Content content) {
+  return base64(deflated(bytes, content == Content::kText ? Z_DEFAULT_STRATEGY : Z_FILTERED));
+}
 
 }  // namespace photonloom

@@ -7,8 +7,12 @@
 
 namespace photonloom {
 
-// zlib at its strongest, then base64.
-std::string packed_text(std::string_view bytes);
+// What bytes are: text and the like, or differences of neighbours, which are small numbers that
+// repeat little.
+enum class Content { kText, kDifferences };
+
+// zlib at its strongest for such content, then base64.
+std::string packed_text(std::string_view bytes, Content content = Content::kText);
 
 class Payloads {
  public:

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <map>
 #include <stdexcept>
 
 #include "report/folder.hpp"
@@ -18,17 +19,24 @@ namespace fs = std::filesystem;
 // The mean of the path-traced references that the sweep made of this scene; nothing where it made
 // none.
 void add_references(const std::string& folder, const std::string& scene_hash, ImageSet& images) {
-  std::vector<std::string> files;
+  std::map<std::string, Image> of_scene;  // by file
   if (fs::is_directory(folder) && !scene_hash.empty())
-    for (const auto& e : fs::directory_iterator(folder))
-      if (e.path().extension() == ".exr" &&
-          e.path().filename().string().rfind(scene_hash + "-", 0) == 0)
-        files.push_back(e.path().string());
-  if (files.empty()) return;
-  std::sort(files.begin(), files.end());
-  Image sum = read_exr(files[0]);
+    for (const auto& e : fs::directory_iterator(folder)) {
+      // NAME.SIZE.SEED.exr; others there are no means of a frame (docs/sweep.md).
+      const std::string seed = e.path().stem().extension().string();
+      if (e.path().extension() != ".exr" || seed.size() < 2 ||
+          !std::all_of(seed.begin() + 1, seed.end(), [](char c) { return c >= '0' && c <= '9'; }))
+        continue;
+      Image image = read_exr(e.path().string());
+      if (image.metadata["sceneHash"] == scene_hash)
+        of_scene.emplace(e.path().string(), std::move(image));
+    }
+  if (of_scene.empty()) return;
+  std::vector<std::string> files;
+  for (const auto& [file, image] : of_scene) files.push_back(file);
+  Image sum = of_scene.at(files[0]);
   for (size_t i = 1; i < files.size(); ++i) {
-    const Image more = read_exr(files[i]);
+    const Image& more = of_scene.at(files[i]);
     if (more.width != sum.width || more.height != sum.height)
       throw std::runtime_error(fmt::format("{}: has {}x{} pixels, expected {}x{} as {} has",
                                            files[i], more.width, more.height, sum.width, sum.height,

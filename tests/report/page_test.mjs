@@ -220,6 +220,7 @@ await withPage("study.html", async (page) => {
     }
   assert.ok(await plot.locator(".tip").isVisible(), "hover shows a tip");
   const images = await open(page, "study0-images");
+  await images.locator(".viewer").nth(1).waitFor();
   assert.equal(await images.locator(".viewer").count(), 2);
 });
 await withPage("study.html", async (page) => {
