@@ -18,13 +18,15 @@ namespace fs = std::filesystem;
 
 // The mean of the path-traced references that the sweep made of this scene; nothing where it made
 // none.
-void add_references(const std::string& folder, const std::string& scene_hash, ImageSet& images) {
+void add_references(const std::string& folder, const std::string& name,
+                    const std::string& scene_hash, ImageSet& images) {
   std::map<std::string, Image> of_scene;  // by file
   if (fs::is_directory(folder) && !scene_hash.empty())
     for (const auto& e : fs::directory_iterator(folder)) {
       // NAME.SIZE.SEED.exr; others there are no means of a frame (docs/sweep.md).
       const std::string seed = e.path().stem().extension().string();
-      if (e.path().extension() != ".exr" || seed.size() < 2 ||
+      if (e.path().filename().string().rfind(name + ".", 0) != 0 ||
+          e.path().extension() != ".exr" || seed.size() < 2 ||
           !std::all_of(seed.begin() + 1, seed.end(), [](char c) { return c >= '0' && c <= '9'; }))
         continue;
       Image image = read_exr(e.path().string());
@@ -32,25 +34,23 @@ void add_references(const std::string& folder, const std::string& scene_hash, Im
         of_scene.emplace(e.path().string(), std::move(image));
     }
   if (of_scene.empty()) return;
-  std::vector<std::string> files;
-  for (const auto& [file, image] : of_scene) files.push_back(file);
-  Image sum = of_scene.at(files[0]);
-  for (size_t i = 1; i < files.size(); ++i) {
-    const Image& more = of_scene.at(files[i]);
+  const std::string first = of_scene.begin()->first;
+  Image sum = of_scene.begin()->second;
+  for (const auto& [file, more] : of_scene) {
+    if (file == first) continue;
     if (more.width != sum.width || more.height != sum.height)
-      throw std::runtime_error(fmt::format("{}: has {}x{} pixels, expected {}x{} as {} has",
-                                           files[i], more.width, more.height, sum.width, sum.height,
-                                           files[0]));
+      throw std::runtime_error(fmt::format("{}: has {}x{} pixels, expected {}x{} as {} has", file,
+                                           more.width, more.height, sum.width, sum.height, first));
     for (Channel& c : sum.channels) {
       const Channel* other = more.find(c.name);
-      if (!other) throw std::runtime_error(fmt::format("{}: has no channel {}", files[i], c.name));
+      if (!other) throw std::runtime_error(fmt::format("{}: has no channel {}", file, c.name));
       for (size_t p = 0; p < c.pixels.size(); ++p) c.pixels[p] += other->pixels[p];
     }
   }
   for (Channel& c : sum.channels)
-    for (float& v : c.pixels) v /= static_cast<float>(files.size());
-  images.add("reference", files[0],
-             fmt::format("path traced, mean of {} images with seeds of their own", files.size()),
+    for (float& v : c.pixels) v /= static_cast<float>(of_scene.size());
+  images.add("reference", first,
+             fmt::format("path traced, mean of {} images with seeds of their own", of_scene.size()),
              std::move(sum));
 }
 
@@ -105,7 +105,7 @@ Json study_json(const std::string& folder, const std::vector<ExtraImage>& extra,
     for (const ExtraImage& e : extra)
       if (e.scene == name)
         images.add(e.label, e.file, "given with --image", without_layers(read_exr(e.file)));
-    add_references(folder + "/references", scene.value("hash", std::string()), images);
+    add_references(folder + "/references", name, scene.value("hash", std::string()), images);
     scene["images"] = images.empty() ? Json() : images.json();
   }
   study["folder"] = folder;

@@ -5,15 +5,19 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <map>
 #include <memory>
+#include <numeric>
 #include <stdexcept>
 
-#include "golden/unit/reorder_buffer.hpp"
+#include "golden/unit/photon_gatherer.hpp"
 #include "study/board_room.hpp"
 #include "study/cycle_fit.hpp"
+#include "study/frame_gathers.hpp"
 #include "study/gather_cost.hpp"
+#include "verilator_tb/throughput/roofline.hpp"
 
 namespace photonloom {
 namespace {
@@ -22,26 +26,49 @@ namespace {
 constexpr size_t kFollowed = 1024;
 // As fast within this part is as fast.
 constexpr double kAsFast = 0.01;
-// From a lookup that misses to the line's first beat: rtl/board/photon_ram.sv; from a hit of the
-// cache before the SDRAM, and more where the SDRAM is read (rtl/board/photon_sdram.sv).
-constexpr int kBlockRamLatency = 5, kSharedHitLatency = 12, kSdramLatency = 30;
+// From a request to a line's first beat where nobody else asks: of rtl/board/photon_ram.sv, and of
+// the cache of rtl/board/photon_sdram.sv.
+constexpr int kBlockRamLatency = 5, kSharedCacheLatency = 9;
+// Of rtl/board/sdram_controller.sv, in its clock, from a READ to the line's first halfword.
+constexpr int kSdramReadLatency = 5;
 constexpr uint32_t kSharedWays = 4;
-// Share of an SDRAM's cycles that refreshes leave (docs/gather_cluster.md).
-constexpr double kRefreshLeaves = 1 - 12.0 / 780;
 
 using Order = std::vector<uint32_t>;
 
+// As the plan's reorder buffer lets queries go that come in their own order.
 Order served_order(const Plan& plan, std::span<const GatherQuery> queries) {
-  const std::unique_ptr<ReorderBuffer> buffer = make_golden_reorder_pool(plan);
-  std::vector<GatherQuery> in(queries.begin(), queries.end()), out;
-  for (size_t i = 0; i < in.size(); ++i) in[i].pixel = static_cast<uint32_t>(i);
-  in.emplace_back().flush = 1;
-  buffer->process(in, out);
-  Order order;
-  order.reserve(queries.size());
-  for (const GatherQuery& q : out)
-    if (!q.flush) order.push_back(q.pixel);
-  return order;
+  Order order(queries.size());
+  std::iota(order.begin(), order.end(), 0u);
+  return buffered_order(plan, queries, order);
+}
+
+// Searches, and the cycles of a reciprocal, which no plan's engine changes.
+struct Load {
+  GatherSearches searches;
+  double reciprocal = 0;
+};
+
+// Cycles of rtl/common/reciprocal.sv, a result in the mean; 0 where a plan has none.
+double reciprocal_cycles(const Plan& plan, const PhotonMap& global, const PhotonMap& caustic,
+                         std::span<const GatherQuery> queries) {
+  if (plan.reciprocal_bits == 0) return 0;
+  const std::unique_ptr<PhotonGatherer> golden = make_golden_photon_gatherer(plan);
+  golden->load(global, caustic);
+  std::vector<GatherResult> results;
+  std::vector<GatherPhoton> photons;
+  golden->process(queries.first(std::min(queries.size(), kFollowed)), results, photons);
+  double sum = 0;
+  for (const GatherResult& r : results) {
+    const int zeros = plan.r2_bits() - std::bit_width(std::max<uint64_t>(r.r2, plan.r2_floor));
+    sum += (plan.reciprocal_bits + 2) / 2 + 5 + zeros / 4 + zeros % 4;
+  }
+  return sum / static_cast<double>(results.size());
+}
+
+Load load_of(const Plan& plan, const PhotonMap& global, const PhotonMap& caustic,
+             std::span<const GatherQuery> queries) {
+  return {searched(plan, global, caustic, queries),
+          reciprocal_cycles(plan, global, caustic, queries)};
 }
 
 // Lines that a gatherer asks the photon memory for, a query: its share of queries dealt in turn,
@@ -76,21 +103,24 @@ double joined(double a, double b) {
   return std::pow(std::pow(a, kCycleFit.power) + std::pow(b, kCycleFit.power), 1 / kCycleFit.power);
 }
 
-EngineCycles predict(const Plan& plan, GatherLoad load, double lines, double sdram_lines,
+EngineCycles predict(const Plan& plan, const Load& of, double lines, double sdram_lines,
                      int core_khz, int sdram_khz) {
   EngineCycles e;
   const bool sdram = plan.photon_memory == PhotonMemory::kSdram;
+  GatherLoad load = of.searches.load;
   load.misses = lines;
-  const double slow = lines > 0 ? std::min(1.0, sdram_lines / lines) : 0;
-  const int latency =
-      sdram ? kSharedHitLatency +
-                  static_cast<int>(std::lround(slow * kSdramLatency * core_khz / sdram_khz))
-            : kBlockRamLatency;
+  int latency = kBlockRamLatency;
+  if (sdram) {
+    // A line that the cache lacks comes whole before its first beat goes on.
+    const double slow = lines > 0 ? std::min(1.0, sdram_lines / lines) : 0;
+    const double read = kSdramReadLatency + plan.line_bytes() / 2.0;
+    latency =
+        kSharedCacheLatency + static_cast<int>(std::lround(slow * read * core_khz / sdram_khz));
+  }
   // What the fit has not, for neither binds where one candidate a cycle does: the sum reads its
-  // photons one after the other, a reciprocal is made bit by bit (docs/photon_gatherer.md). Queries
+  // photons one after the other, and so are reciprocals made (rtl/common/reciprocal.sv). Queries
   // that wait for them hold nothing else up.
-  const double sum = std::max(std::min<double>(plan.k, load.insertions) + 1,
-                              plan.reciprocal_bits == 0 ? 0.0 : plan.reciprocal_bits + 1.5) /
+  const double sum = std::max(std::min<double>(plan.k, load.insertions) + 1, of.reciprocal) /
                      plan.powers_per_cycle;
   e.gatherers = std::max(modelled_cycles(plan, load, latency), sum) / plan.gatherers;
   const double beats = 8.0 * plan.line_bytes() / plan.beat_bits;
@@ -110,8 +140,7 @@ EngineCycles predict(const Plan& plan, GatherLoad load, double lines, double sdr
 struct Stream {
   PhotonMemory memory;
   ReorderKey key;
-  int packets;
-  int64_t cache_bytes;
+  int packets, cache_bytes;
   size_t order;  // by number
   double sdram_lines = 0;
 };
@@ -133,7 +162,7 @@ Plan with(const Plan& plan, const Stream& s, const Widths& w) {
   p.photon_memory = s.memory;
   p.reorder_key = s.key;
   p.reorder_packets = s.packets;
-  p.board_cache_bytes = static_cast<decltype(p.board_cache_bytes)>(s.cache_bytes);
+  p.board_cache_bytes = s.cache_bytes;
   p.gatherers = w.gatherers;
   p.nodes_per_cycle = w.nodes;
   p.candidates_per_cycle = w.candidates;
@@ -169,11 +198,12 @@ std::vector<Widths> all_widths(const Plan& plan) {
 
 EngineCycles engine_cycles(const Plan& plan, const PhotonMap& global, const PhotonMap& caustic,
                            std::span<const GatherQuery> queries, int core_khz, int sdram_khz) {
-  const GatherSearches s = searched(plan, global, caustic, queries);
+  const Load load = load_of(plan, global, caustic, queries);
+  const LineVisits& visits = load.searches.visits;
   const Order order = served_order(plan, queries);
   return predict(
-      plan, s.load, lines_asked(plan, s.visits, order),
-      plan.photon_memory == PhotonMemory::kSdram ? lines_of_sdram(plan, s.visits, order) : 0,
+      plan, load, lines_asked(plan, visits, order),
+      plan.photon_memory == PhotonMemory::kSdram ? lines_of_sdram(plan, visits, order) : 0,
       core_khz, sdram_khz);
 }
 
@@ -183,24 +213,25 @@ EngineSearch fastest_engine(const Plan& plan, const PhotonMap& global, const Pho
     throw std::runtime_error(
         "--board: the frame asks for no gather, so no engine is faster than "
         "another");
-  const GatherSearches s = searched(plan, global, caustic, queries);
+  const Load load = load_of(plan, global, caustic, queries);
+  const LineVisits& visits = load.searches.visits;
   const int sdram_khz = board.sdram ? board.sdram->clock_khz : 1;
 
   // ---- memories and buffers ----
   std::vector<Stream> streams;
   std::vector<Order> orders;
   std::map<std::pair<ReorderKey, int>, size_t> order_of;
-  const auto add = [&](PhotonMemory memory, ReorderKey key, int packets, int64_t cache_bytes) {
+  const auto add = [&](PhotonMemory memory, ReorderKey key, int packets, int cache_bytes) {
     Plan p = plan;
     p.photon_memory = memory;
     p.reorder_key = key;
     p.reorder_packets = packets;
-    p.board_cache_bytes = static_cast<decltype(p.board_cache_bytes)>(cache_bytes);
+    p.board_cache_bytes = cache_bytes;
     const auto [at, is_new] = order_of.try_emplace({key, packets}, orders.size());
     if (is_new) orders.push_back(served_order(p, queries));
     Stream made{memory, key, packets, cache_bytes, at->second};
     if (memory == PhotonMemory::kSdram)
-      made.sdram_lines = lines_of_sdram(p, s.visits, orders[made.order]);
+      made.sdram_lines = lines_of_sdram(p, visits, orders[made.order]);
     streams.push_back(made);
   };
   if (board.tops.count("block_ram"))
@@ -214,8 +245,12 @@ EngineSearch fastest_engine(const Plan& plan, const PhotonMap& global, const Pho
     // A pool of 16 places less than its memories have words wastes none of them.
     for (const int packets : {2032, 4080, 8176, 12272})
       for (const int lines : {512, 1024})
-        add(PhotonMemory::kSdram, key, packets, int64_t{lines} * plan.line_bytes());
+        add(PhotonMemory::kSdram, key, packets, lines * plan.line_bytes());
   }
+  if (streams.empty())
+    throw std::runtime_error(
+        fmt::format("--board: {} has no top for gathers, expected block_ram or sdram in its {}",
+                    board.name, board.file));
 
   // ---- all engines, predicted ----
   struct Candidate {
@@ -234,14 +269,14 @@ EngineSearch fastest_engine(const Plan& plan, const PhotonMap& global, const Pho
     const bool sdram = at.memory == PhotonMemory::kSdram;
     const auto [lines, new_lines] =
         asked.try_emplace({static_cast<int>(at.order), w.gatherers, w.cache_lines});
-    if (new_lines) lines->second = lines_asked(p, s.visits, orders[at.order]);
+    if (new_lines) lines->second = lines_asked(p, visits, orders[at.order]);
     const auto [one, new_gatherer] = gatherers.try_emplace(
         {sdram, w.nodes, w.candidates, w.powers, w.lanes, w.contexts, w.cache_lines, w.lut_words});
     if (new_gatherer) one->second = gatherer_needs(p);
     const auto [rest, new_rest] = others.try_emplace({static_cast<int>(stream), w.lut_words});
     if (new_rest) rest->second = other_needs(p);
     return Candidate{stream, w,
-                     predict(p, s.load, lines->second, at.sdram_lines, board.core_khz, sdram_khz),
+                     predict(p, load, lines->second, at.sdram_lines, board.core_khz, sdram_khz),
                      rest->second + w.gatherers * one->second};
   };
   std::vector<Candidate> all;
@@ -309,10 +344,11 @@ EngineSearch fastest_engine(const Plan& plan, const PhotonMap& global, const Pho
   tell("gatherer.lanes", &Widths::lanes, {2, 4, 8});
   tell("gatherer.contexts", &Widths::contexts, {8, 16, 32, 48});
   tell("board.lut_ram_words", &Widths::lut_words, {0, 32, 64, 128});
-  found.reasons["gatherer.cache_bytes"] = fmt::format(
-      "{} lines, so that {:.1f} of {:.1f} lines a gather come from the photon memory",
-      best->widths.cache_lines,
-      lines_asked(found.best.plan, s.visits, orders[streams[best->stream].order]), s.load.leaves);
+  found.reasons["gatherer.cache_bytes"] =
+      fmt::format("{} lines, so that {:.1f} of {:.1f} lines a gather come from the photon memory",
+                  best->widths.cache_lines,
+                  lines_asked(found.best.plan, visits, orders[streams[best->stream].order]),
+                  load.searches.load.leaves);
   found.reasons["gatherer.beat_bits"] = "as wide as the photon memory gives them";
   found.reasons["board.photon_memory"] =
       found.best.plan.photon_memory == PhotonMemory::kSdram

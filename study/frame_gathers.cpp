@@ -123,12 +123,12 @@ std::shared_ptr<const std::vector<uint32_t>> frame_order(PointRun& run) {
   });
 }
 
-std::vector<uint32_t> buffered_order(const Plan& plan, const FrameGathers& gathers,
+std::vector<uint32_t> buffered_order(const Plan& plan, std::span<const GatherQuery> queries,
                                      std::span<const uint32_t> order) {
   const std::unique_ptr<ReorderBuffer> buffer = make_golden_reorder_pool(plan);
   std::vector<GatherQuery> in(order.size() + 1), out;
   for (size_t i = 0; i < order.size(); ++i) {
-    in[i] = gathers.queries[order[i]];
+    in[i] = queries[order[i]];
     in[i].pixel = order[i];
   }
   in.back() = {};

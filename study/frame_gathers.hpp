@@ -24,7 +24,7 @@ std::shared_ptr<const FrameGathers> frame_gathers(PointRun& run);
 std::shared_ptr<const std::vector<uint32_t>> frame_order(PointRun& run);
 
 // What the plan's reorder buffer makes of it; its pool may be larger than a plan's.
-std::vector<uint32_t> buffered_order(const Plan& plan, const FrameGathers& gathers,
+std::vector<uint32_t> buffered_order(const Plan& plan, std::span<const GatherQuery> queries,
                                      std::span<const uint32_t> order);
 
 // Windows of `packets` queries, each sorted by the Hilbert index of the whole position (ties by

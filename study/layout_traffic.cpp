@@ -69,7 +69,7 @@ Measurement measure_layouts(PointRun& run) {
   const PhotonMap& map = run.map(false);
   const std::shared_ptr<const FrameGathers> gathers = frame_gathers(run);
   const std::shared_ptr<const std::vector<uint32_t>> made = frame_order(run);
-  const std::vector<uint32_t> order = buffered_order(plan, *gathers, *made);
+  const std::vector<uint32_t> order = buffered_order(plan, gathers->queries, *made);
   const int bytes = (plan.photon_bits() + 7) / 8;
   Plan wide = plan;
   wide.bucket = 16;

@@ -70,8 +70,8 @@ Measurement measure_traffic(PointRun& run) {
 
   const double fetched =
       bytes(lines_fetched(leaf_cache_shape(plan), gathers->visits,
-                          is_buffered ? buffered_order(plan, *gathers, *own) : *own, plan.contexts,
-                          lookup_times(plan, run.study().latency)));
+                          is_buffered ? buffered_order(plan, gathers->queries, *own) : *own,
+                          plan.contexts, lookup_times(plan, run.study().latency)));
   const double naive = bytes(
       shared_lines(run, "as made", pixel, [&](const FrameGathers&) { return *made_as(pixel); }));
   const double hilbert = bytes(shared_lines(run, "Hilbert", tile, [&](const FrameGathers& g) {
@@ -85,12 +85,12 @@ Measurement measure_traffic(PointRun& run) {
         }));
     Plan whole = plan;
     whole.reorder_packets = static_cast<int>(own->size()) + 1;
-    unlimited = bytes(
-        shared_lines(run,
-                     fmt::format("unlimited {} {} {} {}", static_cast<int>(plan.reorder_key),
-                                 static_cast<int>(plan.reorder_drain), plan.reorder_bins,
-                                 plan.reorder_cell_bits),
-                     plan, [&](const FrameGathers& g) { return buffered_order(whole, g, *own); }));
+    unlimited = bytes(shared_lines(
+        run,
+        fmt::format("unlimited {} {} {} {}", static_cast<int>(plan.reorder_key),
+                    static_cast<int>(plan.reorder_drain), plan.reorder_bins,
+                    plan.reorder_cell_bits),
+        plan, [&](const FrameGathers& g) { return buffered_order(whole, g.queries, *own); }));
   }
   const double held = is_buffered ? static_cast<double>(plan.reorder_packets) : 0;
   m.values = {fetched,

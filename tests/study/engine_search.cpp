@@ -121,6 +121,10 @@ TEST_CASE("a board without room for one gatherer, and a frame without gathers, s
   const Load load = make_load(8192, 8);
   CHECK_THROWS_WITH(fastest_engine(load.plan, load.map, {}, {}, board),
                     "--board: the frame asks for no gather, so no engine is faster than another");
+  BoardDescription unit_alone = board;
+  unit_alone.tops = {};
+  CHECK_THROWS_WITH(fastest_engine(load.plan, load.map, {}, load.queries, unit_alone),
+                    Catch::Matchers::StartsWith("--board: ulx3s-85f has no top for gathers, "));
   board.resources["DP16KD"] = 10;
   CHECK_THROWS_WITH(
       fastest_engine(load.plan, load.map, {}, load.queries, board),

@@ -118,7 +118,7 @@ TEST_CASE(
     std::sort(v.begin(), v.end());
     return v;
   };
-  const std::vector<uint32_t> buffered = buffered_order(plan, gathers, made);
+  const std::vector<uint32_t> buffered = buffered_order(plan, gathers.queries, made);
   CHECK(buffered != made);
   CHECK(sorted(buffered) == sorted(made));
   CHECK(sorted_windows(plan, gathers, made, 1) == made);

@@ -37,9 +37,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kSdramMHz = 100;  // of the board, for which the controller counts its times
-// Share of the SDRAM's cycles that refreshes leave: one in 780 cycles, each 12 from the end of a
-// line to the next ACTIVATE (3 PRECHARGE, 7 AUTO REFRESH, a cycle each to decide).
-constexpr double kRefreshLeaves = 1 - 12.0 / 780;
 // PRECHARGE and ACTIVATE, each in whole cycles of the SDRAM's clock.
 const double kRowChange =
     std::ceil(static_cast<double>(SdramTimes{}.precharge) * kSdramMHz / 1e6) +

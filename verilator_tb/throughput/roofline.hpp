@@ -6,6 +6,10 @@
 
 namespace photonloom {
 
+// Share of the SDRAM's cycles that refreshes leave: one in 780 cycles, each 12 from the end of a
+// line to the next ACTIVATE (3 PRECHARGE, 7 AUTO REFRESH, a cycle each to decide).
+constexpr double kRefreshLeaves = 1 - 12.0 / 780;
+
 // Share of its bound that a gather is to reach, where it is bound by the SDRAM or by the gatherers.
 constexpr double kRooflineGoal = 0.85, kGatherersGoal = 0.8;
 
