@@ -2,6 +2,7 @@
 #include "study/collector.hpp"
 
 #include <fmt/core.h>
+#include <oneapi/tbb/parallel_for.h>
 #include <sqlite3.h>
 
 #include <algorithm>
@@ -160,9 +161,51 @@ class Database {
 struct Collected {
   std::string state, reason;
   Means means;
-  std::vector<Result> results;  // without blocks
+  std::vector<Result> results;
   std::vector<std::string> fronts;
 };
+
+// What the store holds of a point: its state and results, with their blocks.
+Collected stored_results(const PointTable& table, const PlannedPoint& p, const ResultStore& store) {
+  Collected to;
+  const SceneEntry& scene = table.scenes[p.point.scene];
+  if (!p.refused.empty()) {
+    to.state = "refused";
+    to.reason = p.refused;
+    return to;
+  }
+  if (!scene.failure.empty()) {
+    to.state = "failed";
+    to.reason = scene.failure;
+    return to;
+  }
+  if (p.plan.empty()) {
+    to.state = "missing";
+    return to;
+  }
+  to.state = "done";
+  for (const uint64_t seed : seeds_of(p.point, table.seeds)) {
+    std::optional<Result> r;
+    try {
+      r = store.find({scene.hash, p.plan, seed});
+    } catch (const std::runtime_error&) {  // the runner has said so
+    }
+    if (!r) {
+      if (to.state == "done") to.state = "missing";
+    } else if (!r->failure.empty()) {
+      to.state = "failed";
+      to.reason = r->failure;
+    } else {
+      // Another study on this folder may have measured more.
+      std::erase_if(r->measures, [&](const auto& m) {
+        return std::find(table.measures.begin(), table.measures.end(), m.first) ==
+               table.measures.end();
+      });
+      to.results.push_back(std::move(*r));
+    }
+  }
+  return to;
+}
 
 // Of each scene the points that no other beats in both error and cost.
 void find_fronts(const PointTable& table, std::vector<Collected>& points) {
@@ -403,54 +446,29 @@ Means means_of(const std::vector<Result>& results, const std::vector<Result>& ba
 
 CollectReport collect(const PointTable& table, const ResultStore& store, Progress* progress) {
   const ProgressPhase phase(progress, "collect", table.points.size(), "points");
-  CollectReport report;
   std::vector<Collected> points(table.points.size());
-  std::vector<Result> baseline;
+  // A scene's points stand together, its baseline first.
+  std::vector<std::vector<Result>> baselines;
+  std::vector<size_t> baseline_of(points.size());
   for (size_t i = 0; i < points.size(); ++i) {
-    const PlannedPoint& p = table.points[i];
+    if (i == 0 || table.points[i - 1].point.scene != table.points[i].point.scene)
+      baselines.push_back(stored_results(table, table.points[i], store).results);
+    baseline_of[i] = baselines.size() - 1;
+  }
+  tbb::parallel_for(size_t{0}, points.size(), [&](size_t i) {
     Collected& to = points[i];
-    const SceneEntry& scene = table.scenes[p.point.scene];
-    if (!p.refused.empty()) {
-      to.state = "refused";
-      to.reason = p.refused;
-    } else if (!scene.failure.empty()) {
-      to.state = "failed";
-      to.reason = scene.failure;
-    } else if (p.plan.empty()) {
-      to.state = "missing";
-    } else {
-      to.state = "done";
-      for (const uint64_t seed : seeds_of(p.point, table.seeds)) {
-        std::optional<Result> r;
-        try {
-          r = store.find({scene.hash, p.plan, seed});
-        } catch (const std::runtime_error&) {  // the runner has said so
-        }
-        if (!r) {
-          if (to.state == "done") to.state = "missing";
-        } else if (!r->failure.empty()) {
-          to.state = "failed";
-          to.reason = r->failure;
-        } else {
-          // Another study on this folder may have measured more.
-          std::erase_if(r->measures, [&](const auto& m) {
-            return std::find(table.measures.begin(), table.measures.end(), m.first) ==
-                   table.measures.end();
-          });
-          to.results.push_back(std::move(*r));
-        }
-      }
-    }
-    const bool is_first = i == 0 || table.points[i - 1].point.scene != p.point.scene;
-    if (is_first) baseline = to.results;
-    to.means = means_of(to.results, baseline);
-    report.results += to.results.size();
-    report.missing += to.state == "missing";
-    report.failed += to.state == "failed";
-    report.refused += to.state == "refused";
+    to = stored_results(table, table.points[i], store);
+    to.means = means_of(to.results, baselines[baseline_of[i]]);
     for (Result& r : to.results)
       for (auto& [name, taken] : r.measures) taken.figures.blocks.clear();
     phase.advance(1);
+  });
+  CollectReport report;
+  for (const Collected& point : points) {
+    report.results += point.results.size();
+    report.missing += point.state == "missing";
+    report.failed += point.state == "failed";
+    report.refused += point.state == "refused";
   }
   report.points = points.size();
   find_fronts(table, points);

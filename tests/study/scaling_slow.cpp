@@ -88,7 +88,7 @@ TEST_CASE("100,000 results are collected, each once") {
   CHECK(report.missing == 0);
   fmt::print(
       "{} results: {:.1f} s to write ({:.1f} KB each), {:.1f} s to look through, {:.1f} s to "
-      "collect ({:.1f} s of the processor, goal 60); results.sqlite {} MB, summary.json {} MB\n",
+      "collect (goal 60; {:.1f} s of the processor); results.sqlite {} MB, summary.json {} MB\n",
       report.results, writing,
       static_cast<double>(bytes) / 1e3 / static_cast<double>(report.results), looking, collecting,
       processor, std::filesystem::file_size(s / "store/results.sqlite") / 1000000,

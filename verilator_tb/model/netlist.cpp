@@ -18,8 +18,6 @@ constexpr const char* kCells[] = {"DP16KD.sv", "MULT18X18D.sv"};
 constexpr const char* kYosysCells[] = {"cells_sim.v", "cells_ff.vh", "cells_io.vh"};
 
 // A register starts as the part's does. Warnings are about generated text: all off.
-// A netlist's C++ is so long that more optimisation costs more time than it saves.
-constexpr int kOptimise = 1;
 constexpr const char* kFlags = "--assert --x-initial 0 --x-assign 0 -Wno-fatal -Wno-lint";
 
 std::string cells_dir() { return data_dir() + "/fpga/models"; }
@@ -27,7 +25,7 @@ std::string cells_dir() { return data_dir() + "/fpga/models"; }
 }  // namespace
 
 std::string netlist_key(const ModelInput& in) {
-  std::string key = fmt::format("{}{}{}", verilator_key(), kFlags, kOptimise);
+  std::string key = verilator_key() + kFlags;
   for (const char* cell : kCells) key += read_file(cells_dir() + "/" + cell);
   return key + yosys(in.yosys).version + (in.netlist.empty() ? "" : read_file(in.netlist));
 }
@@ -51,7 +49,7 @@ void build_netlist(const ModelInput& in) {
   }
   for (const char* name : kYosysCells) write_file(in.dir + "/" + name, read_file(cells + name));
   files.insert(files.end(), {"cells_sim.v", "netlist.v"});
-  verilate(in, files, kFlags, kOptimise);
+  verilate(in, files, kFlags);
 }
 
 }  // namespace photonloom::model_tools

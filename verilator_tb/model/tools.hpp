@@ -73,9 +73,8 @@ void build_verilator(const ModelInput& in);
 void build_netlist(const ModelInput& in);
 void build_cxxrtl(const ModelInput& in);
 
-// Verilog in `files`, in that order, to dir/model.so. `flags` are Verilator's, `optimise` is the
-// compiler's level.
-void verilate(const ModelInput& in, const std::vector<std::string>& files, const std::string& flags,
-              int optimise);
+// Verilog in `files`, in that order, to dir/model.so. `flags` are Verilator's.
+void verilate(const ModelInput& in, const std::vector<std::string>& files,
+              const std::string& flags);
 
 }  // namespace photonloom::model_tools
