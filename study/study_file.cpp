@@ -2,7 +2,6 @@
 #include "study/study_file.hpp"
 
 #include <fmt/core.h>
-#include <toml++/toml.h>
 
 #include <algorithm>
 #include <charconv>
@@ -12,6 +11,7 @@
 #include <sstream>
 
 #include "golden/plan/plan_file.hpp"
+#include "golden/plan/toml.hpp"
 
 namespace photonloom {
 namespace {
@@ -53,7 +53,7 @@ class Parser {
   Study parse(const std::string& text) {
     toml::table root;
     try {
-      root = toml::parse(text, file_);
+      root = parse_toml(text, file_);
     } catch (const toml::parse_error& error) {
       throw StudyError(fmt::format("{}:{}: {}", file_, error.source().begin.line,
                                    std::string(error.description())));

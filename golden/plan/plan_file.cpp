@@ -2,7 +2,6 @@
 #include "golden/plan/plan_file.hpp"
 
 #include <fmt/core.h>
-#include <toml++/toml.h>
 
 #include <cmath>
 #include <limits>
@@ -13,6 +12,7 @@
 
 #include "golden/numeric/output_file.hpp"
 #include "golden/plan/quantiser.hpp"
+#include "golden/plan/toml.hpp"
 #include "golden/plan/units.hpp"
 
 namespace photonloom {
@@ -562,7 +562,7 @@ std::string plan_text(const Plan& plan, const PlanReasons& reasons) {
 Plan parse_plan(const std::string& text, const std::string& file) {
   toml::table table;
   try {
-    table = toml::parse(text, file);
+    table = parse_toml(text, file);
   } catch (const toml::parse_error& error) {
     throw PlanError(fmt::format("{}:{}: not TOML: {}", file, error.source().begin.line,
                                 std::string(error.description())));
@@ -652,7 +652,7 @@ void set_plan_line(Plan& plan, const std::string& assignment) {
     bool taken = false;
     try {
       const bool bare = is_text && (text.empty() || text.front() != '"');
-      const toml::table one = toml::parse("x = " + (bare ? quoted(text) : text));
+      const toml::table one = parse_toml("x = " + (bare ? quoted(text) : text));
       taken = one.size() == 1 && take(*one.get("x"), range, value);
     } catch (const toml::parse_error&) {
     }

@@ -641,7 +641,8 @@ Sides BsdfReader::mixture(Properties& p, int level) {
       fail(p.element("weight"), fmt::format("weight is {}, expected 0 to 1", weight));
     front.shares = {1 - weight, weight};
   } else {
-    for (const std::string_view word : split(p.text("weights", ""), ", \t\r\n")) {
+    const std::string weights = p.text("weights", "");
+    for (const std::string_view word : split(weights, ", \t\r\n")) {
       const auto share = parse_double(word);
       if (!share || !std::isfinite(*share) || *share < 0)
         fail(p.element("weights"),

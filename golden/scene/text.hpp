@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Numbers and words in text files, read the same in every locale and rounded exactly.
 #pragma once
+#include <concepts>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -18,6 +19,9 @@ std::optional<int64_t> parse_integer(std::string_view text);
 
 // Text between separators; no empty words.
 std::vector<std::string_view> split(std::string_view text, std::string_view separators);
+// The words would outlive their text.
+template <std::same_as<std::string> Text>
+std::vector<std::string_view> split(Text&& text, std::string_view separators) = delete;
 
 // A to Z as a to z, whatever the locale.
 std::string lower(std::string text);

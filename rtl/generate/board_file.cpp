@@ -2,7 +2,6 @@
 #include "rtl/generate/board_file.hpp"
 
 #include <fmt/core.h>
-#include <toml++/toml.h>
 
 #include <algorithm>
 #include <cctype>
@@ -12,6 +11,7 @@
 #include <stdexcept>
 
 #include "golden/numeric/output_file.hpp"
+#include "golden/plan/toml.hpp"
 #include "rtl/generate/data_files.hpp"
 #include "rtl/generate/sources.hpp"
 
@@ -215,7 +215,7 @@ BoardDescription read_board(const std::string& name, const std::string& boards_d
   board.file = board.folder + "/board.toml";
   toml::table parsed;
   try {
-    parsed = toml::parse(read_file(board.file), board.file);
+    parsed = parse_toml(read_file(board.file), board.file);
   } catch (const toml::parse_error& error) {
     throw std::runtime_error(fmt::format("{}, line {}: not TOML: {}", board.file,
                                          error.source().begin.line,

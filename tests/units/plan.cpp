@@ -58,6 +58,22 @@ TEST_CASE("a plan reads back to the bit, with its hash") {
   CHECK(plan_hash(again) == plan_hash(plan));
 }
 
+TEST_CASE("characters beyond ASCII stand in strings and comments alone") {
+  Plan plan = sample_plan();
+  plan.scene = "zwölf 木 \u00a0 \" # \u0391";
+  const std::string text = text_of(plan);
+  CHECK(parse_plan("\xEF\xBB\xBF# für alle\n" + text + "# ä '\n", "p.toml").scene == plan.scene);
+  const auto name_of = [&](const std::string& value) {
+    return parse_plan(edited(plan, "scene", "name", value), "p.toml").scene;
+  };
+  CHECK(name_of(R"("""
+"ü"\"""" # ö)") == R"("ü"")");
+  CHECK(name_of(R"('ü\' # ö)") == R"(ü\)");
+  for (const char* bad : {"ȏ = 1", "x = 1ä", "x = \"\" ä", "x = ''''' ä''' ä", R"(x = "\"ä" ü)"})
+    CHECK(error_of("# é\n" + std::string(bad) + "\n") ==
+          "p.toml:2: not TOML: a character beyond ASCII stands outside of strings and comments");
+}
+
 TEST_CASE("the hash sees every line but the scene's name") {
   const Plan plan = sample_plan();
   Plan other = plan;

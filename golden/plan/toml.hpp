@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+// TOML files: plans, studies, boards.
+#pragma once
+#include <toml++/toml.h>
+
+#include <string>
+#include <string_view>
+
+namespace photonloom {
+
+// As toml::parse; toml::parse_error too where a character beyond ASCII stands outside of strings
+// and comments. TOML 1.0 has none there, and for some of them (U+00A1 to U+0499 among others) what
+// toml++ 3.3 does is undefined.
+toml::table parse_toml(std::string_view text, const std::string& file = "");
+
+}  // namespace photonloom
