@@ -9,22 +9,21 @@ namespace photonloom {
 
 CausticEmission::CausticEmission(const World& world, const DeltaBoxes& boxes)
     : world_(world), boxes_(boxes) {
-  const double disk = kPi * world.radius() * world.radius();
   bool any = false;
   double sum = 0;
   for (uint32_t i = 0; i < world.emitters().size(); ++i) {
-    const Emitter& e = world.emitters()[i];
-    double share = 1;
-    if (is_aimed(i)) {
-      any = true;
-      const Light& light = world.scene().lights[static_cast<size_t>(e.light)];
-      share = (light.kind == LightKind::kDirectional ? boxes.area_across(light.direction)
-                                                     : boxes.mean_area_across()) /
-              disk;
-    }
-    cdf_.push_back(sum += mean(e.power) * share);
+    any = any || is_aimed(i);
+    cdf_.push_back(sum += mean(world.emitters()[i].power) * share(i));
   }
   if (!any) cdf_.clear();
+}
+
+double CausticEmission::share(uint32_t emitter) const {
+  if (!is_aimed(emitter)) return 1;
+  const Light& light = world_.scene().lights[static_cast<size_t>(world_.emitters()[emitter].light)];
+  return (light.kind == LightKind::kDirectional ? boxes_.area_across(light.direction)
+                                                : boxes_.mean_area_across()) /
+         (kPi * world_.radius() * world_.radius());
 }
 
 bool CausticEmission::is_aimed(uint32_t emitter) const {
@@ -39,13 +38,13 @@ Emission CausticEmission::emit(const Random& random, uint32_t& emitter) const {
   const auto at = std::upper_bound(cdf_.begin(), cdf_.end(), random.unit(0, 0) * cdf_.back());
   const size_t chosen = std::min(static_cast<size_t>(at - cdf_.begin()), cdf_.size() - 1);
   emitter = static_cast<uint32_t>(chosen);
-  Emission out =
-      is_aimed(emitter) ? aimed(emitter, random) : emit_photon_from(world_, emitter, random);
+  Emission out = from(emitter, random);
   out.power *= cdf_.back() / (cdf_[chosen] - (chosen > 0 ? cdf_[chosen - 1] : 0));
   return out;
 }
 
-Emission CausticEmission::aimed(uint32_t emitter, const Random& random) const {
+Emission CausticEmission::from(uint32_t emitter, const Random& random) const {
+  if (!is_aimed(emitter)) return emit_photon_from(world_, emitter, random);
   const Light& light = world_.scene().lights[static_cast<size_t>(world_.emitters()[emitter].light)];
   Vec3 direction = light.direction;
   Rgb irradiance = light.intensity;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Photons of the caustic map as they leave their emitters. Only light that meets a delta surface
-// counts, so what comes from infinitely far away is emitted into the boxes of these surfaces alone.
+// Light that becomes a caustic, as it leaves its emitters. Only what meets a delta surface counts,
+// so what comes from infinitely far away is emitted into the boxes of these surfaces alone.
 #pragma once
 #include <vector>
 
@@ -18,9 +18,13 @@ class CausticEmission {
   // is worth is the same. Without light from infinitely far away the paths are the same too.
   Emission emit(const Random& random, uint32_t& emitter) const;
 
+  // The same of one emitter. What `share` of its power leaves it; and its light, as
+  // emit_photon_from.
+  double share(uint32_t emitter) const;
+  Emission from(uint32_t emitter, const Random& random) const;
+
  private:
   bool is_aimed(uint32_t emitter) const;
-  Emission aimed(uint32_t emitter, const Random& random) const;
 
   const World& world_;
   const DeltaBoxes& boxes_;

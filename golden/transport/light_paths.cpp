@@ -29,7 +29,8 @@ Rgb sent(const Rgb& bsdf_times_cosine, const Surface& s, const Vec3& out) {
 
 }  // namespace
 
-LightPaths::LightPaths(const World& world) : world_(world), boxes_(world) {
+LightPaths::LightPaths(const World& world)
+    : world_(world), boxes_(world), emission_(world, boxes_) {
   if (!world.has_delta()) return;
   double sum = 0;
   for (uint32_t i = 0; i < world.emitters().size(); ++i) {
@@ -37,7 +38,7 @@ LightPaths::LightPaths(const World& world) : world_(world), boxes_(world) {
     // Rays that leave the scene find the environment.
     if (world.environment() && i == world.environment_emitter()) continue;
     emitters_.push_back(i);
-    cdf_.push_back(sum += world.emitters()[i].pmf);
+    cdf_.push_back(sum += world.emitters()[i].pmf * emission_.share(i));
   }
 }
 
@@ -48,12 +49,13 @@ void LightPaths::trace(const RayCaster& caster, const Random& random,
   const size_t chosen = std::min<size_t>(
       static_cast<size_t>(std::upper_bound(cdf_.begin(), cdf_.end(), u) - cdf_.begin()),
       cdf_.size() - 1);
-  const Emission e = emit_photon_from(world_, emitters_[chosen], random);
+  const Emission e = emission_.from(emitters_[chosen], random);
   Ray ray = e.ray;
   // A beam's light starts where it lands (beam.hpp).
   bool on_its_way = is_beam(world_, emitters_[chosen]);
   if (!on_its_way && !boxes_.met_by(ray)) return;
-  Rgb throughput(cdf_.back() / world_.emitters()[emitters_[chosen]].pmf);
+  Rgb throughput(cdf_.back() /
+                 (world_.emitters()[emitters_[chosen]].pmf * emission_.share(emitters_[chosen])));
   Hit hit = first_surface(world_, caster, e);
   bool through_delta = false;  // since the light or the last vertex
   for (uint64_t segment = 1; hit.valid() && depth_left(segment); ++segment) {

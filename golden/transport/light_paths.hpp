@@ -12,6 +12,7 @@
 
 #include "golden/transport/bsdf.hpp"
 #include "golden/transport/camera.hpp"
+#include "golden/transport/caustic_emission.hpp"
 #include "golden/transport/delta_boxes.hpp"
 #include "golden/transport/path_sample.hpp"
 
@@ -52,6 +53,7 @@ class LightPaths {
 
   const World& world_;
   DeltaBoxes boxes_;
+  CausticEmission emission_;
   std::vector<uint32_t> emitters_;  // those without a surface
   std::vector<double> cdf_;         // by power
 };

@@ -306,7 +306,7 @@ struct GatherSample {
 PhotonPass trace_global_photons(const World& world, const RayCaster& caster, uint64_t stored,
                                 uint64_t seed, Progress* progress = nullptr);
 // Photons for the caustic map: light, one or more delta surfaces, diffuse lobe. Empty without delta
-// surfaces.
+// surfaces. Ends as the global pass does, or when 32 * stored paths went towards a delta surface.
 PhotonPass trace_caustic_photons(const World& world, const RayCaster& caster, uint64_t stored,
                                  uint64_t seed, Progress* progress = nullptr);
 

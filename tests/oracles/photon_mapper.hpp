@@ -49,9 +49,12 @@ class PhotonMapper {
   // A caustic is sharp, and the kernel carries light from where the camera does not see it, such as
   // from under a ball, to where it does: the caustic map has more photons, so that its kernel is
   // smaller.
-  PhotonMapper(const World& world, uint64_t photons, uint64_t caustic_photons, uint64_t seed)
+  PhotonMapper(const World& world, uint64_t photons, uint64_t caustic_photons, uint64_t effort,
+               uint64_t seed)
       : world_(world),
         caster_(make_double_bvh(world)),
+        camera_samples_(256 * effort),
+        gather_samples_(16 * effort),
         seed_(seed),
         global_(world, photons, trace_global_photons(world, *caster_, photons, seed)),
         caustic_(world, caustic_photons,
@@ -64,7 +67,7 @@ class PhotonMapper {
     tbb::parallel_for(0, kSize * kSize, [&](int i) {
       Layers& p = pixels[static_cast<size_t>(i)];
       p = {};
-      for (uint64_t s = 0; s < kCameraSamples; ++s) add_sample(i, s, p);
+      for (uint64_t s = 0; s < camera_samples_; ++s) add_sample(i, s, p);
     });
     Layers mean{};
     for (const Layers& p : pixels)
@@ -73,18 +76,18 @@ class PhotonMapper {
   }
 
  private:
-  static constexpr uint64_t kCameraSamples = 256, kGatherSamples = 16, kRays = 4;
+  static constexpr uint64_t kRays = 4;
 
   void add_sample(int pixel, uint64_t sample, Layers& p) const {
     const CameraSample c =
         trace_camera(world_, *caster_, pixel % kSize, pixel / kSize, sample, seed_);
-    const double share = 1 / static_cast<double>(kCameraSamples);
+    const double share = 1 / static_cast<double>(camera_samples_);
     p[kEmission] += c.emission.y * share;
     p[kDirectLayer] += c.direct.y * share;
     p[kIndirect] += c.indirect.y * share;
     if (!c.diffuse) return;
     p[c.first ? kCaustic : kIndirect] += (c.weight * caustic_.estimate(c.x)).y * share;
-    if (sample >= kGatherSamples) return;
+    if (sample >= gather_samples_) return;
     const uint64_t number = static_cast<uint64_t>(pixel);
     const Random r(seed_, Phase::kSampler, (number << 32) | sample);
     for (uint64_t ray = 0; ray < kRays; ++ray) {
@@ -93,12 +96,14 @@ class PhotonMapper {
       const GatherSample g = trace_gather(world_, *caster_, c.x, d, number, sample, ray, seed_);
       Rgb radiance = g.radiance;
       if (g.diffuse) radiance += g.weight * global_.estimate(g.y);
-      p[kIndirect] += (c.weight * radiance).y * (kPi / static_cast<double>(kRays * kGatherSamples));
+      p[kIndirect] +=
+          (c.weight * radiance).y * (kPi / static_cast<double>(kRays * gather_samples_));
     }
   }
 
   const World& world_;
   std::unique_ptr<RayCaster> caster_;
+  uint64_t camera_samples_, gather_samples_;  // a pixel
   uint64_t seed_;
   Map global_, caustic_;
 };
@@ -117,9 +122,9 @@ std::array<Estimate, kLayers> in_batches(Batch&& batch) {
 }
 
 // Emission and direct light agree within 1 %, indirect light within 3 %, the caustic layer within
-// what is stated.
+// what is stated. `effort` multiplies the photon mapper's photons and samples.
 inline void check_layers(const char* name, const Scene& scene, int path_spp, uint64_t seed,
-                         double caustic) {
+                         double caustic, uint64_t effort = 1) {
   const World world(scene);
   const auto caster = make_embree(world);
   const auto path = in_batches([&](uint64_t b) {
@@ -133,7 +138,8 @@ inline void check_layers(const char* name, const Scene& scene, int path_spp, uin
     return mean;
   });
   const auto photons = in_batches([&](uint64_t b) {
-    return PhotonMapper(world, 60000, 240000, batch_seed(seed, 100 + b)).image();
+    return PhotonMapper(world, 60000 * effort, 240000 * effort, effort, batch_seed(seed, 100 + b))
+        .image();
   });
   const double stated[kLayers] = {0.01, 0.01, caustic, 0.03};
   for (size_t l = 0; l < kLayers; ++l) {
