@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "command/console.hpp"
+#include "command/frame_options.hpp"
 #include "study/board_room.hpp"
 #include "study/gather_cost.hpp"
 

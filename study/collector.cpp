@@ -414,7 +414,8 @@ void write_host(const PointTable& table, const std::vector<Collected>& points,
 Means means_of(const std::vector<Result>& results, const std::vector<Result>& baseline) {
   Means means;
   if (results.empty()) return means;
-  for (const auto& [name, first] : results.front().measures) {
+  for (const auto& first : results.front().measures) {
+    const std::string& name = first.first;
     const std::vector<Column>& columns = measure(name).columns;
     for (size_t c = 0; c < columns.size(); ++c) {
       Series all, a, b;  // every seed of the point; those that the baseline has too
