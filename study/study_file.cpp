@@ -27,16 +27,7 @@ std::string listed(const Names& names) {
 
 std::string value_text(const toml::node& node) {
   if (const auto* s = node.as_string()) return s->get();
-  if (const auto* b = node.as_boolean()) return b->get() ? "true" : "false";
-  if (const auto* i = node.as_integer()) return fmt::format("{}", i->get());
-  if (const auto* f = node.as_floating_point()) {
-    std::string text = fmt::format("{}", f->get());
-    if (text.find_first_of(".en") == std::string::npos) text += ".0";
-    return text;
-  }
-  std::ostringstream shown;
-  node.visit([&](const auto& n) { shown << n; });
-  return shown.str();
+  return toml_text(node);
 }
 
 std::vector<std::string> split(const std::string& names) {

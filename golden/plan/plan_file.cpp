@@ -6,7 +6,6 @@
 #include <cmath>
 #include <limits>
 #include <set>
-#include <sstream>
 #include <type_traits>
 #include <vector>
 
@@ -608,13 +607,10 @@ Plan parse_plan(const std::string& text, const std::string& file) {
       throw PlanError(fmt::format("{}:{}: {}.{} is missing ({}), expected {}", file,
                                   keys->source().begin.line, section, key, meaning,
                                   range.expected(value)));
-    if (!take(*node, range, value)) {
-      std::ostringstream shown;
-      node->visit([&](const auto& n) { shown << n; });
+    if (!take(*node, range, value))
       throw PlanError(fmt::format("{}:{}: {}.{} is {}, expected {}", file,
-                                  node->source().begin.line, section, key, shown.str(),
+                                  node->source().begin.line, section, key, toml_text(*node),
                                   range.expected(value)));
-    }
   });
   derive_plan(plan);
   if (const auto problem = find_problem(plan))

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "golden/plan/toml.hpp"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <memory>
+#include <sstream>
 
 namespace photonloom {
 namespace {
@@ -56,6 +59,22 @@ toml::table parse_toml(std::string_view text, const std::string& file) {
                             std::make_shared<const std::string>(file));
   }
   return toml::parse(text, file);
+}
+
+std::string toml_text(const toml::node& node) {
+  if (node.is_table()) return "a table";
+  std::ostringstream shown;
+  if (const toml::array* array = node.as_array()) {
+    for (const toml::node& n : *array) shown << (&n == array->get(0) ? "" : ", ") << toml_text(n);
+    return "[" + shown.str() + "]";
+  }
+  if (const auto* f = node.as_floating_point()) {
+    // The shortest text that reads back to the same double.
+    std::string text = fmt::format("{}", f->get());
+    return text.find_first_of(".en") == std::string::npos ? text + ".0" : text;
+  }
+  node.visit([&](const auto& n) { shown << n; });
+  return shown.str();
 }
 
 }  // namespace photonloom

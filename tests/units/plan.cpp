@@ -74,6 +74,18 @@ TEST_CASE("characters beyond ASCII stand in strings and comments alone") {
           "p.toml:2: not TOML: a character beyond ASCII stands outside of strings and comments");
 }
 
+TEST_CASE("a wrong value is shown, whatever it is") {
+  const auto error = [](const std::string& value) {
+    const std::string text = error_of(edited(sample_plan(), "scene", "origin", value));
+    const size_t from = text.find(" is ") + 4;
+    return text.substr(from, text.find(", expected") - from);
+  };
+  CHECK(error("[0.001, -0.004]") == "[0.001, -0.004]");
+  CHECK(error("[[1, 2.5], true, 1e300, 'x']") == "[[1, 2.5], true, 1e+300, 'x']");
+  CHECK(error("{x = 1}") == "a table");
+  CHECK(error("[]") == "[]");
+}
+
 TEST_CASE("the hash sees every line but the scene's name") {
   const Plan plan = sample_plan();
   Plan other = plan;
