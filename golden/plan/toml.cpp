@@ -4,11 +4,14 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <functional>
 #include <memory>
 #include <sstream>
 
 namespace photonloom {
 namespace {
+
+constexpr std::string_view kMark = "\xEF\xBB\xBF";  // what some editors write in front
 
 bool is_ascii(char c) { return static_cast<unsigned char>(c) < 0x80; }
 
@@ -34,8 +37,7 @@ size_t end_of_string(std::string_view text, size_t at) {
 
 // The first character beyond ASCII outside of strings and comments, or the text's end.
 size_t find_stray(std::string_view text) {
-  constexpr std::string_view kMark = "\xEF\xBB\xBF";  // what some editors write in front
-  size_t i = text.substr(0, 3) == kMark ? 3 : 0;
+  size_t i = text.substr(0, kMark.size()) == kMark ? kMark.size() : 0;
   while (i < text.size() && is_ascii(text[i])) {
     if (text[i] == '#')
       i = std::min(text.find('\n', i), text.size());
@@ -57,6 +59,12 @@ toml::table parse_toml(std::string_view text, const std::string& file) {
     at.column = static_cast<toml::source_index>(stray - (before.rfind('\n') + 1) + 1);
     throw toml::parse_error("a character beyond ASCII stands outside of strings and comments", at,
                             std::make_shared<const std::string>(file));
+  }
+  // What is no TOML is found while it is ASCII alone: behind an error strings need not be strings.
+  std::string plain(text.substr(text.substr(0, kMark.size()) == kMark ? kMark.size() : 0));
+  if (!std::all_of(plain.begin(), plain.end(), is_ascii)) {
+    std::replace_if(plain.begin(), plain.end(), std::not_fn(is_ascii), 'x');
+    static_cast<void>(toml::parse(plain, file));
   }
   return toml::parse(text, file);
 }
