@@ -40,7 +40,7 @@ std::optional<Backend> parse_backend(const std::string& text) {
       if (text == k.name) return Backend{k, ""};
       continue;
     }
-    if (text.rfind(k.name + ":", 0) != 0) continue;
+    if (!text.starts_with(k.name + ":")) continue;
     const std::string device = text.substr(k.name.size() + 1);
     try {
       parse_device(device);

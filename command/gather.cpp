@@ -208,7 +208,7 @@ void gather(const GatherOptions& o) {
     for (const auto& [key, option] :
          {std::pair("gather.k=", "--k"), std::pair("global.radius=", "--radius"),
           std::pair("caustic.radius=", "--radius")})
-      if (line.rfind(key, 0) == 0)
+      if (line.starts_with(key))
         throw UsageError(fmt::format("--set {}: {} decides it", line, option));
   const Job job = prepare(o);
   OutputFile out(o.output);

@@ -27,7 +27,7 @@ bool is_uncached(const StudyRow& row) { return row.line("cache.present") == "fal
 std::string setting(const StudyRow& row) {
   std::string text = row.line("cache.accuracy", "0.1");
   for (const auto& [line, value] : row.lines)
-    if (line != "cache.accuracy" && line.rfind("cache.", 0) == 0)
+    if (line != "cache.accuracy" && line.starts_with("cache."))
       text += fmt::format(", {} {}", line.substr(6), value);
   return text;
 }

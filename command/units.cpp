@@ -68,7 +68,7 @@ Json describe(std::type_identity<Unit> unit) {
     j["golden_counters"].push_back(name);
   j["rtl_counters"] = Json::object();
   for (const ModulePort& p : module_ports(default_rtl_dir(), info.name))
-    if (p.name.rfind("count_", 0) == 0)
+    if (p.name.starts_with("count_"))
       j["rtl_counters"][p.name.substr(6, p.name.size() - 8)] = p.meaning;
   return j;
 }

@@ -4,12 +4,16 @@
 #include <zlib.h>
 
 #include <cstdint>
+#include <limits>
 #include <stdexcept>
 
 namespace photonloom {
 namespace {
 
 std::string deflated(std::string_view bytes, int strategy) {
+  if (bytes.size() > std::numeric_limits<uInt>::max())
+    throw std::runtime_error(
+        "a report's part has 4 GiB or more, which one zlib call does not take");
   z_stream stream{};
   // 15 and 8: zlib's usual window and memory.
   if (deflateInit2(&stream, Z_BEST_COMPRESSION, Z_DEFLATED, 15, 8, strategy) != Z_OK)

@@ -25,8 +25,8 @@ void add_references(const std::string& folder, const std::string& name,
     for (const auto& e : fs::directory_iterator(folder)) {
       // NAME.SIZE.SEED.exr; others there are no means of a frame (docs/sweep.md).
       const std::string seed = e.path().stem().extension().string();
-      if (e.path().filename().string().rfind(name + ".", 0) != 0 ||
-          e.path().extension() != ".exr" || seed.size() < 2 ||
+      if (!e.path().filename().string().starts_with(name + ".") || e.path().extension() != ".exr" ||
+          seed.size() < 2 ||
           !std::all_of(seed.begin() + 1, seed.end(), [](char c) { return c >= '0' && c <= '9'; }))
         continue;
       Image image = read_exr(e.path().string());

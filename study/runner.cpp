@@ -202,7 +202,7 @@ class Sweep {
       const bool planned = !p.plan.empty() || plans_[p.point.number];
       const bool asked =
           request_.only.empty()
-              ? p.point.origin.rfind("search", 0) != 0
+              ? !p.point.origin.starts_with("search")
               : std::binary_search(request_.only.begin(), request_.only.end(), p.point.number);
       if (asked && planned) numbers.push_back(p.point.number);
     }

@@ -39,7 +39,7 @@ std::string beside(const std::string& path) {
 // The name that a file of an unfinished folder will have; under unfinished_mutex.
 std::string final_name(const std::string& path) {
   for (const auto& [temporary, target] : unfinished())
-    if (path.rfind(temporary + "/", 0) == 0) return target + path.substr(temporary.size());
+    if (path.starts_with(temporary + "/")) return target + path.substr(temporary.size());
   return path;
 }
 

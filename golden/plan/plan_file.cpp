@@ -59,13 +59,6 @@ std::string quoted(const std::string& s) {
   return out + '"';
 }
 
-// The shortest text that reads back to the same double, always with a point or an exponent.
-std::string number(double x) {
-  std::string s = fmt::format("{}", x);
-  if (s.find_first_of(".en") == std::string::npos) s += ".0";
-  return s;
-}
-
 template <class T>
 std::string value_text(const T& value) {
   if constexpr (std::is_same_v<T, std::string>)
@@ -73,9 +66,10 @@ std::string value_text(const T& value) {
   else if constexpr (std::is_same_v<T, bool>)
     return value ? "true" : "false";
   else if constexpr (std::is_same_v<T, double>)
-    return number(value);
+    return toml_number(value);
   else if constexpr (std::is_same_v<T, Triple>)
-    return fmt::format("[{}, {}, {}]", number(value[0]), number(value[1]), number(value[2]));
+    return fmt::format("[{}, {}, {}]", toml_number(value[0]), toml_number(value[1]),
+                       toml_number(value[2]));
   else if constexpr (std::is_enum_v<T>)
     return quoted(names_of(value)[static_cast<size_t>(value)]);
   else

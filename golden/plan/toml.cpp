@@ -37,7 +37,7 @@ size_t end_of_string(std::string_view text, size_t at) {
 
 // The first character beyond ASCII outside of strings and comments, or the text's end.
 size_t find_stray(std::string_view text) {
-  size_t i = text.substr(0, kMark.size()) == kMark ? kMark.size() : 0;
+  size_t i = 0;
   while (i < text.size() && is_ascii(text[i])) {
     if (text[i] == '#')
       i = std::min(text.find('\n', i), text.size());
@@ -52,6 +52,7 @@ size_t find_stray(std::string_view text) {
 }  // namespace
 
 toml::table parse_toml(std::string_view text, const std::string& file) {
+  if (text.starts_with(kMark)) text.remove_prefix(kMark.size());
   if (const size_t stray = find_stray(text); stray < text.size()) {
     toml::source_position at;
     const std::string_view before = text.substr(0, stray);
@@ -61,12 +62,17 @@ toml::table parse_toml(std::string_view text, const std::string& file) {
                             std::make_shared<const std::string>(file));
   }
   // What is no TOML is found while it is ASCII alone: behind an error strings need not be strings.
-  std::string plain(text.substr(text.substr(0, kMark.size()) == kMark ? kMark.size() : 0));
-  if (!std::all_of(plain.begin(), plain.end(), is_ascii)) {
+  if (!std::all_of(text.begin(), text.end(), is_ascii)) {
+    std::string plain(text);
     std::replace_if(plain.begin(), plain.end(), std::not_fn(is_ascii), 'x');
     static_cast<void>(toml::parse(plain, file));
   }
   return toml::parse(text, file);
+}
+
+std::string toml_number(double x) {
+  const std::string text = fmt::format("{}", x);
+  return text.find_first_of(".en") == std::string::npos ? text + ".0" : text;
 }
 
 std::string toml_text(const toml::node& node) {
@@ -76,11 +82,7 @@ std::string toml_text(const toml::node& node) {
     for (const toml::node& n : *array) shown << (&n == array->get(0) ? "" : ", ") << toml_text(n);
     return "[" + shown.str() + "]";
   }
-  if (const auto* f = node.as_floating_point()) {
-    // The shortest text that reads back to the same double.
-    std::string text = fmt::format("{}", f->get());
-    return text.find_first_of(".en") == std::string::npos ? text + ".0" : text;
-  }
+  if (const auto* f = node.as_floating_point()) return toml_number(f->get());
   node.visit([&](const auto& n) { shown << n; });
   return shown.str();
 }

@@ -13,6 +13,9 @@ namespace photonloom {
 // toml++ 3.3 does is undefined.
 toml::table parse_toml(std::string_view text, const std::string& file = "");
 
+// The shortest text that reads back to the same double, always with a point or an exponent.
+std::string toml_number(double x);
+
 // A value as a message shows it; "a table" for a table. toml++ 3.3 measures numbers in arrays by
 // their logarithm, which is undefined for 0.01.
 std::string toml_text(const toml::node& node);

@@ -54,8 +54,7 @@ void LightPaths::trace(const RayCaster& caster, const Random& random,
   // A beam's light starts where it lands (beam.hpp).
   bool on_its_way = is_beam(world_, emitters_[chosen]);
   if (!on_its_way && !boxes_.met_by(ray)) return;
-  Rgb throughput(cdf_.back() /
-                 (world_.emitters()[emitters_[chosen]].pmf * emission_.share(emitters_[chosen])));
+  Rgb throughput(cdf_.back() / (cdf_[chosen] - (chosen > 0 ? cdf_[chosen - 1] : 0)));
   Hit hit = first_surface(world_, caster, e);
   bool through_delta = false;  // since the light or the last vertex
   for (uint64_t segment = 1; hit.valid() && depth_left(segment); ++segment) {

@@ -41,8 +41,8 @@ std::string chip_port(const std::string& unit, const std::string& port) {
   if (port == "clk_i" || port == "rst_i") return port;
   const std::string prefix = find_unit(unit).chip_prefix;
   if (!prefix.empty()) return prefix + port;
-  if (unit == kGatherer && port.rfind("in_", 0) == 0) return "query_" + port.substr(3);
-  if (port.rfind("count_", 0) == 0) return unit + "_" + port;
+  if (unit == kGatherer && port.starts_with("in_")) return "query_" + port.substr(3);
+  if (port.starts_with("count_")) return unit + "_" + port;
   return port;
 }
 

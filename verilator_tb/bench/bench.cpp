@@ -83,7 +83,7 @@ void run_cases(const std::string& program, const Bench& bench, const BenchPlan& 
         options.stall_out = StallPolicy::parse(kPolicies[p].out);
         options.stall_memory = StallPolicy::parse(kPolicies[p].memory);
         const std::string latency = kPolicies[p].latency;
-        options.random_latency = latency.rfind("random:", 0) == 0;
+        options.random_latency = latency.starts_with("random:");
         options.latency = std::stoi(options.random_latency ? latency.substr(7) : latency);
         options.initial_seed = kPolicies[p].initial_seed;
         if (kPolicies[p].restarts && restarts)
@@ -187,8 +187,8 @@ void check_counters(const std::string& unit, const Counters& golden, const Count
   };
   // Cycles of some kind are some of all cycles.
   for (const auto& [name, count] : hardware)
-    if ((name.rfind("cycles ", 0) == 0 || name == "busy" || name == "choice waits" ||
-         name.rfind("stalled ", 0) == 0) &&
+    if ((name.starts_with("cycles ") || name == "busy" || name == "choice waits" ||
+         name.starts_with("stalled ")) &&
         count > cycles)
       throw std::runtime_error(fmt::format(
           "unit {}: counts {} {}, expected no more than the {} cycles", unit, count, name, cycles));
@@ -244,7 +244,7 @@ int bench_main(int argc, char** argv, const Bench& bench) {
     std::vector<BenchPlan> plans;
     unsigned long long from = 0, to = 0;
     char extra = 0;
-    if (command.plan.rfind("random:", 0) == 0) {
+    if (command.plan.starts_with("random:")) {
       const int n = std::sscanf(command.plan.c_str() + 7, "%llu-%llu%c", &from, &to, &extra);
       if (n == 1) to = from;
       if (n < 1 || n > 2 || from > to)

@@ -32,7 +32,7 @@ uint64_t one_in(const std::string& option, const std::string& text) {
   if (text == "0") return 0;
   size_t end = 0;
   uint64_t n = 0;
-  if (text.rfind("1/", 0) == 0 && text.find_first_not_of("0123456789", 2) == std::string::npos &&
+  if (text.starts_with("1/") && text.find_first_not_of("0123456789", 2) == std::string::npos &&
       text.size() > 2 && text.size() < 20)
     n = std::stoull(text.substr(2), &end);
   if (n < 2)

@@ -16,7 +16,7 @@ const Yosys& yosys(const std::string& command) {
   if (at != found.end()) return at->second;
   Yosys y;
   y.version = output_of(quoted(command) + " -V");
-  if (y.version.rfind("Yosys ", 0) != 0)
+  if (!y.version.starts_with("Yosys "))
     throw std::runtime_error(
         command == "yosys" ? "yosys is not installed: netlists and CXXRTL models are made with it"
                            : fmt::format("--yosys {}: does not start or is no Yosys", command));

@@ -353,7 +353,7 @@ uint64_t Rig::get(const std::string& port) const { return read_port(model_.port(
 std::vector<std::string> Rig::counter_ports() const {
   std::vector<std::string> names;
   for (const ModelPort& p : model_.ports())
-    if (p.output && p.name.rfind("count_", 0) == 0) names.push_back(p.name);
+    if (p.output && p.name.starts_with("count_")) names.push_back(p.name);
   return names;
 }
 

@@ -61,7 +61,7 @@ RunOptions RigFlags::options(const std::string& unit) const {
   o.stall_memory = policy(stall_memory_);
   std::string latency = latency_;
   if (latency == "random") latency = "random:20";
-  if (latency.rfind("random:", 0) == 0) {
+  if (latency.starts_with("random:")) {
     o.random_latency = true;
     latency = latency.substr(7);
   }

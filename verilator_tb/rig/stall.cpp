@@ -15,7 +15,7 @@ StallPolicy StallPolicy::parse(const std::string& text) {
   if (text == "bursts") return {Kind::kBursts, 0};
   if (text == "adversary") return {Kind::kAdversary, 0};
   if (text == "bernoulli") return {Kind::kBernoulli, 0.5};
-  if (text.rfind("bernoulli:", 0) == 0) {
+  if (text.starts_with("bernoulli:")) {
     char* end = nullptr;
     const double p = std::strtod(text.c_str() + 10, &end);
     if (end != text.c_str() + 10 && *end == 0 && p >= 0 && p < 1) return {Kind::kBernoulli, p};
