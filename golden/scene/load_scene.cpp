@@ -437,10 +437,7 @@ class Loader {
     if (group->number >= 0) scene_.instances.push_back({group->number, to_world});
     for (Shape s : group->round) {
       s.to_world = to_world * s.to_world;
-      if (s.kind != ShapeKind::kDisk && !scales_evenly(glm::dmat3(to_world)))
-        fail(p.element("to_world"),
-             "the instance's transform is uneven and its group has a sphere or cylinder, expected "
-             "equal scales and no shear");
+      s.uneven = s.kind != ShapeKind::kDisk && !scales_evenly(glm::dmat3(to_world));
       scene_.shapes.push_back(std::move(s));
     }
   }

@@ -631,6 +631,34 @@ bool BsdfReader::turns_normals(int index) const {
   return b.normal_map >= 0 || b.bump_map >= 0;
 }
 
+void BsdfReader::keep_one_coat(std::vector<int>& parts) {
+  std::optional<Bsdf> kept;
+  bool bare = false, differ = false;
+  const auto look = [&](const auto& again, int index) -> void {
+    if (index < 0) return;
+    const Bsdf& b = scene_.bsdfs[static_cast<size_t>(index)];
+    for (const int part : b.parts) again(again, part);
+    if (b.kind == BsdfKind::kMixture || is_black(b.diffuse) || !b.has_diffuse()) return;
+    if (!has_coat(b))
+      bare = true;
+    else if (!kept)
+      kept = b;
+    else
+      differ = differ || !same_coat(*kept, b);
+  };
+  for (const int part : parts) look(look, part);
+  if (!kept || !(bare || differ)) return;
+  const auto follow = [&](const auto& again, int index) -> int {
+    if (index < 0) return index;
+    Bsdf b = scene_.bsdfs[static_cast<size_t>(index)];
+    for (int& part : b.parts) part = again(again, part);
+    if (b.kind != BsdfKind::kMixture && b.has_diffuse() && has_coat(b))
+      b.follow_diffuse = bare || !same_coat(*kept, b);
+    return add(b);
+  };
+  for (int& part : parts) part = follow(follow, part);
+}
+
 Sides BsdfReader::mixture(Properties& p, int level) {
   Bsdf front;
   front.kind = BsdfKind::kMixture;
@@ -676,52 +704,13 @@ Sides BsdfReader::mixture(Properties& p, int level) {
          fmt::format("weights of {} add up to {} and are scaled to 1", describe(p.object()), sum));
     for (double& share : front.shares) share /= sum;
   }
-  // Photons carry the light that enters a coat: two different coats would need two maps.
-  const Bsdf* coat = nullptr;
-  bool bare = false;
-  const auto look = [&](const auto& again, int index) -> void {
-    const Bsdf& b = scene_.bsdfs[static_cast<size_t>(index)];
-    for (const int part : b.parts)
-      if (part >= 0) again(again, part);
-    if (b.kind == BsdfKind::kMixture || is_black(b.diffuse) || !b.has_diffuse()) return;
-    if (!has_coat(b)) {
-      bare = true;
-    } else if (coat && !same_coat(*coat, b)) {
-      bare = true;
-    } else {
-      coat = &b;
-    }
-  };
-  for (const Sides& s : nested) {
-    look(look, s.front);
+  for (const Sides& s : nested)
     if (turns_normals(s.front) || turns_normals(s.back))
       findings_.add(p.object(),
                     fmt::format("{} mixes BSDFs with bumpmap or normalmap, which is not supported, "
                                 "expected one around it",
                                 describe(p.object())),
                     "the maps inside are left out");
-  }
-  if (coat && bare) {
-    findings_.add(p.object(),
-                  fmt::format("{} mixes a plastic, coated or principled BSDF with one that has "
-                              "another coat or none, which is not supported",
-                              describe(p.object())),
-                  "plastics and principled ones become diffuse, coats are left out");
-    const auto strip = [&](const auto& again, int index) -> int {
-      if (index < 0) return index;
-      Bsdf b = scene_.bsdfs[static_cast<size_t>(index)];
-      for (int& part : b.parts) part = again(again, part);
-      if (b.is_coated())
-        b.coat_ior = 1;
-      else if (has_coat(b))
-        b.kind = BsdfKind::kDiffuse;
-      return add(b);
-    };
-    for (Sides& s : nested) {
-      s.front = strip(strip, s.front);
-      if (s.back >= 0) s.back = strip(strip, s.back);
-    }
-  }
   front.id = p.object()["id"];
   Bsdf back = front;
   bool any_back = false, same = true;
@@ -731,6 +720,8 @@ Sides BsdfReader::mixture(Properties& p, int level) {
     any_back = any_back || s.back >= 0;
     same = same && s.back == s.front;
   }
+  keep_one_coat(front.parts);
+  keep_one_coat(back.parts);
   Sides sides;
   sides.front = add(front);
   back.id = suffix(back.id, ".back");

@@ -67,6 +67,9 @@ struct Bsdf {
   Rgb coat_specular{1}, coat_absorption{0};
   Principled principled = {};
   double opacity = 1;  // the rest of the light goes straight on
+  // Its diffuse lobe is followed as a path, as a glossy one is: in a mixture, photons know one
+  // coat.
+  bool follow_diffuse = false;
   // Mixture: indices into Scene::bsdfs, each with its share of all light; with a texture in kShare,
   // two: the second's share is the texture, the first's the rest.
   std::vector<int> parts;
@@ -89,8 +92,9 @@ struct Bsdf {
            kind == BsdfKind::kRoughDielectric ||
            (kind == BsdfKind::kPrincipled && principled.spec_trans > 0);
   }
-  // A diffuse lobe, black or not.
+  // A diffuse lobe that holds photons, black or not.
   bool has_diffuse() const {
+    if (follow_diffuse) return false;
     if (kind != BsdfKind::kPrincipled) return !is_delta();
     const bool all_metal = principled.metallic == 1 && textured(Slot::kShare) < 0;
     return !all_metal && principled.spec_trans < 1 && principled.flatness < 1;
@@ -120,6 +124,7 @@ struct Shape {
   Mesh mesh;                          // world space (group: its own), for all but the round ones
   Mat4 to_world{1};                   // sphere, disk: unit sphere / unit disk in z = 0, normal +z;
                                       // cylinder: radius 1 around z, from z = 0 to 1, no caps
+  bool uneven = false;                // sphere, cylinder: to_world scales unevenly or shears
   bool flip_normals = false;          // already applied to mesh triangles' winding and normals
   int bsdf = -1;                      // index into Scene::bsdfs; what the front sees
   int back_bsdf = -1;                 // what the back sees, a dielectric's is its own; -1: black

@@ -97,6 +97,7 @@ uint64_t scene_hash(const Scene& scene) {
       for (const int part : b.parts) again(again, part);
     }
     if (b.opacity != 1) h.add(b.opacity);
+    if (b.follow_diffuse) h.add(static_cast<int>(b.follow_diffuse));
     if (b.kind == BsdfKind::kPrincipled) {
       const Principled& p = b.principled;
       for (const double x : {p.roughness, p.anisotropic, p.metallic, p.spec_trans, p.spec_tint,

@@ -146,8 +146,17 @@ double narrowed(const Surface& s, const Vec3& out, const Vec3& out_below) {
          (s.coat->ior * s.coat->ior * glm::dot(s.shading_normal, out_below));
 }
 
-Rgb bare_times_cosine(const Surface& s, const Vec3& out) {
-  return s.above(out) ? s.diffuse() * (glm::dot(s.shading_normal, out) / kPi) : Rgb(0);
+// A diffuse lobe, `rho`, under the surface's coat.
+Rgb cosine_lobe(const Surface& s, const Rgb& rho, const Vec3& out) {
+  if (!s.above(out)) return Rgb(0);
+  const double cosine = glm::dot(s.shading_normal, out);
+  const Rgb bare = rho * (cosine / kPi);
+  return s.coat ? bare * s.coat->passes(cosine) : bare;
+}
+
+// Of the light that glossy lobes send on, the share that the followed diffuse one samples.
+double followed_share(const Surface& s) {
+  return is_black(s.followed_lobe) ? 0 : mean(s.followed_lobe) / s.glossy_share;
 }
 
 }  // namespace
@@ -320,6 +329,10 @@ void fill(const World& world, const Hit& hit, const Bsdf& b, double choice, Surf
       break;
   }
   if (b.is_coated()) put_coat(world, b, choice, s);
+  if (b.follow_diffuse) {
+    s.glossy_share += mean(s.diffuse_lobe);
+    std::swap(s.diffuse_lobe, s.followed_lobe);
+  }
 }
 
 // The first diffuse part, for photons, which land whatever part is chosen.
@@ -441,6 +454,56 @@ const Bsdf* turn(const World& world, const Hit& hit, const Vec3& ray_direction, 
   return b && glm::dot(s.shading_normal, s.in) > 0 ? b : nullptr;
 }
 
+// The glossy lobe itself, without a followed diffuse one.
+Rgb own_times_cosine(const Surface& s, const Vec3& out, Carried carried) {
+  const Rgb& rho = s.glossy_lobe;
+  if (is_black(rho) && is_black(s.transmission)) return Rgb(0);
+  if (s.under_coat) {
+    if (!s.above(out)) return Rgb(0);
+    const Vec3 below = below_coat(out, s.shading_normal, s.coat->ior);
+    return own_times_cosine(bare_lobe(s), below, carried) * narrowed(s, out, below) *
+           s.coat->passes(glm::dot(s.shading_normal, out));
+  }
+  if (is_principled(s)) {
+    const Rough r(s);
+    return s.reaches(out) ? principled_times_cosine(principled_lobe(s, r), r.to_local(out),
+                                                    carried == Carried::kRadiance)
+                          : Rgb(0);
+  }
+  if (!is_phong(s)) return rough_times_cosine(s, out, carried);
+  if (!s.above(out)) return Rgb(0);
+  const double c = cos_lobe(s, out), n = s.bsdf->exponent;
+  if (c <= 0) return Rgb(0);
+  return rho * ((n + 2) / (2 * kPi) * pow_exact(c, n) * glm::dot(s.shading_normal, out));
+}
+
+double own_pdf(const Surface& s, const Vec3& out) {
+  if (s.under_coat) {
+    if (!(glm::dot(out, s.shading_normal) > 0)) return 0;
+    const Vec3 below = below_coat(out, s.shading_normal, s.coat->ior);
+    return own_pdf(bare_lobe(s), below) * narrowed(s, out, below);
+  }
+  if (is_principled(s)) {
+    const Rough r(s);
+    return principled_pdf(principled_lobe(s, r), r.to_local(out));
+  }
+  if (!is_phong(s)) return rough_pdf(s, out);
+  const double c = cos_lobe(s, out), n = s.bsdf->exponent;
+  return c > 0 ? (n + 1) / (2 * kPi) * pow_exact(c, n) : 0;
+}
+
+Vec3 sample_own(const Surface& s, const Vec2& u) {
+  if (s.under_coat) return above_coat(sample_own(bare_lobe(s), u), s.shading_normal, s.coat->ior);
+  if (is_principled(s)) {
+    const Rough r(s);
+    return r.to_world(sample_principled(principled_lobe(s, r), u));
+  }
+  if (!is_phong(s)) return sample_rough(s, u);
+  const double z = pow_exact(1 - u.x, 1 / (s.bsdf->exponent + 1));
+  const double r = std::sqrt(std::max(0.0, 1 - z * z));
+  return Frame(reflect(s.in, s.shading_normal)).to_world(Vec3(cos_sin_turns(u.y) * r, z));
+}
+
 }  // namespace
 
 Surface make_part(const World& world, const Hit& hit, const Vec3& ray_direction, const Bsdf& part,
@@ -461,8 +524,7 @@ Surface make_surface(const World& world, const Hit& hit, const Vec3& ray_directi
 }
 
 Rgb diffuse_times_cosine(const Surface& s, const Vec3& out) {
-  const Rgb bare = bare_times_cosine(s, out);
-  return s.coat ? bare * s.coat->passes(glm::dot(s.shading_normal, out)) : bare;
+  return cosine_lobe(s, s.diffuse(), out);
 }
 
 double diffuse_pdf(const Surface& s, const Vec3& out) {
@@ -470,58 +532,26 @@ double diffuse_pdf(const Surface& s, const Vec3& out) {
   return c > 0 ? c / kPi : 0;
 }
 
-Rgb glossy_times_cosine(const Surface& s, const Vec3& out, Carried carried) {
-  const Rgb& rho = s.glossy();
-  if (is_black(rho) && is_black(s.transmission)) return Rgb(0);
-  if (s.under_coat) {
-    if (!s.above(out)) return Rgb(0);
-    const Vec3 below = below_coat(out, s.shading_normal, s.coat->ior);
-    return glossy_times_cosine(bare_lobe(s), below, carried) * narrowed(s, out, below) *
-           s.coat->passes(glm::dot(s.shading_normal, out));
-  }
-  if (is_principled(s)) {
-    const Rough r(s);
-    return s.reaches(out) ? principled_times_cosine(principled_lobe(s, r), r.to_local(out),
-                                                    carried == Carried::kRadiance)
-                          : Rgb(0);
-  }
-  if (!is_phong(s)) return rough_times_cosine(s, out, carried);
-  if (!s.above(out)) return Rgb(0);
-  const double c = cos_lobe(s, out), n = s.bsdf->exponent;
-  if (c <= 0) return Rgb(0);
-  return rho * ((n + 2) / (2 * kPi) * pow_exact(c, n) * glm::dot(s.shading_normal, out));
-}
-
-double glossy_pdf(const Surface& s, const Vec3& out) {
-  if (s.under_coat) {
-    if (!(glm::dot(out, s.shading_normal) > 0)) return 0;
-    const Vec3 below = below_coat(out, s.shading_normal, s.coat->ior);
-    return glossy_pdf(bare_lobe(s), below) * narrowed(s, out, below);
-  }
-  if (is_principled(s)) {
-    const Rough r(s);
-    return principled_pdf(principled_lobe(s, r), r.to_local(out));
-  }
-  if (!is_phong(s)) return rough_pdf(s, out);
-  const double c = cos_lobe(s, out), n = s.bsdf->exponent;
-  return c > 0 ? (n + 1) / (2 * kPi) * pow_exact(c, n) : 0;
-}
-
 Vec3 sample_diffuse(const Surface& s, const Vec2& u) {
   return Frame(s.shading_normal).to_world(sample_cosine(u));
 }
 
+Rgb glossy_times_cosine(const Surface& s, const Vec3& out, Carried carried) {
+  const Rgb own = own_times_cosine(s, out, carried);
+  return is_black(s.followed_lobe) ? own : own + cosine_lobe(s, s.followed_lobe, out);
+}
+
+double glossy_pdf(const Surface& s, const Vec3& out) {
+  const double followed = followed_share(s);
+  if (followed == 0) return own_pdf(s, out);
+  return followed * diffuse_pdf(s, out) + (followed < 1 ? (1 - followed) * own_pdf(s, out) : 0);
+}
+
 Vec3 sample_glossy(const Surface& s, const Vec2& u) {
-  if (s.under_coat)
-    return above_coat(sample_glossy(bare_lobe(s), u), s.shading_normal, s.coat->ior);
-  if (is_principled(s)) {
-    const Rough r(s);
-    return r.to_world(sample_principled(principled_lobe(s, r), u));
-  }
-  if (!is_phong(s)) return sample_rough(s, u);
-  const double z = pow_exact(1 - u.x, 1 / (s.bsdf->exponent + 1));
-  const double r = std::sqrt(std::max(0.0, 1 - z * z));
-  return Frame(reflect(s.in, s.shading_normal)).to_world(Vec3(cos_sin_turns(u.y) * r, z));
+  const double followed = followed_share(s);
+  if (followed == 0) return sample_own(s, u);
+  if (u.x < followed) return sample_diffuse(s, Vec2(u.x / followed, u.y));
+  return sample_own(s, Vec2((u.x - followed) / (1 - followed), u.y));
 }
 
 bool leave_with_power(const Surface& s, double choice, const Vec2& u, Vec3& out, Rgb& power) {

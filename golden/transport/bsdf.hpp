@@ -26,7 +26,8 @@ struct Surface {
   const Coat* coat = nullptr;  // of the diffuse lobe; what leaves to `in` is in the lobe already
   bool under_coat = false;     // the glossy lobe lies below that coat
   Rgb diffuse_lobe{0}, glossy_lobe{0}, reflection{0}, transmission{0};
-  double glossy_share = 0;  // beside the diffuse lobe's mean, when one of them is chosen
+  Rgb followed_lobe{0};     // diffuse, and sampled with the glossy lobe (Bsdf::follow_diffuse)
+  double glossy_share = 0;  // of both, beside the diffuse lobe's mean, when one is chosen
   double alpha_u = 0, alpha_v = 0;
   Rgb base{0};                         // of a principled BSDF
   double roughness = 0, metallic = 0;  // likewise
@@ -34,11 +35,11 @@ struct Surface {
 
   bool is_delta() const { return delta; }
   const Rgb& diffuse() const { return diffuse_lobe; }
-  const Rgb& glossy() const { return glossy_lobe; }
   // A glossy lobe that reaches both sides, as rough glass has.
   bool transmits() const { return bsdf && !bsdf->is_delta() && bsdf->transmits(); }
   bool black() const {
-    return !delta && is_black(diffuse_lobe) && is_black(glossy_lobe) && is_black(transmission);
+    return !delta && is_black(diffuse_lobe) && is_black(glossy_lobe) && is_black(transmission) &&
+           is_black(followed_lobe);
   }
   // Index of the other side over that of the side of `in`.
   double relative_ior() const { return front ? bsdf->ior : 1 / bsdf->ior; }
@@ -74,7 +75,8 @@ Surface make_part(const World& world, const Hit& hit, const Vec3& ray_direction,
 Coat make_coat(const Bsdf& b);
 
 // BSDF times |cosine|, and density of the lobe's sampling. Radiance that a glossy lobe of glass
-// takes to the denser side has the factor 1/ior^2, as sample_delta.
+// takes to the denser side has the factor 1/ior^2, as sample_delta. Glossy: a followed diffuse lobe
+// with it.
 Rgb diffuse_times_cosine(const Surface& s, const Vec3& out);
 double diffuse_pdf(const Surface& s, const Vec3& out);
 Rgb glossy_times_cosine(const Surface& s, const Vec3& out, Carried carried = Carried::kRadiance);

@@ -126,6 +126,9 @@ Hit point_on(const Primitive& p, uint32_t number, const Vec2& u) {
       hit.normal = p.inward ? -out : out;
       break;
     }
+    case PrimitiveKind::kUnevenSphere:
+    case PrimitiveKind::kUnevenCylinder:
+      break;  // these do not emit (World)
   }
   hit.shading_normal = hit.normal;
   return hit;

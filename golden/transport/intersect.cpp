@@ -52,6 +52,20 @@ Hit finish_hit(const World& world, uint32_t primitive, const Ray& ray, const Mee
       hit.shading_normal = hit.normal;
       break;
     }
+    case PrimitiveKind::kUnevenSphere:
+    case PrimitiveKind::kUnevenCylinder: {
+      Vec3 on = m.coordinates;  // the unit shape's point, and there its normal
+      if (p.kind == PrimitiveKind::kUnevenSphere)
+        on = glm::normalize(on);
+      else
+        on = Vec3(Vec2(on) / glm::length(Vec2(on)), on.z);
+      hit.position = p.a + p.b * on.x + p.c * on.y + p.axis * on.z;
+      if (p.kind == PrimitiveKind::kUnevenCylinder) on.z = 0;
+      const Vec3 out = glm::normalize(glm::transpose(to_unit_shape(p)) * on);
+      hit.normal = p.inward ? -out : out;
+      hit.shading_normal = hit.normal;
+      break;
+    }
     case PrimitiveKind::kDisk:
       hit.position = p.a + p.b * m.coordinates.x + p.c * m.coordinates.y;
       hit.coordinates = Vec2(m.coordinates.x, m.coordinates.y);

@@ -15,7 +15,8 @@
 
 namespace photonloom {
 
-// Barycentric coordinates of the vertices a, b, c; unused for spheres; x, y on a disk.
+// Barycentric coordinates of the vertices a, b, c; x, y on a disk; a point of an uneven primitive's
+// unit shape; unused for others.
 struct Meeting {
   double t = 0;
   Vec3 coordinates{0};
@@ -129,6 +130,35 @@ inline bool meet_cylinder(const Primitive& p, const Vec3& origin, const Vec3& di
   return reaches(nearest - root) || reaches(nearest + root);
 }
 
+// Into the unit shape of an uneven primitive: of which a point, or a direction without translation.
+inline glm::dmat3 to_unit_shape(const Primitive& p) {
+  return glm::inverse(glm::dmat3(p.b, p.c, p.axis));
+}
+
+// `leaving`: the origin lies on this very ellipsoid, or on this very cylinder, which has no caps.
+// Coordinates are of the unit shape; t is the ray's own.
+inline bool meet_uneven(const Primitive& p, const Vec3& origin, const Vec3& direction, bool leaving,
+                        Meeting& m) {
+  const glm::dmat3 to_unit = to_unit_shape(p);
+  const Vec3 oc = to_unit * (origin - p.a), d = to_unit * direction;
+  const bool tube = p.kind == PrimitiveKind::kUnevenCylinder;
+  const Vec3 o = tube ? Vec3(oc.x, oc.y, 0) : oc, slope = tube ? Vec3(d.x, d.y, 0) : d;
+  const double slope2 = glm::dot(slope, slope);
+  if (!(slope2 > 0)) return false;
+  const double nearest = -glm::dot(o, slope) / slope2;
+  const auto reaches = [&](double t) {
+    m.t = t;
+    m.coordinates = oc + d * t;
+    return t > 0 && (!tube || (m.coordinates.z >= 0 && m.coordinates.z <= 1));
+  };
+  if (leaving) return reaches(2 * nearest);
+  const Vec3 across = o + slope * nearest;
+  const double disc = 1 - glm::dot(across, across);
+  if (!(disc >= 0)) return false;
+  const double root = std::sqrt(disc / slope2);
+  return reaches(nearest - root) || reaches(nearest + root);
+}
+
 // Any primitive but a triangle.
 inline bool meet_round(const Primitive& p, const Vec3& origin, const Vec3& direction, bool leaving,
                        Meeting& m) {
@@ -137,6 +167,9 @@ inline bool meet_round(const Primitive& p, const Vec3& origin, const Vec3& direc
       return meet_sphere(p, origin, direction, leaving, m);
     case PrimitiveKind::kCylinder:
       return meet_cylinder(p, origin, direction, leaving, m);
+    case PrimitiveKind::kUnevenSphere:
+    case PrimitiveKind::kUnevenCylinder:
+      return meet_uneven(p, origin, direction, leaving, m);
     default:
       return !leaving && meet_disk(p, origin, direction, m);
   }
@@ -147,7 +180,7 @@ inline bool meet_round(const Primitive& p, const Vec3& origin, const Vec3& direc
 inline bool own_wall_before(const World& world, const Ray& ray, const Hit* from,
                             const Hit& to_hit) {
   const Primitive& p = world.primitives()[to_hit.primitive];
-  if (p.kind != PrimitiveKind::kSphere && p.kind != PrimitiveKind::kCylinder) return false;
+  if (p.kind == PrimitiveKind::kTriangle || p.kind == PrimitiveKind::kDisk) return false;
   if (from && from->primitive == to_hit.primitive) return false;  // a chord
   Meeting m;
   return meet_round(p, to_hit.position, -ray.direction, true, m) &&

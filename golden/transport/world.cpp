@@ -62,11 +62,39 @@ Primitive cylinder_primitive(const Shape& s) {
   return p;
 }
 
-// Half the extent of a disk along each axis.
-Vec3 disk_reach(const Primitive& p) {
-  return Vec3(std::sqrt(p.b.x * p.b.x + p.c.x * p.c.x), std::sqrt(p.b.y * p.b.y + p.c.y * p.c.y),
-              std::sqrt(p.b.z * p.b.z + p.c.z * p.c.z));
+// Area of the image of the unit sphere, or of the cylinder of radius and height 1: over an even
+// grid of the unit shape's points, the length that their area's vector has in the world.
+double uneven_area(const Primitive& p) {
+  constexpr int kTurns = 256, kHeights = 128;
+  const glm::dmat3 cofactors(glm::cross(p.c, p.axis), glm::cross(p.axis, p.b),
+                             glm::cross(p.b, p.c));
+  const bool tube = p.kind == PrimitiveKind::kUnevenCylinder;
+  const int heights = tube ? 1 : kHeights;
+  double sum = 0;
+  for (int i = 0; i < heights; ++i) {
+    const double z = tube ? 0 : (2 * i + 1.0) / kHeights - 1;
+    for (int j = 0; j < kTurns; ++j)
+      sum += glm::length(cofactors *
+                         Vec3(cos_sin_turns((j + 0.5) / kTurns) * std::sqrt(1 - z * z), z));
+  }
+  return sum / (heights * kTurns) * (tube ? 2 * kPi : 4 * kPi);
 }
+
+Primitive uneven_primitive(const Shape& s) {
+  Primitive p;
+  p.kind =
+      s.kind == ShapeKind::kSphere ? PrimitiveKind::kUnevenSphere : PrimitiveKind::kUnevenCylinder;
+  p.a = column(s.to_world, 3);
+  p.b = column(s.to_world, 0);
+  p.c = column(s.to_world, 1);
+  p.axis = column(s.to_world, 2);
+  p.area = uneven_area(p);
+  p.inward = s.flip_normals;
+  return p;
+}
+
+// Half the extent of a disk, or of an uneven cylinder's end, along each axis.
+Vec3 disk_reach(const Primitive& p) { return glm::sqrt(p.b * p.b + p.c * p.c); }
 
 }  // namespace
 
@@ -86,6 +114,7 @@ bool has_glossy_part(const Scene& scene, const Bsdf* bsdf) {
   return any_part(scene, bsdf, [](const Bsdf& b) {
     const bool rough = b.kind == BsdfKind::kRoughConductor || b.kind == BsdfKind::kRoughPlastic;
     return b.kind == BsdfKind::kRoughDielectric || b.kind == BsdfKind::kPrincipled ||
+           (b.follow_diffuse && !is_black(b.diffuse)) ||
            ((rough || b.kind == BsdfKind::kPhong) && !is_black(b.specular));
   });
 }
@@ -110,6 +139,16 @@ void primitive_bounds(const Primitive& p, Vec3& lower, Vec3& upper) {
     case PrimitiveKind::kDisk:
       lower = p.a - disk_reach(p);
       upper = p.a + disk_reach(p);
+      return;
+    case PrimitiveKind::kUnevenSphere: {
+      const Vec3 reach = glm::sqrt(p.b * p.b + p.c * p.c + p.axis * p.axis);
+      lower = p.a - reach;
+      upper = p.a + reach;
+      return;
+    }
+    case PrimitiveKind::kUnevenCylinder:
+      lower = glm::min(p.a, p.a + p.axis) - disk_reach(p);
+      upper = glm::max(p.a, p.a + p.axis) + disk_reach(p);
       return;
   }
 }
@@ -136,7 +175,9 @@ void World::add_coats() {
 void World::add_shape(uint32_t s) {
   const Shape& shape = scene_.shapes[s];
   const size_t first = primitives_.size();
-  if (shape.kind == ShapeKind::kSphere) {
+  if (shape.uneven) {
+    primitives_.push_back(uneven_primitive(shape));
+  } else if (shape.kind == ShapeKind::kSphere) {
     primitives_.push_back(sphere_primitive(shape));
   } else if (shape.kind == ShapeKind::kDisk) {
     primitives_.push_back(disk_primitive(shape));
@@ -351,6 +392,11 @@ void World::measure() {
     } else if (p.kind == PrimitiveKind::kCylinder) {
       for (const Vec3& v : {p.a, p.a + p.b})
         radius_ = std::max(radius_, glm::length(v - centre_) + p.c.x);
+    } else if (p.kind == PrimitiveKind::kUnevenCylinder || p.kind == PrimitiveKind::kUnevenSphere) {
+      Vec3 lo, hi;
+      primitive_bounds(p, lo, hi);
+      radius_ =
+          std::max(radius_, glm::length(glm::max(glm::abs(lo - centre_), glm::abs(hi - centre_))));
     } else {
       const double reach = p.kind == PrimitiveKind::kSphere
                                ? p.b.x
@@ -384,6 +430,11 @@ void World::add_emitters() {
     Primitive& p = primitives_[i];
     const std::optional<Rgb>& radiance = scene_.shapes[p.shape].radiance;
     if (!radiance || is_black(*radiance)) continue;
+    if (scene_.shapes[p.shape].uneven)
+      throw SceneError(
+          fmt::format("{}: a sphere or cylinder of uneven scales emits, expected equal "
+                      "scales or a mesh",
+                      scene_.name));
     p.emitter = static_cast<int32_t>(emitters_.size());
     Emitter e;
     e.primitive = static_cast<int32_t>(i);
@@ -465,6 +516,7 @@ double turn_of(double x, double y) {
 // The point of the unit sphere whose image a point on a sphere is.
 Vec3 on_unit_sphere(const Shape& s, const Vec3& position) {
   const Vec3 d = position - column(s.to_world, 3);
+  if (s.uneven) return glm::normalize(glm::inverse(glm::dmat3(s.to_world)) * d);
   const Vec3 local(glm::dot(d, column(s.to_world, 0)), glm::dot(d, column(s.to_world, 1)),
                    glm::dot(d, column(s.to_world, 2)));
   return local / glm::length(local);
@@ -473,6 +525,7 @@ Vec3 on_unit_sphere(const Shape& s, const Vec3& position) {
 // The point of the cylinder of radius and height 1 whose image a point on a cylinder is.
 Vec3 in_cylinder(const Shape& s, const Vec3& position) {
   const Vec3 d = position - column(s.to_world, 3);
+  if (s.uneven) return glm::inverse(glm::dmat3(s.to_world)) * d;
   Vec3 local(0);
   for (int i = 0; i < 3; ++i) {
     const Vec3 axis = column(s.to_world, i);
@@ -505,11 +558,13 @@ Vec2 World::uv(const Hit& hit) const {
       const Vec2& w = hit.coordinates;
       return c.uv[0] * (1 - w.x - w.y) + c.uv[1] * w.x + c.uv[2] * w.y;
     }
-    case PrimitiveKind::kSphere: {
+    case PrimitiveKind::kSphere:
+    case PrimitiveKind::kUnevenSphere: {
       const Vec3 d = on_unit_sphere(s, hit.position);
       return Vec2(turn_of(d.x, d.y), angle_of(d.z, std::sqrt(d.x * d.x + d.y * d.y)) / kPi);
     }
-    case PrimitiveKind::kCylinder: {
+    case PrimitiveKind::kCylinder:
+    case PrimitiveKind::kUnevenCylinder: {
       const Vec3 d = in_cylinder(s, hit.position);
       return Vec2(turn_of(d.x, d.y), d.z);
     }
@@ -525,11 +580,13 @@ Vec3 World::tangent(const Hit& hit) const {
   switch (p.kind) {
     case PrimitiveKind::kTriangle:
       return derivatives(hit, du, dv) ? du : Vec3(0);
-    case PrimitiveKind::kSphere: {
+    case PrimitiveKind::kSphere:
+    case PrimitiveKind::kUnevenSphere: {
       const Vec3 d = on_unit_sphere(s, hit.position);
       return column(s.to_world, 1) * d.x - column(s.to_world, 0) * d.y;
     }
-    case PrimitiveKind::kCylinder: {
+    case PrimitiveKind::kCylinder:
+    case PrimitiveKind::kUnevenCylinder: {
       const Vec3 d = in_cylinder(s, hit.position);
       return column(s.to_world, 1) * d.x - column(s.to_world, 0) * d.y;
     }
@@ -553,7 +610,8 @@ bool World::derivatives(const Hit& hit, Vec3& du, Vec3& dv) const {
       dv = (ac * b.x - ab * d.x) / det;
       return true;
     }
-    case PrimitiveKind::kSphere: {
+    case PrimitiveKind::kSphere:
+    case PrimitiveKind::kUnevenSphere: {
       const Vec3 d = on_unit_sphere(s, hit.position);
       const double across = std::sqrt(d.x * d.x + d.y * d.y);
       const Vec3 x = column(s.to_world, 0), y = column(s.to_world, 1), z = column(s.to_world, 2);
@@ -561,7 +619,8 @@ bool World::derivatives(const Hit& hit, Vec3& du, Vec3& dv) const {
       dv = across > 0 ? ((x * d.x + y * d.y) * (d.z / across) - z * across) * kPi : Vec3(0);
       return across > 0;
     }
-    case PrimitiveKind::kCylinder: {
+    case PrimitiveKind::kCylinder:
+    case PrimitiveKind::kUnevenCylinder: {
       const Vec3 d = in_cylinder(s, hit.position);
       du = (column(s.to_world, 1) * d.x - column(s.to_world, 0) * d.y) * (2 * kPi);
       dv = column(s.to_world, 2);

@@ -47,18 +47,27 @@ class RayCaster {
                         const Hit* to_hit) const = 0;
 };
 
-enum class PrimitiveKind : uint8_t { kTriangle, kSphere, kDisk, kCylinder };
+enum class PrimitiveKind : uint8_t {
+  kTriangle,
+  kSphere,
+  kDisk,
+  kCylinder,
+  kUnevenSphere,    // an ellipsoid
+  kUnevenCylinder,  // elliptic, and leaning where its transform shears
+};
 
 // What a ray can meet, in world space; a group's in the group's.
 struct Primitive {
   PrimitiveKind kind = PrimitiveKind::kTriangle;
-  bool inward = false;  // sphere, cylinder: the normal points to the centre or axis
+  bool inward = false;  // round ones: the normal points to the centre or axis
   uint32_t shape = 0;
   uint32_t index = 0;     // triangle: its number in the shape's mesh
   int32_t emitter = -1;   // area emitter: index into World::emitters()
   Vec3 a{0}, b{0}, c{0};  // triangle: vertices; sphere: centre a, radius b.x; disk: a + x b + y c,
-                          // x^2 + y^2 <= 1; cylinder: foot a, axis b, c.x its radius
-  Vec3 normal{0};         // triangle, disk: unit; sphere, cylinder: unused
+                          // x^2 + y^2 <= 1; cylinder: foot a, axis b, c.x its radius; uneven
+                          // ones: the unit shape's (x, y, z) stands at a + x b + y c + z axis
+  Vec3 normal{0};         // triangle, disk: unit; others: unused
+  Vec3 axis{0};           // uneven ones
   double area = 0;
 };
 

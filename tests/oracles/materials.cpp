@@ -93,6 +93,9 @@ std::vector<Case> rough_cases() {
       varnish.coat_absorption = Rgb(0.2);
       varnish.diffuse = Rgb(0);
       cases.push_back({"coated roughconductor", varnish, in});
+      Bsdf followed = rough(BsdfKind::kRoughPlastic, facets, 0.3, 0.3);
+      followed.follow_diffuse = true;
+      cases.push_back({"followed roughplastic", followed, in});
       cases.push_back({"roughdielectric, from inside",
                        rough(BsdfKind::kRoughDielectric, facets, 0.4, 0.4),
                        Vec3(in.x, in.y, -in.z)});
@@ -407,6 +410,53 @@ TEST_CASE("a coat over white loses what it reflects back down, and no more: with
     INFO(degrees << " degrees");
     CHECK(sum == Approx(f + (1 - f) * kept).epsilon(0.02));
   }
+}
+
+TEST_CASE("a followed diffuse lobe sends on what the same in the map does, and stores nothing") {
+  std::vector<Bsdf> cases;
+  for (const double degrees : {10.0, 60.0})
+    for (const BsdfKind kind :
+         {BsdfKind::kPlastic, BsdfKind::kRoughPlastic, BsdfKind::kPrincipled, BsdfKind::kDiffuse}) {
+      Bsdf b = rough(kind, Microfacets::kGgx, 0.3, 0.3);
+      b.diffuse = Rgb(0.7, 0.5, 0.2);
+      if (kind == BsdfKind::kDiffuse) b.coat_ior = 1.4;
+      Bsdf followed = b;
+      followed.follow_diffuse = true;
+      const Sample stored_sample(b), followed_sample(followed);
+      for (const double choice : {0.001, 0.4, 0.999}) {
+        const Surface s = stored_sample.from(at_angle(degrees), choice),
+                      f = followed_sample.from(at_angle(degrees), choice);
+        INFO("kind " << static_cast<int>(kind) << ", " << degrees << " degrees, " << choice);
+        CHECK(s.stores);
+        CHECK_FALSE(f.stores);
+        REQUIRE(f.is_delta() == s.is_delta());
+        if (s.is_delta()) continue;
+        CHECK(is_black(f.diffuse()));
+        CHECK(f.diffuse_probability() == 0);
+        for (int i = 0; i < 50; ++i) {
+          const Vec3 out = at_angle(88.0 * i / 50, 0.37 * i);
+          const Rgb whole = diffuse_times_cosine(s, out) + glossy_times_cosine(s, out);
+          const Rgb same = diffuse_times_cosine(f, out) + glossy_times_cosine(f, out);
+          for (int k = 0; k < 3; ++k) CHECK(same[k] == Approx(whole[k]).epsilon(1e-12));
+        }
+        // Sampled, with the density of its sampling, it sends on the same sum.
+        double sampled = 0, expected = 0;
+        constexpr int kGrid = 512;
+        for (int i = 0; i < kGrid; ++i)
+          for (int j = 0; j < kGrid; ++j) {
+            const Vec2 u((i + 0.5) / kGrid, (j + 0.5) / kGrid);
+            const Vec3 d = sample_glossy(f, u);
+            if (const double pdf = glossy_pdf(f, d); pdf > 0)
+              sampled += glossy_times_cosine(f, d).y / pdf / (kGrid * kGrid);
+            const Vec3 e = sample_diffuse(s, u);
+            expected += diffuse_times_cosine(s, e).y / diffuse_pdf(s, e) / (kGrid * kGrid);
+            const Vec3 g = sample_glossy(s, u);
+            const double own = is_black(s.glossy_lobe) ? 0 : glossy_pdf(s, g);
+            if (own > 0) expected += glossy_times_cosine(s, g).y / own / (kGrid * kGrid);
+          }
+        CHECK(sampled == Approx(expected).epsilon(0.01));
+      }
+    }
 }
 
 TEST_CASE("coats: a mirror below, absorption by Beer's law, a phong lobe below") {

@@ -68,6 +68,24 @@ TEST_CASE("layers agree: plastics, smooth and rough, on a textured floor, causti
   check_layers("plastics", s, 2048, 11, 0.05);
 }
 
+TEST_CASE("layers agree: a mixture whose diffuse lobes lie under two coats and none, within 5 %") {
+  Scene s = room(true);
+  Bsdf mixture;
+  mixture.kind = BsdfKind::kMixture;
+  for (const double ior : {1.5, 1.9}) {
+    Bsdf plastic = glossy(BsdfKind::kRoughPlastic, Microfacets::kGgx, 0.3, Rgb(0.7), ior);
+    plastic.follow_diffuse = true;
+    mixture.parts.push_back(add_bsdf(s, plastic));
+    mixture.shares.push_back(0.35);
+  }
+  mixture.parts.push_back(add_diffuse(s, Rgb(0.6)));
+  mixture.shares.push_back(0.3);
+  const int mixed = add_bsdf(s, mixture);
+  add_sphere(s, mixed, Vec3(0.3, 0.2, 0.65), 0.2);
+  add_quad(s, mixed, Vec3(0, 0.002, 0), Vec3(0, 0, 1), Vec3(1, 0, 0));
+  check_layers("mixture", s, 2048, 14, 0.05);
+}
+
 TEST_CASE("layers agree: rough metal, rough glass and thin glass, caustic within 5 %") {
   Scene s = room(true);
   add_sphere(s,

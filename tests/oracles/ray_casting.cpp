@@ -62,6 +62,17 @@ Scene soup(uint64_t seed, int triangles) {
     tube.kind = ShapeKind::kCylinder;
     tube.to_world = Mat4(glm::dvec4(frame.s * 0.07, 0), glm::dvec4(frame.t * 0.07, 0),
                          glm::dvec4(along, 0), glm::dvec4(from, 1));
+    // What an uneven instance makes of the two.
+    Shape pressed = s.shapes[s.shapes.size() - 3], leaning = tube;
+    for (Shape* shape : {&pressed, &leaning}) {
+      Mat4 uneven(1);
+      uneven[0][0] = 0.5;
+      uneven[1] = glm::dvec4(0.4, 1.3, -0.2, 0);
+      shape->to_world = uneven * shape->to_world;
+      shape->uneven = true;
+    }
+    s.shapes.push_back(pressed);
+    s.shapes.push_back(leaning);
   }
   s.shapes[0].radiance = Rgb(1);
   return s;
@@ -253,6 +264,99 @@ TEST_CASE("a cylinder: its inside, its open ends, and no second meeting with its
       if (expected) REQUIRE(again.distance == Approx(t).epsilon(1e-12));
     }
   }
+}
+
+TEST_CASE("uneven spheres and cylinders: closed forms, and the triangles of a fine mesh") {
+  const auto stretched = [](ShapeKind kind, const glm::dmat3& m) {
+    Scene s;
+    Shape& shape = add_sphere(s, add_diffuse(s, Rgb(0.5)), Vec3(0), 1);
+    shape.kind = kind;
+    shape.to_world = Mat4(m);
+    shape.to_world[3] = glm::dvec4(0.5, -1, 2, 1);
+    shape.uneven = true;
+    add_quad(s, -1, Vec3(-0.5, -0.5, 50), Vec3(0, 1, 0), Vec3(1, 0, 0)).radiance = Rgb(1);
+    return s;
+  };
+  // An oblate spheroid of half axes 2, 2, 1; a round cylinder of radius 2 and height 3.
+  const double e = std::sqrt(0.75);
+  const World oblate(stretched(ShapeKind::kSphere, glm::dmat3(2, 0, 0, 0, 2, 0, 0, 0, 1)));
+  CHECK(oblate.surface_area() ==
+        Approx(1 + 8 * kPi * (1 + (1 - e * e) / e * std::atanh(e))).epsilon(1e-4));
+  const World round(stretched(ShapeKind::kCylinder, glm::dmat3(2, 0, 0, 0, 2, 0, 0, 0, 3)));
+  CHECK(round.surface_area() == Approx(1 + 12 * kPi));
+  const glm::dmat3 lean(2, 0.3, 0, -0.2, 0.7, 0.4, 0.5, 0.1, -1.5);  // and mirrored
+  for (const ShapeKind kind : {ShapeKind::kSphere, ShapeKind::kCylinder}) {
+    const Scene s = stretched(kind, lean);
+    const World world(s);
+    const Shape& shape = world.scene().shapes[0];
+    // The same of facets.
+    const bool is_sphere = kind == ShapeKind::kSphere;
+    const auto unit = [&](const Vec2& uv) {
+      const Vec2 around = cos_sin_turns(uv.x), down = cos_sin_turns(uv.y / 2);
+      return is_sphere ? Vec3(around * down.y, down.x) : Vec3(around, uv.y);
+    };
+    Scene facets = s;
+    Shape mesh;
+    mesh.bsdf = shape.bsdf;
+    constexpr int kTurns = 400, kRows = 200;
+    for (int row = 0; row <= kRows; ++row)
+      for (int turn = 0; turn <= kTurns; ++turn) {
+        const Vec2 uv(turn / double{kTurns}, row / double{kRows});
+        mesh.mesh.positions.push_back(Vec3(shape.to_world * glm::dvec4(unit(uv), 1)));
+        if (row == kRows || turn == kTurns) continue;
+        const auto at = static_cast<uint32_t>(row * (kTurns + 1) + turn);
+        const uint32_t below = at + kTurns + 1;
+        mesh.mesh.triangles.push_back({at, below, at + 1});
+        mesh.mesh.triangles.push_back({at + 1, below, below + 1});
+      }
+    facets.shapes[0] = mesh;
+    const World fine(facets);
+    CHECK(world.surface_area() == Approx(fine.surface_area()).epsilon(1e-3));
+    CHECK(glm::length(world.lower() - fine.lower()) < 1e-3);
+    CHECK(world.radius() >= fine.radius());
+    const auto caster = make_double_bvh(world), of_facets = make_double_bvh(fine),
+               embree = make_embree(world);
+    int hits = 0, near = 0;
+    for (uint64_t i = 0; i < 2000; ++i) {
+      const Random r(9, Phase::kCamera, i);
+      const Vec3 target(0.5 + r.unit(0, 0) - 0.5, -1.5 + r.unit(0, 1), 1.5 + r.unit(0, 2));
+      const Vec3 d = sample_sphere({r.unit(1, 0), r.unit(1, 1)});
+      const Ray ray{target - d * 6.0, d};
+      const Hit found = caster->closest(ray, nullptr), expected = of_facets->closest(ray, nullptr);
+      CAPTURE(i);
+      REQUIRE(embree->closest(ray, nullptr).primitive == found.primitive);
+      if (!found.valid() || found.primitive != 0) continue;
+      ++hits;
+      REQUIRE(glm::length(found.position - (ray.origin + ray.direction * found.distance)) < 1e-13);
+      REQUIRE(glm::length(found.normal) == Approx(1));
+      // What u and v mean, and their derivatives.
+      Vec3 du, dv;
+      REQUIRE(world.derivatives(found, du, dv));
+      const Vec2 uv = world.uv(found);
+      REQUIRE(glm::length(found.position - Vec3(shape.to_world * glm::dvec4(unit(uv), 1))) < 1e-12);
+      const Vec2 around = cos_sin_turns(uv.x), down = cos_sin_turns(uv.y / 2);
+      const Vec3 turned = Vec3(-around.y, around.x, 0) * (2 * kPi);
+      REQUIRE(glm::length(du - lean * (is_sphere ? turned * down.y : turned)) < 1e-11);
+      REQUIRE(glm::length(dv - lean * (is_sphere ? Vec3(around * down.x, -down.y) * kPi
+                                                 : Vec3(0, 0, 1))) < 1e-11);
+      REQUIRE(std::fabs(glm::dot(found.normal, du)) < 1e-12 * glm::length(du));
+      REQUIRE(std::fabs(glm::dot(found.normal, dv)) < 1e-12 * glm::length(dv));
+      // No second meeting with itself where the ray comes from.
+      const Hit back = caster->closest({found.position, -ray.direction}, &found);
+      REQUIRE((!back.valid() || back.distance > 1e-3));
+      if (!expected.valid() || std::fabs(found.distance - expected.distance) > 1e-2) continue;
+      ++near;
+      const double side = glm::dot(expected.normal, found.normal);
+      REQUIRE(std::fabs(side) > 0.99);
+      const Vec3 out = found.position - Vec3(0.5, -1, 2);
+      if (is_sphere) REQUIRE(glm::dot(found.normal, out) > 0);
+    }
+    CHECK(hits > 500);
+    CHECK(near > 0.95 * hits);
+  }
+  Scene lit = stretched(ShapeKind::kSphere, lean);
+  lit.shapes[0].radiance = Rgb(1);
+  CHECK_THROWS_WITH(World(lit), ContainsSubstring("uneven scales emits"));
 }
 
 TEST_CASE("a segment to the inside of a round wall is cut by that wall, but for a chord") {
