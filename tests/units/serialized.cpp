@@ -72,7 +72,7 @@ std::string file_bytes(const std::vector<std::string>& meshes, int version = 4) 
   return out;
 }
 
-std::string error_of(const std::string& bytes, int64_t index = 0) {
+std::string mesh_error(const std::string& bytes, int64_t index = 0) {
   const TestFolder folder;
   try {
     read_serialized(folder.write("a.serialized", bytes), index);
@@ -118,40 +118,41 @@ TEST_CASE("serialized meshes: both versions and precisions, all parts, several i
 
 TEST_CASE("serialized meshes that are none") {
   const std::string good = file_bytes({mesh_bytes({})});
-  CHECK(error_of(good) == "");
-  CHECK_THAT(error_of(""), ContainsSubstring("a.serialized: the file does not begin with 0x041C"));
-  CHECK_THAT(error_of(good, 1), ContainsSubstring("mesh 1 does not exist, expected a shapeIndex "
-                                                  "from 0 to 0"));
-  CHECK_THAT(error_of(good, -1), ContainsSubstring("mesh -1 does not exist"));
+  CHECK(mesh_error(good) == "");
+  CHECK_THAT(mesh_error(""),
+             ContainsSubstring("a.serialized: the file does not begin with 0x041C"));
+  CHECK_THAT(mesh_error(good, 1), ContainsSubstring("mesh 1 does not exist, expected a shapeIndex "
+                                                    "from 0 to 0"));
+  CHECK_THAT(mesh_error(good, -1), ContainsSubstring("mesh -1 does not exist"));
   std::string version = good;
   version[2] = 9;
-  CHECK_THAT(error_of(version), ContainsSubstring("version 9, expected 3 or 4"));
+  CHECK_THAT(mesh_error(version), ContainsSubstring("version 9, expected 3 or 4"));
   std::string many = good;
   for (size_t i = 1; i <= 4; ++i) many[many.size() - i] = '\xff';
-  CHECK_THAT(error_of(many), ContainsSubstring("more than its"));
+  CHECK_THAT(mesh_error(many), ContainsSubstring("more than its"));
   std::string outside = good;
   outside[outside.size() - 9] = 1;
-  CHECK_THAT(error_of(outside), ContainsSubstring("outside of the file's"));
+  CHECK_THAT(mesh_error(outside), ContainsSubstring("outside of the file's"));
   std::string damaged = good;
   damaged[6] = '\x7f';
   damaged[7] = '\x7f';
-  CHECK(error_of(damaged) != "");
-  CHECK_THAT(error_of(file_bytes({mesh_bytes({}).substr(0, 30)})), ContainsSubstring("end"));
+  CHECK(mesh_error(damaged) != "");
+  CHECK_THAT(mesh_error(file_bytes({mesh_bytes({}).substr(0, 30)})), ContainsSubstring("end"));
   Parts p;
   p.triangles = 0;
-  CHECK_THAT(error_of(file_bytes({mesh_bytes(p)})), ContainsSubstring("has no triangles"));
+  CHECK_THAT(mesh_error(file_bytes({mesh_bytes(p)})), ContainsSubstring("has no triangles"));
   p.triangles = 3;
-  CHECK_THAT(error_of(file_bytes({mesh_bytes(p)})), ContainsSubstring("data end within"));
+  CHECK_THAT(mesh_error(file_bytes({mesh_bytes(p)})), ContainsSubstring("data end within"));
   p.triangles = uint64_t{1} << 40;  // a bomb's claim
-  CHECK_THAT(error_of(file_bytes({mesh_bytes(p)})), ContainsSubstring("claims"));
+  CHECK_THAT(mesh_error(file_bytes({mesh_bytes(p)})), ContainsSubstring("claims"));
   p = {};
   p.corner = 4;
-  CHECK_THAT(error_of(file_bytes({mesh_bytes(p)})),
+  CHECK_THAT(mesh_error(file_bytes({mesh_bytes(p)})),
              ContainsSubstring("triangle 0 of mesh 0 has the vertex 4, expected 0 to 3"));
   p.corner = 1;
-  CHECK_THAT(error_of(file_bytes({mesh_bytes(p)})), ContainsSubstring("no area"));
+  CHECK_THAT(mesh_error(file_bytes({mesh_bytes(p)})), ContainsSubstring("no area"));
   p = {};
   p.x = std::numeric_limits<double>::infinity();
-  CHECK_THAT(error_of(file_bytes({mesh_bytes(p)})),
+  CHECK_THAT(mesh_error(file_bytes({mesh_bytes(p)})),
              ContainsSubstring("position 1 of mesh 0 is not finite"));
 }
