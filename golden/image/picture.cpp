@@ -2,6 +2,7 @@
 #include "golden/image/picture.hpp"
 
 #include <fmt/core.h>
+#include <turbojpeg.h>
 
 #include <climits>
 #include <cstdint>
@@ -11,11 +12,11 @@
 #include "golden/image/image.hpp"
 #include "golden/numeric/output_file.hpp"
 
-// No SIMD: a JPEG's bytes then decode to the same texels on every machine.
 #define STB_IMAGE_STATIC
 #define STB_IMAGE_IMPLEMENTATION
 #define STBI_NO_STDIO
 #define STBI_NO_SIMD
+#define STBI_NO_JPEG
 #define STBI_NO_PSD
 #define STBI_NO_GIF
 #define STBI_NO_PIC
@@ -82,11 +83,59 @@ Picture from_exr(const std::string& path) {
   return out;
 }
 
+// No compression makes so much of so little, and room is made before the rest is looked at.
+void check_bytes(const std::string& path, const Picture& picture, size_t bytes) {
+  if (int64_t{picture.width} * picture.height > static_cast<int64_t>(bytes) << 14)
+    fail_picture(path, fmt::format("has {} x {} pixels, more than its {} bytes can hold",
+                                   picture.width, picture.height, bytes));
+}
+
+// Its accurate transform gives the same texels on every machine, with SIMD and without.
+Picture from_jpeg(const std::string& path, const std::string& bytes) {
+  const std::unique_ptr<void, int (*)(tjhandle)> reader(tjInitDecompress(), tjDestroy);
+  if (!reader) fail_picture(path, "cannot be read as JPEG: no memory");
+  const auto broken = [&] {
+    fail_picture(path, fmt::format("cannot be read as JPEG: {}", tjGetErrorStr2(reader.get())));
+  };
+  const auto* data = reinterpret_cast<const unsigned char*>(bytes.data());
+  Picture out;
+  int sampling = 0, space = 0;
+  if (tjDecompressHeader3(reader.get(), data, bytes.size(), &out.width, &out.height, &sampling,
+                          &space) != 0)
+    broken();
+  check_size(path, out.width, out.height);
+  check_bytes(path, out, bytes.size());
+  const bool inks = space == TJCS_CMYK || space == TJCS_YCCK;
+  const int format = space == TJCS_GRAY ? TJPF_GRAY : inks ? TJPF_CMYK : TJPF_RGB;
+  const size_t read = static_cast<size_t>(tjPixelSize[format]);
+  std::vector<unsigned char> texels(static_cast<size_t>(out.width) *
+                                    static_cast<size_t>(out.height) * read);
+  if (tjDecompress2(reader.get(), data, bytes.size(), texels.data(), out.width, 0, out.height,
+                    format, TJFLAG_ACCURATEDCT | TJFLAG_LIMITSCANS) != 0) {
+    // Bytes that stand between markers are warned of and skipped, as by other readers.
+    const std::string why = tjGetErrorStr2(reader.get());
+    if (tjGetErrorCode(reader.get()) != TJERR_WARNING || why.find("Premature") != std::string::npos)
+      broken();
+  }
+  out.integers = true;
+  out.channels = inks ? 3 : static_cast<int>(read);
+  const auto channels = static_cast<size_t>(out.channels);
+  out.values.resize(texels.size() / read * channels);
+  for (size_t i = 0; i < out.values.size(); ++i) {
+    const unsigned char* texel = &texels[i / channels * read];
+    // Inks stand in files as their complements, as Adobe's programs write them.
+    const double value = inks ? texel[i % channels] * (texel[3] / 255.0) : texel[i % channels];
+    out.values[i] = static_cast<float>(value / 255);
+  }
+  return out;
+}
+
 }  // namespace
 
 Picture read_picture(const std::string& path) {
   const std::string bytes = read_file(path);
   if (bytes.compare(0, 4, "\x76\x2f\x31\x01") == 0) return from_exr(path);
+  if (bytes.compare(0, 2, "\xff\xd8") == 0) return from_jpeg(path, bytes);
   if (bytes.size() > INT_MAX) fail_picture(path, "is larger than 2 GiB");
   const auto* data = reinterpret_cast<const stbi_uc*>(bytes.data());
   const int size = static_cast<int>(bytes.size());
@@ -107,10 +156,7 @@ Picture read_picture(const std::string& path) {
   if (!stbi_info_from_memory(data, size, &out.width, &out.height, &out.channels))
     broken("cannot be read as PNG, JPEG, TGA, BMP, HDR or EXR");
   check_size(path, out.width, out.height);
-  // No compression makes so much of so little, and room is made before the rest is looked at.
-  if (int64_t{out.width} * out.height > int64_t{size} << 14)
-    fail_picture(path, fmt::format("has {} x {} pixels, more than its {} bytes can hold", out.width,
-                                   out.height, size));
+  check_bytes(path, out, bytes.size());
   int width = 0, height = 0;
   if (stbi_is_hdr_from_memory(data, size)) {
     float* values = stbi_loadf_from_memory(data, size, &width, &height, &out.channels, 0);

@@ -856,6 +856,29 @@ TEST_CASE("pictures of all formats give the same texels; alpha, raw, gamma, gray
   CHECK(shared.at(0, 0) == Rgb(1, 0, 0));
   CHECK(shared.at(1, 1).x == Approx(grey).epsilon(1.0 / 128));
   CHECK(load_bitmap(folder / "a.jpg", {}).at(3, 3).x == Approx(grey).epsilon(0.02));
+  // Of gray and of colors; cut short; a table of more codes than there are.
+  std::vector<uint8_t> bands;
+  for (int i = 0; i < 16 * 16; ++i) bands.insert(bands.end(), {255, 127, 0});
+  std::string gray_jpg, color_jpg;
+  stbi_write_jpg_to_func(collect, &gray_jpg, 16, 16, 1, flat.data(), 95);
+  stbi_write_jpg_to_func(collect, &color_jpg, 16, 16, 3, bands.data(), 95);
+  folder.write("gray.jpg", gray_jpg);
+  folder.write("color.jpg", color_jpg);
+  CHECK(load_bitmap(folder / "gray.jpg", {true, 0, ""}).at(9, 9).x ==
+        Approx(188 / 255.0).epsilon(0.01));
+  const Rgb band = load_bitmap(folder / "color.jpg", {true, 0, ""}).at(9, 9);
+  CHECK(glm::length(band - Rgb(1, 127 / 255.0, 0)) < 0.02);
+  folder.write("cut.jpg", color_jpg.substr(0, color_jpg.size() - 8));
+  CHECK_THROWS_WITH(
+      load_bitmap(folder / "cut.jpg", {}),
+      ContainsSubstring("cannot be read as JPEG: ") && ContainsSubstring("Premature"));
+  std::string crowded = color_jpg;
+  const size_t table = crowded.find("\xff\xc4");
+  REQUIRE(table != std::string::npos);
+  for (size_t i = 5; i < 21; ++i) crowded[table + i] = '\xff';
+  folder.write("crowded.jpg", crowded);
+  CHECK_THROWS_WITH(load_bitmap(folder / "crowded.jpg", {}),
+                    ContainsSubstring("crowded.jpg: cannot be read as JPEG: "));
   CHECK(load_bitmap(folder / "a.png", {true, 0, ""}).at(1, 1).x == Approx(188 / 255.0));
   CHECK(load_bitmap(folder / "a.png", {false, 2, ""}).at(1, 1).x ==
         Approx(188 / 255.0 * 188 / 255.0));
