@@ -117,6 +117,10 @@ Json reaches(const Scene& scene, const Bsdf& b) {
   Json out = Json::array();
   if (has_diffuse_part(scene, &b)) out.push_back("queries and photons of its diffuse lobe");
   if (has_delta_part(scene, &b)) out.push_back("caustic photons that it throws");
+  if (b.follow_diffuse && !is_black(b.diffuse))
+    out.push_back(
+        "nothing of its diffuse lobe, whose coat the map does not know: the host follows "
+        "its light");
   if (out.empty()) out.push_back("nothing: the host follows its light");
   return out;
 }
@@ -163,8 +167,10 @@ Json describe(const World& world) {
   j["instanced_triangles"] = instanced;
   j["shapes"] = shapes;
   Json bsdfs = Json::array();
-  for (const Bsdf& b : s.bsdfs)
-    bsdfs.push_back({{"id", b.id}, {"type", name(b.kind)}, {"hardware", reaches(s, b)}});
+  const std::vector<bool> used = used_bsdfs(s);
+  for (size_t i = 0; i < s.bsdfs.size(); ++i)
+    if (const Bsdf& b = s.bsdfs[i]; used[i])
+      bsdfs.push_back({{"id", b.id}, {"type", name(b.kind)}, {"hardware", reaches(s, b)}});
   j["bsdfs"] = bsdfs;
   // Area emitters by shape: a mesh is many emitting primitives.
   Json emitters = Json::array();

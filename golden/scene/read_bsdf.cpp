@@ -35,6 +35,8 @@ Wrap wrap_of(Properties& p, const std::string& name, Wrap otherwise) {
                                     text));
 }
 
+constexpr int64_t kMaxLeaves = 256;  // of a mixture: each is looked at where light meets it
+
 // Something lies over the diffuse lobe that photons cross on their way to it.
 bool has_coat(const Bsdf& b) {
   return b.kind == BsdfKind::kPlastic || b.kind == BsdfKind::kRoughPlastic ||
@@ -625,38 +627,65 @@ Sides BsdfReader::normals(Properties& p, int level) {
   return sides;
 }
 
+int64_t BsdfReader::leaves_of(int index) const {
+  if (index < 0) return 0;
+  int64_t leaves = 0;
+  for (const int part : scene_.bsdfs[static_cast<size_t>(index)].parts) leaves += leaves_of(part);
+  return std::max<int64_t>(1, leaves);
+}
+
 bool BsdfReader::turns_normals(int index) const {
   if (index < 0) return false;
   const Bsdf& b = scene_.bsdfs[static_cast<size_t>(index)];
   return b.normal_map >= 0 || b.bump_map >= 0;
 }
 
-void BsdfReader::keep_one_coat(std::vector<int>& parts) {
-  std::optional<Bsdf> kept;
-  bool bare = false, differ = false;
-  const auto look = [&](const auto& again, int index) -> void {
-    if (index < 0) return;
-    const Bsdf& b = scene_.bsdfs[static_cast<size_t>(index)];
-    for (const int part : b.parts) again(again, part);
-    if (b.kind == BsdfKind::kMixture || is_black(b.diffuse) || !b.has_diffuse()) return;
-    if (!has_coat(b))
-      bare = true;
-    else if (!kept)
-      kept = b;
-    else
-      differ = differ || !same_coat(*kept, b);
+void BsdfReader::keep_one_coat(Bsdf& mixture) {
+  // Kinds of coat, none among them, each with its share of the light.
+  std::vector<std::pair<const Bsdf*, double>> coats;
+  const auto of = [&](const Bsdf& b) {
+    return std::find_if(coats.begin(), coats.end(), [&](const auto& c) {
+      return has_coat(*c.first) ? has_coat(b) && same_coat(*c.first, b) : !has_coat(b);
+    });
   };
-  for (const int part : parts) look(look, part);
-  if (!kept || !(bare || differ)) return;
+  const auto holds_photons = [](const Bsdf& b) {
+    return b.kind != BsdfKind::kMixture && b.has_diffuse() && !is_black(b.diffuse);
+  };
+  const auto look = [&](const auto& again, const Bsdf& b, double share) -> void {
+    share *= b.opacity;
+    if (share == 0) return;
+    if (holds_photons(b)) {
+      if (const auto at = of(b); at != coats.end())
+        at->second += share;
+      else
+        coats.emplace_back(&b, share);
+    }
+    const bool textured = b.textured(Slot::kShare) >= 0;
+    for (size_t i = 0; i < b.parts.size(); ++i)
+      if (b.parts[i] >= 0)
+        again(again, scene_.bsdfs[static_cast<size_t>(b.parts[i])],
+              share * (textured ? 0.5 : b.shares[i]));
+  };
+  look(look, mixture, 1);
+  if (coats.size() < 2) return;
+  const auto most = std::max_element(
+      coats.begin(), coats.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
+  const Bsdf kept = *most->first;
+  const auto stays = [&](const Bsdf& b) {
+    return !holds_photons(b) || (has_coat(kept) ? has_coat(b) && same_coat(kept, b) : !has_coat(b));
+  };
+  std::map<int, int> followed;  // copies of what has other coats
   const auto follow = [&](const auto& again, int index) -> int {
     if (index < 0) return index;
+    if (const auto at = followed.find(index); at != followed.end()) return at->second;
     Bsdf b = scene_.bsdfs[static_cast<size_t>(index)];
+    const std::vector<int> parts = b.parts;
     for (int& part : b.parts) part = again(again, part);
-    if (b.kind != BsdfKind::kMixture && b.has_diffuse() && has_coat(b))
-      b.follow_diffuse = bare || !same_coat(*kept, b);
-    return add(b);
+    if (!stays(b)) b.follow_diffuse = true;
+    const bool same = parts == b.parts && stays(scene_.bsdfs[static_cast<size_t>(index)]);
+    return followed[index] = same ? index : add(b);
   };
-  for (int& part : parts) part = follow(follow, part);
+  for (int& part : mixture.parts) part = follow(follow, part);
 }
 
 Sides BsdfReader::mixture(Properties& p, int level) {
@@ -720,8 +749,14 @@ Sides BsdfReader::mixture(Properties& p, int level) {
     any_back = any_back || s.back >= 0;
     same = same && s.back == s.front;
   }
-  keep_one_coat(front.parts);
-  keep_one_coat(back.parts);
+  int64_t leaves = 0;
+  for (const Sides& s : nested) leaves += leaves_of(s.front) + leaves_of(s.back);
+  if (leaves > kMaxLeaves)
+    fail(p.object(), fmt::format("{} has {} parts, those of mixtures in it and both sides counted, "
+                                 "expected at most {}",
+                                 describe(p.object()), leaves, kMaxLeaves));
+  keep_one_coat(front);
+  if (any_back && !same) keep_one_coat(back);
   Sides sides;
   sides.front = add(front);
   back.id = suffix(back.id, ".back");

@@ -55,10 +55,11 @@ class BsdfReader {
   Sides two_sided(Properties& p, int level);
   Sides mask(Properties& p, int level);
   Sides mixture(Properties& p, int level);
-  // Photons carry the light that enters a coat, and one map knows one coat: the diffuse lobes of a
-  // mixture that have none stay in it, or else those under the first coat; others are followed as
-  // paths.
-  void keep_one_coat(std::vector<int>& parts);
+  // Photons carry the light that enters a coat, and one map knows one coat, or none: that with the
+  // largest share of a mixture's light, the first of equal ones. Diffuse lobes under others are
+  // followed as paths.
+  void keep_one_coat(Bsdf& mixture);
+  int64_t leaves_of(int index) const;  // BSDFs that are no mixtures
   Sides normals(Properties& p, int level);
   // The one BSDF inside; what else stands there is named as not expected.
   Sides only_bsdf(Properties& p, int level, const char* expected);

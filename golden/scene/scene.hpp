@@ -245,4 +245,14 @@ enum class Unsupported { kRefuse, kSubstitute };
 Scene load_scene(const std::string& path, const Parameters& parameters = {},
                  Unsupported unsupported = Unsupported::kRefuse);
 
+// Lobes of a BSDF, null for black, or of one of its parts; a followed diffuse one is glossy.
+bool has_diffuse_part(const Scene& scene, const Bsdf* bsdf);
+bool has_delta_part(const Scene& scene, const Bsdf* bsdf);
+bool has_glossy_part(const Scene& scene, const Bsdf* bsdf);
+// Some part of it, or all of it, lets light pass straight on.
+bool has_open_part(const Scene& scene, const Bsdf* bsdf);
+
+// Which of Scene::bsdfs some shape has on a side, itself or as a part.
+std::vector<bool> used_bsdfs(const Scene& scene);
+
 }  // namespace photonloom

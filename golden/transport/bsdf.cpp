@@ -550,8 +550,9 @@ double glossy_pdf(const Surface& s, const Vec3& out) {
 Vec3 sample_glossy(const Surface& s, const Vec2& u) {
   const double followed = followed_share(s);
   if (followed == 0) return sample_own(s, u);
-  if (u.x < followed) return sample_diffuse(s, Vec2(u.x / followed, u.y));
-  return sample_own(s, Vec2((u.x - followed) / (1 - followed), u.y));
+  constexpr double kBelowOne = 1 - 0x1p-53;
+  if (u.x < followed) return sample_diffuse(s, Vec2(std::min(u.x / followed, kBelowOne), u.y));
+  return sample_own(s, Vec2(std::min((u.x - followed) / (1 - followed), kBelowOne), u.y));
 }
 
 bool leave_with_power(const Surface& s, double choice, const Vec2& u, Vec3& out, Rgb& power) {

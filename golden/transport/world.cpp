@@ -17,16 +17,6 @@ namespace {
 
 Vec3 column(const Mat4& m, int i) { return Vec3(m[i]); }
 
-// Whether one of a BSDF's parts, or itself, has what `has` asks for.
-template <class Has>
-bool any_part(const Scene& scene, const Bsdf* b, Has&& has) {
-  if (!b) return false;
-  if (b->kind != BsdfKind::kMixture) return has(*b);
-  for (const int part : b->parts)
-    if (part >= 0 && any_part(scene, &scene.bsdfs[static_cast<size_t>(part)], has)) return true;
-  return false;
-}
-
 Primitive disk_primitive(const Shape& s) {
   Primitive p;
   p.kind = PrimitiveKind::kDisk;
@@ -98,27 +88,6 @@ Vec3 disk_reach(const Primitive& p) { return glm::sqrt(p.b * p.b + p.c * p.c); }
 
 }  // namespace
 
-bool has_diffuse_part(const Scene& scene, const Bsdf* bsdf) {
-  return any_part(scene, bsdf,
-                  [](const Bsdf& b) { return !is_black(b.diffuse) && b.has_diffuse(); });
-}
-
-bool has_delta_part(const Scene& scene, const Bsdf* bsdf) {
-  return any_part(scene, bsdf, [](const Bsdf& b) {
-    return b.is_delta() || (b.kind == BsdfKind::kPlastic && !is_black(b.specular)) ||
-           (b.is_coated() && !is_black(b.coat_specular));
-  });
-}
-
-bool has_glossy_part(const Scene& scene, const Bsdf* bsdf) {
-  return any_part(scene, bsdf, [](const Bsdf& b) {
-    const bool rough = b.kind == BsdfKind::kRoughConductor || b.kind == BsdfKind::kRoughPlastic;
-    return b.kind == BsdfKind::kRoughDielectric || b.kind == BsdfKind::kPrincipled ||
-           (b.follow_diffuse && !is_black(b.diffuse)) ||
-           ((rough || b.kind == BsdfKind::kPhong) && !is_black(b.specular));
-  });
-}
-
 void primitive_bounds(const Primitive& p, Vec3& lower, Vec3& upper) {
   switch (p.kind) {
     case PrimitiveKind::kTriangle:
@@ -160,7 +129,9 @@ World::World(Scene scene) : scene_(std::move(scene)) {
 }
 
 void World::add_coats() {
+  const std::vector<bool> used = used_bsdfs(scene_);
   for (size_t i = 0; i < scene_.bsdfs.size(); ++i) {
+    if (!used[i]) continue;
     const Bsdf& b = scene_.bsdfs[i];
     const bool plastic = b.kind == BsdfKind::kPlastic || b.kind == BsdfKind::kRoughPlastic;
     if (b.kind == BsdfKind::kMixture || b.kind == BsdfKind::kPlastic || b.is_coated())
@@ -216,10 +187,7 @@ void World::add_primitives() {
       const Bsdf* b = bsdf(s, side);
       has_delta_ = has_delta_ || has_delta_part(scene_, b);
       has_glossy_ = has_glossy_ || has_glossy_part(scene_, b);
-      const auto open = [](const Bsdf& x) {
-        return x.opacity < 1 || x.textured(Slot::kOpacity) >= 0;
-      };
-      const bool is_open = b && (open(*b) || any_part(scene_, b, open));
+      const bool is_open = has_open_part(scene_, b);
       side_open_.push_back(is_open);
       has_openings_ = has_openings_ || is_open;
     }

@@ -107,11 +107,6 @@ struct PlacedGroup {
   bool mirrored = false;
 };
 
-// Lobes of a BSDF or of one of its parts.
-bool has_diffuse_part(const Scene& scene, const Bsdf* bsdf);
-bool has_delta_part(const Scene& scene, const Bsdf* bsdf);
-bool has_glossy_part(const Scene& scene, const Bsdf* bsdf);
-
 // A scene with primitives, emitters and bounds worked out. Throws SceneError when nothing emits.
 class World {
  public:

@@ -2,6 +2,8 @@
 // What scene files mean, sentence by sentence: see docs/scene.md.
 #include "golden/scene/scene.hpp"
 
+#include <fmt/core.h>
+
 #include <cmath>
 
 #include "golden/numeric/elementary.hpp"
@@ -837,11 +839,10 @@ TEST_CASE("mask, blendbsdf and mixturebsdf: both sides, shares, what they refuse
              ContainsSubstring("has 0 BSDFs and 1 weights"));
   CHECK_THAT(body_error("<bsdf type=\"mask\"/>"), ContainsSubstring("has no BSDF"));
   // One map knows one coat, or none.
-  const auto follows = [&](const std::string& inside) {
-    const std::string file =
-        "<bsdf type=\"mixturebsdf\"><string name=\"weights\" "
-        "value=\"0.3, 0.3, 0.3\"/>" +
-        inside + "</bsdf>";
+  const auto follows = [&](const std::string& inside,
+                           const std::string& weights = "0.3, 0.3, 0.3") {
+    const std::string file = "<bsdf type=\"mixturebsdf\"><string name=\"weights\" value=\"" +
+                             weights + "\"/>" + inside + "</bsdf>";
     const Scene s = load_body("<shape type=\"disk\">" + file + "</shape>");
     std::vector<bool> followed;
     for (const int part : s.bsdfs[static_cast<size_t>(s.shapes[0].bsdf)].parts)
@@ -851,7 +852,11 @@ TEST_CASE("mask, blendbsdf and mixturebsdf: both sides, shares, what they refuse
   const std::string bare = "<bsdf type=\"diffuse\"/>", plastic = "<bsdf type=\"plastic\"/>",
                     rough_plastic = "<bsdf type=\"roughplastic\"/>",
                     metal = "<bsdf type=\"conductor\"/>";
-  CHECK(follows(plastic + bare + rough_plastic) == std::vector<bool>{true, false, true});
+  CHECK(follows(plastic + bare + rough_plastic) == std::vector<bool>{false, true, true});
+  CHECK(follows(plastic + bare + rough_plastic, "0.3, 0.4, 0.3") ==
+        std::vector<bool>{true, false, true});
+  CHECK(follows(plastic + bare + bare, "0.4, 0.3, 0.3") == std::vector<bool>{true, false, false});
+  CHECK(follows(bare + plastic + metal, "0, 0.2, 0.8") == std::vector<bool>{false, false, false});
   CHECK(follows(plastic + rough_plastic + plastic) == std::vector<bool>{false, true, false});
   CHECK(follows(plastic + metal + plastic) == std::vector<bool>{false, false, false});
   CHECK(follows(bare + metal + bare) == std::vector<bool>{false, false, false});
@@ -861,6 +866,44 @@ TEST_CASE("mask, blendbsdf and mixturebsdf: both sides, shares, what they refuse
   CHECK_THAT(
       body_error("<shape type=\"disk\"><bsdf type=\"null\"/><emitter type=\"area\"/></shape>"),
       ContainsSubstring("emits and lets light pass"));
+}
+
+TEST_CASE("mixtures of mixtures: parts are counted, and copied only where they change") {
+  std::string body = "<bsdf type=\"roughplastic\" id=\"m0\"/>";
+  for (int i = 1; i <= 9; ++i)
+    body +=
+        fmt::format("<bsdf type=\"blendbsdf\" id=\"m{}\"><ref id=\"m{}\"/><ref id=\"m{}\"/></bsdf>",
+                    i, i - 1, i - 1);
+  const auto shown = [&](int i) {
+    return body + fmt::format("<shape type=\"disk\"><ref id=\"m{}\"/></shape>", i);
+  };
+  CHECK_THAT(body_error(shown(9)),
+             ContainsSubstring("has 512 parts") && ContainsSubstring("expected at most 256"));
+  body.resize(body.rfind("<bsdf type=\"blendbsdf\" id=\"m9\">"));
+  const Scene s = load_body(shown(8));
+  const std::vector<bool> used = used_bsdfs(s);
+  // The plastic, a mixture for each level, the lamp's.
+  CHECK(std::count(used.begin(), used.end(), true) <= 10);
+  CHECK(s.bsdfs.size() <= 20);
+}
+
+TEST_CASE("a scene in which photons miss caustics says so") {
+  const std::string glass = "<shape type=\"sphere\"><bsdf type=\"dielectric\"/></shape>",
+                    point = "<emitter type=\"point\"/>",
+                    rough = "<shape type=\"disk\"><bsdf type=\"roughconductor\"/></shape>",
+                    plain = "<shape type=\"disk\"><bsdf type=\"diffuse\"/></shape>";
+  const auto warned = [&](const std::string& body) {
+    for (const std::string& w : load_body(body).warnings)
+      if (w.find("path traced images only") != std::string::npos) return true;
+    return false;
+  };
+  CHECK(warned(glass + point + rough));
+  CHECK_FALSE(warned(glass + point + plain));
+  CHECK_FALSE(warned(glass + rough));
+  CHECK_FALSE(warned(point + rough));
+  CHECK(warned(glass + point +
+               "<shape type=\"disk\"><bsdf type=\"blendbsdf\"><bsdf type=\"diffuse\"/><bsdf "
+               "type=\"plastic\"/></bsdf></shape>"));
 }
 
 TEST_CASE("environments: one, of one radiance or with a map") {
