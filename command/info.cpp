@@ -118,9 +118,7 @@ Json reaches(const Scene& scene, const Bsdf& b) {
   if (has_diffuse_part(scene, &b)) out.push_back("queries and photons of its diffuse lobe");
   if (has_delta_part(scene, &b)) out.push_back("caustic photons that it throws");
   if (b.follow_diffuse && !is_black(b.diffuse))
-    out.push_back(
-        "nothing of its diffuse lobe, whose coat the map does not know: the host follows "
-        "its light");
+    out.push_back("nothing of its diffuse lobe: the map has another coat's, the host follows it");
   if (out.empty()) out.push_back("nothing: the host follows its light");
   return out;
 }

@@ -94,15 +94,18 @@ void check_bytes(const std::string& path, const Picture& picture, size_t bytes) 
 Picture from_jpeg(const std::string& path, const std::string& bytes) {
   const std::unique_ptr<void, int (*)(tjhandle)> reader(tjInitDecompress(), tjDestroy);
   if (!reader) fail_picture(path, "cannot be read as JPEG: no memory");
-  const auto broken = [&] {
-    fail_picture(path, fmt::format("cannot be read as JPEG: {}", tjGetErrorStr2(reader.get())));
+  // Bytes that stand between markers are warned of and skipped, as by other readers.
+  const auto check = [&](int status) {
+    const std::string why = status == 0 ? "" : tjGetErrorStr2(reader.get());
+    if (status != 0 && (tjGetErrorCode(reader.get()) != TJERR_WARNING ||
+                        why.find("Premature") != std::string::npos))
+      fail_picture(path, "cannot be read as JPEG: " + why);
   };
   const auto* data = reinterpret_cast<const unsigned char*>(bytes.data());
   Picture out;
   int sampling = 0, space = 0;
-  if (tjDecompressHeader3(reader.get(), data, bytes.size(), &out.width, &out.height, &sampling,
-                          &space) != 0)
-    broken();
+  check(tjDecompressHeader3(reader.get(), data, bytes.size(), &out.width, &out.height, &sampling,
+                            &space));
   check_size(path, out.width, out.height);
   check_bytes(path, out, bytes.size());
   const bool inks = space == TJCS_CMYK || space == TJCS_YCCK;
@@ -110,13 +113,8 @@ Picture from_jpeg(const std::string& path, const std::string& bytes) {
   const size_t read = static_cast<size_t>(tjPixelSize[format]);
   std::vector<unsigned char> texels(static_cast<size_t>(out.width) *
                                     static_cast<size_t>(out.height) * read);
-  if (tjDecompress2(reader.get(), data, bytes.size(), texels.data(), out.width, 0, out.height,
-                    format, TJFLAG_ACCURATEDCT | TJFLAG_LIMITSCANS) != 0) {
-    // Bytes that stand between markers are warned of and skipped, as by other readers.
-    const std::string why = tjGetErrorStr2(reader.get());
-    if (tjGetErrorCode(reader.get()) != TJERR_WARNING || why.find("Premature") != std::string::npos)
-      broken();
-  }
+  check(tjDecompress2(reader.get(), data, bytes.size(), texels.data(), out.width, 0, out.height,
+                      format, TJFLAG_ACCURATEDCT | TJFLAG_LIMITSCANS));
   out.integers = true;
   out.channels = inks ? 3 : static_cast<int>(read);
   const auto channels = static_cast<size_t>(out.channels);

@@ -102,9 +102,8 @@ class Loader {
     if (loses_caustics())
       scene_.warnings.push_back(fmt::format(
           "{}: light that point, spot, directional and collimated emitters send by glass or "
-          "mirrors "
-          "onto rough lobes, and onto diffuse lobes that are followed as paths, is in path traced "
-          "images only",
+          "mirrors onto rough lobes, and onto diffuse lobes that are followed as paths, is in path "
+          "traced images only",
           path_));
   }
 

@@ -42,7 +42,9 @@ bool has_coat(const Bsdf& b) {
   return b.kind == BsdfKind::kPlastic || b.kind == BsdfKind::kRoughPlastic ||
          b.kind == BsdfKind::kPrincipled || b.is_coated();
 }
+// One coat over both, or none.
 bool same_coat(const Bsdf& a, const Bsdf& b) {
+  if (!has_coat(a) || !has_coat(b)) return has_coat(a) == has_coat(b);
   if (a.kind == BsdfKind::kPrincipled || b.kind == BsdfKind::kPrincipled) return a.kind == b.kind;
   if (a.is_coated() || b.is_coated())
     return a.coat_ior == b.coat_ior && a.coat_absorption == b.coat_absorption;
@@ -643,11 +645,6 @@ bool BsdfReader::turns_normals(int index) const {
 void BsdfReader::keep_one_coat(Bsdf& mixture) {
   // Kinds of coat, none among them, each with its share of the light.
   std::vector<std::pair<const Bsdf*, double>> coats;
-  const auto of = [&](const Bsdf& b) {
-    return std::find_if(coats.begin(), coats.end(), [&](const auto& c) {
-      return has_coat(*c.first) ? has_coat(b) && same_coat(*c.first, b) : !has_coat(b);
-    });
-  };
   const auto holds_photons = [](const Bsdf& b) {
     return b.kind != BsdfKind::kMixture && b.has_diffuse() && !is_black(b.diffuse);
   };
@@ -655,7 +652,9 @@ void BsdfReader::keep_one_coat(Bsdf& mixture) {
     share *= b.opacity;
     if (share == 0) return;
     if (holds_photons(b)) {
-      if (const auto at = of(b); at != coats.end())
+      const auto at = std::find_if(coats.begin(), coats.end(),
+                                   [&](const auto& c) { return same_coat(*c.first, b); });
+      if (at != coats.end())
         at->second += share;
       else
         coats.emplace_back(&b, share);
@@ -671,9 +670,6 @@ void BsdfReader::keep_one_coat(Bsdf& mixture) {
   const auto most = std::max_element(
       coats.begin(), coats.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
   const Bsdf kept = *most->first;
-  const auto stays = [&](const Bsdf& b) {
-    return !holds_photons(b) || (has_coat(kept) ? has_coat(b) && same_coat(kept, b) : !has_coat(b));
-  };
   std::map<int, int> followed;  // copies of what has other coats
   const auto follow = [&](const auto& again, int index) -> int {
     if (index < 0) return index;
@@ -681,9 +677,9 @@ void BsdfReader::keep_one_coat(Bsdf& mixture) {
     Bsdf b = scene_.bsdfs[static_cast<size_t>(index)];
     const std::vector<int> parts = b.parts;
     for (int& part : b.parts) part = again(again, part);
-    if (!stays(b)) b.follow_diffuse = true;
-    const bool same = parts == b.parts && stays(scene_.bsdfs[static_cast<size_t>(index)]);
-    return followed[index] = same ? index : add(b);
+    const bool has_other_coat = holds_photons(b) && !same_coat(kept, b);
+    if (has_other_coat) b.follow_diffuse = true;
+    return followed[index] = has_other_coat || parts != b.parts ? add(b) : index;
   };
   for (int& part : mixture.parts) part = follow(follow, part);
 }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // BSDFs, textures, open surfaces and environments against their definitions (docs/materials.md):
 // samplers against their densities, reciprocity, energy, furnaces, orientations.
+#include <turbojpeg.h>
+
 #include <cmath>
 #include <cstring>
 
@@ -872,6 +874,28 @@ TEST_CASE("pictures of all formats give the same texels; alpha, raw, gamma, gray
   CHECK_THROWS_WITH(
       load_bitmap(folder / "cut.jpg", {}),
       ContainsSubstring("cannot be read as JPEG: ") && ContainsSubstring("Premature"));
+  // Bytes that belong to nothing stand before a marker.
+  std::string loose = color_jpg;
+  REQUIRE(loose.find("\xff\xda") != std::string::npos);
+  loose.insert(loose.find("\xff\xda"), "ab");
+  folder.write("loose.jpg", loose);
+  CHECK(load_bitmap(folder / "loose.jpg", {true, 0, ""}).at(9, 9) == band);
+  // Inks, as their complements: red, and half of it under half of the black.
+  for (const auto& [black, red] : {std::pair(255, 1.0), std::pair(128, 128 / 255.0)}) {
+    std::vector<uint8_t> inks;
+    for (int i = 0; i < 16 * 16; ++i)
+      inks.insert(inks.end(), {255, 0, 0, static_cast<uint8_t>(black)});
+    unsigned char* written = nullptr;
+    unsigned long size = 0;
+    const tjhandle writer = tjInitCompress();
+    REQUIRE(tjCompress2(writer, inks.data(), 16, 0, 16, TJPF_CMYK, &written, &size, TJSAMP_444, 100,
+                        0) == 0);
+    folder.write("inks.jpg", std::string(reinterpret_cast<char*>(written), size));
+    tjFree(written);
+    tjDestroy(writer);
+    const Rgb mixed = load_bitmap(folder / "inks.jpg", {true, 0, ""}).at(9, 9);
+    CHECK(glm::length(mixed - Rgb(red, 0, 0)) < 0.02);
+  }
   std::string crowded = color_jpg;
   const size_t table = crowded.find("\xff\xc4");
   REQUIRE(table != std::string::npos);
