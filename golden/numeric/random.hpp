@@ -36,7 +36,9 @@ enum class Phase : uint64_t {
   kDirect,
   kSampler,
   kPath,
-  kShadow
+  kShadow,
+  kLightPath,  // beside photons
+  kLightSplat
 };
 
 // Numbers for one walk: (seed, phase, index) fixed, bounce and dimension given per call.

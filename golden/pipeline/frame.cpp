@@ -19,6 +19,8 @@
 #include "golden/pipeline/tile_cache.hpp"
 #include "golden/plan/quantiser.hpp"
 #include "golden/transport/film_filter.hpp"
+#include "golden/transport/light_paths.hpp"
+#include "golden/transport/light_splats.hpp"
 #include "golden/transport/sampling.hpp"
 #include "golden/unit/cdf_sampler.hpp"
 
@@ -56,6 +58,7 @@ class Renderer {
         first_rays_(static_cast<size_t>(in.plan.first_rays)),
         ray_seed_(in.ray_seed.value_or(in.seed)),
         filter_(in.world.scene().film.filter),
+        light_paths_(in.world, Photons::kOnDiffuse),
         batch_{pixels_, spp_},
         shadows_(in),
         cache_(in, units, counts, shader_),
@@ -66,6 +69,7 @@ class Renderer {
 
   Image render() {
     units_.photon_gatherer->load(in_.global, in_.caustic);
+    show_light_paths();
     const int tiles_x = (plan_.width + plan_.tile - 1) / plan_.tile;
     const int tiles = tiles_x * ((plan_.height + plan_.tile - 1) / plan_.tile);
     const int step = plan_.batch_tiles > 0 ? plan_.batch_tiles : tiles;
@@ -86,7 +90,7 @@ class Renderer {
       render_batch();
       for (const uint32_t pixel : pixels_) place_[pixel] = kNone;
     }
-    if (film_) film_->finish(image_);
+    if (film_) film_->finish(image_, splats_);
     return std::move(image_);
   }
 
@@ -298,6 +302,30 @@ class Renderer {
       return (void)is_caustic, (void)counts, weight;
   }
 
+  // What walks join their vertices with; null: nothing.
+  const LightPaths* joined_paths() const { return light_paths_.needed() ? &light_paths_ : nullptr; }
+
+  // As many light paths as camera samples.
+  void show_light_paths() {
+    if (!light_paths_.needed()) return;
+    const uint64_t paths = place_.size() * spp_;
+    const ProgressPhase phase(progress_, "light paths", paths, "paths");
+    const Lens lens(in_.world.scene());
+    using Vertices = std::vector<LightVertex>;
+    splats_ = splat_light_paths<Vertices>(
+        in_.world.scene().film, lens, filter_, paths, in_.seed, Phase::kLightSplat,
+        [&](const Random& random, Vertices& path) { light_paths_.trace(in_.caster, random, path); },
+        [](const Vertices& path) { return path.size(); },
+        [&](const Vec2& u, const Vertices& path, size_t number, Splat& out) {
+          return light_paths_.splat(in_.caster, lens, u, path[number], out);
+        });
+    for (SplatSum& s : splats_) {
+      s.indirect /= static_cast<double>(paths);
+      s.square /= static_cast<double>(paths) * static_cast<double>(paths);
+    }
+    phase.advance(paths);
+  }
+
   void walk_cameras(size_t begin, size_t end) {
     struct Walk {
       Value direct, indirect, emission;
@@ -313,7 +341,7 @@ class Renderer {
       const CameraSample s = trace_camera(
           in_.world, in_.caster, static_cast<int>(pixel % static_cast<uint32_t>(plan_.width)),
           static_cast<int>(pixel / static_cast<uint32_t>(plan_.width)), sample_of(begin + i),
-          in_.seed, shadows_.casts() ? ShadowRays::kLater : ShadowRays::kWithPath);
+          in_.seed, shadows_.casts() ? ShadowRays::kLater : ShadowRays::kWithPath, joined_paths());
       if (shadows_.casts()) shadows_.cast_first(begin + i, s);
       // Of two passes of shadow rays direct light is known after the second.
       const Rgb direct = !shadows_.casts()    ? s.direct
@@ -541,8 +569,8 @@ class Renderer {
         return;
       }
       const uint32_t pixel = pixel_of(entry), sample = sample_of(entry);
-      const GatherSample s =
-          trace_gather(in_.world, in_.caster, e.x, direction, pixel, sample, ray, ray_seed_);
+      const GatherSample s = trace_gather(in_.world, in_.caster, e.x, direction, pixel, sample, ray,
+                                          ray_seed_, joined_paths());
       // A record keeps the light that a white surface would send on.
       const Rgb to_pixel = caching_ && cache_.is_record(entry) ? Rgb(1 / kPi) : e.weight;
       if (caching_ && cache_.has_gradients() && cache_.is_record(entry)) {
@@ -749,12 +777,14 @@ class Renderer {
           if (spp_ > 1) film_->spread(pixels_[p])[c] = variance / (n - 1);
         } else {
           const Layers<Value>& l = layers_[p];
-          set(i, mean);
+          const double splat = splats_.empty() ? 0 : splats_[pixels_[p]].indirect[c];
+          const double square = splats_.empty() ? 0 : splats_[pixels_[p]].square[c];
+          set(i, mean + splat);
           set(3 + i, radiance(l.direct, c) / n);
           set(6 + i, radiance(l.caustic, c) / n);
-          set(9 + i, radiance(l.indirect, c) / n);
+          set(9 + i, radiance(l.indirect, c) / n + splat);
           set(12 + i, radiance(l.emission, c) / n);
-          set(15 + i, spp_ > 1 ? std::sqrt(variance / (n * (n - 1))) : 0.0);
+          set(15 + i, spp_ > 1 ? std::sqrt(variance / (n * (n - 1)) + square) : 0.0);
         }
         set(18 + i, features_[p].albedo[c] / n);
         set(21 + i, features_[p].normal[c] / n);
@@ -773,6 +803,8 @@ class Renderer {
   const size_t spp_, rays_, first_rays_;
   const uint64_t ray_seed_;
   const FilterTable filter_;
+  const LightPaths light_paths_;
+  std::vector<SplatSum> splats_;  // of light paths, by pixel; empty: none
   const BatchSamples batch_;
   ShadowPass shadows_;
   TileCache<kArithmetic> cache_;

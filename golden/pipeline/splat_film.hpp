@@ -13,6 +13,7 @@
 #include "golden/pipeline/light.hpp"
 #include "golden/plan/plan.hpp"
 #include "golden/transport/film_filter.hpp"
+#include "golden/transport/light_splats.hpp"
 
 namespace photonloom {
 
@@ -79,8 +80,9 @@ class SplatFilm {
   }
 
   // Light over weight, pixel by pixel, into the image's first 18 channels: light, its four layers,
-  // error. Nothing where lobes took all weight away.
-  void finish(Image& image) const {
+  // error. Nothing where lobes took all weight away. `light_paths`: what they add to each pixel's
+  // indirect light, filtered already; empty: nothing.
+  void finish(Image& image, const std::vector<SplatSum>& light_paths) const {
     const auto n = static_cast<double>(plan_.spp);
     parallel(pixels_.size(), [&](size_t p) {
       const Pixel& film = pixels_[p];
@@ -106,12 +108,16 @@ class SplatFilm {
       });
       const double share = whole / (int64_t{1} << (2 * FilterTable::kOneBits));
       for (size_t c = 0; c < 3; ++c) {
-        set(c, mean(sum, c));
+        const int i = static_cast<int>(c);
+        const double splat = light_paths.empty() ? 0 : light_paths[p].indirect[i];
+        const double square = light_paths.empty() ? 0 : light_paths[p].square[i];
+        set(c, mean(sum, c) + splat);
         set(3 + c, mean(l.direct, c));
         set(6 + c, mean(l.caustic, c));
-        set(9 + c, mean(l.indirect, c));
+        set(9 + c, mean(l.indirect, c) + splat);
         set(12 + c, mean(l.emission, c));
-        set(15 + c, std::sqrt(n * variance[static_cast<int>(c)]) / share);
+        const double own = std::sqrt(n * variance[i]) / share;
+        set(15 + c, square > 0 ? std::sqrt(own * own + square) : own);
       }
     });
   }

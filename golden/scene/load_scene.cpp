@@ -99,26 +99,6 @@ class Loader {
     if (!sensor_) whole("the scene has no camera, expected one <sensor type=\"perspective\">");
     if (scene_.shapes.empty()) whole("the scene has no shape");
     if (!has_light_) whole("the scene has no light, expected an <emitter> that is not black");
-    if (loses_caustics())
-      scene_.warnings.push_back(fmt::format(
-          "{}: light that point, spot, directional and collimated emitters send by glass or "
-          "mirrors onto rough lobes, and onto diffuse lobes that are followed as paths, is in path "
-          "traced images only",
-          path_));
-  }
-
-  // No path from the camera finds such an emitter, and photons stay on diffuse lobes.
-  bool loses_caustics() const {
-    const bool sends = std::any_of(scene_.lights.begin(), scene_.lights.end(), [](const Light& l) {
-      return l.kind != LightKind::kEnvironment;
-    });
-    bool throws = false, followed = false;
-    const std::vector<bool> used = used_bsdfs(scene_);
-    for (size_t i = 0; i < used.size(); ++i) {
-      throws = throws || (used[i] && has_delta_part(scene_, &scene_.bsdfs[i]));
-      followed = followed || (used[i] && has_glossy_part(scene_, &scene_.bsdfs[i]));
-    }
-    return sends && throws && followed;
   }
 
   [[noreturn]] void whole(const std::string& what) const {

@@ -2,6 +2,7 @@
 // A reconstruction filter as a table of integers: what a sample counts in the pixels around it
 // (docs/frame.md).
 #pragma once
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
@@ -30,6 +31,11 @@ class FilterTable {
   // Along one axis, in the pixel `offset` from the sample's own: -reach() to reach().
   int32_t weight(int offset, int place) const {
     return weights_[static_cast<size_t>((offset + reach_) * kPlaces + place)];
+  }
+  // In the pixel (x, y) further, for a sample at these places within its own; f = 1 counts 1.
+  double weight(int x, int y, const Vec2& places) const {
+    return std::ldexp(static_cast<double>(weight(x, place(places.x)) * weight(y, place(places.y))),
+                      -2 * kOneBits);
   }
   // Mean over all places of the weight, and of its square; f = 1 counts 1.
   double mean(int offset) const { return means_[static_cast<size_t>(offset + reach_)]; }

@@ -29,9 +29,12 @@ Rgb sent(const Rgb& bsdf_times_cosine, const Surface& s, const Vec3& out) {
 
 }  // namespace
 
-LightPaths::LightPaths(const World& world)
-    : world_(world), boxes_(world), emission_(world, boxes_) {
-  if (!world.has_delta()) return;
+LightPaths::LightPaths(const World& world, Photons photons)
+    : world_(world),
+      beside_photons_(photons == Photons::kOnDiffuse),
+      boxes_(world),
+      emission_(world, boxes_) {
+  if (!world.has_delta() || (beside_photons_ && !world.has_glossy())) return;
   double sum = 0;
   for (uint32_t i = 0; i < world.emitters().size(); ++i) {
     if (world.emitters()[i].light < 0) continue;
@@ -57,6 +60,7 @@ void LightPaths::trace(const RayCaster& caster, const Random& random,
   Rgb throughput(cdf_.back() / (cdf_[chosen] - (chosen > 0 ? cdf_[chosen - 1] : 0)));
   Hit hit = first_surface(world_, caster, e);
   bool through_delta = false;  // since the light or the last vertex
+  bool first = true;
   for (uint64_t segment = 1; hit.valid() && depth_left(segment); ++segment) {
     hit = pass_openings(world_, caster, ray, hit, random.unit(segment, kLightOpening));
     if (!hit.valid()) return;
@@ -71,13 +75,19 @@ void LightPaths::trace(const RayCaster& caster, const Random& random,
       through_delta = true;
     } else {
       if (s.black() || (!through_delta && !on_its_way)) return;
-      if (!on_its_way)
-        out.push_back({hit, s, e.power * throughput * s.shading_ratio(s.in), segment, out.empty()});
+      const double p = s.diffuse_probability();
+      const double lobe = random.unit(segment, kLightLobe);
+      if (!on_its_way) {
+        const LightVertex v{hit, s, e.power * throughput * s.shading_ratio(s.in), segment, first};
+        if (!is_stored(v) || p < 1) out.push_back(v);
+        // What a diffuse lobe sends through mirrors and glass, paths from the camera find again.
+        if (beside_photons_ && lobe < p) return;
+        first = false;
+      }
       on_its_way = false;
       through_delta = false;
       const Vec2 u(random.unit(segment, kLightDirectionU), random.unit(segment, kLightDirectionV));
-      if (!leave_with_power(s, random.unit(segment, kLightLobe), u, ray.direction, throughput))
-        return;
+      if (!leave_with_power(s, lobe, u, ray.direction, throughput)) return;
       if (!boxes_.met_by(Ray{hit.position, ray.direction})) return;
     }
     if (!survives(throughput, segment, world_.scene().rr_depth,
@@ -88,23 +98,42 @@ void LightPaths::trace(const RayCaster& caster, const Random& random,
   }
 }
 
+Rgb LightPaths::connect(const RayCaster& caster, std::span<const LightVertex> vertices,
+                        const Hit& hit, const Surface& surface, uint64_t segments,
+                        Walk walk) const {
+  Rgb sum(0);
+  for (const LightVertex& v : vertices)
+    if (depth_left(segments + v.segments)) sum += connect(caster, v, hit, surface, walk);
+  return sum;
+}
+
+// Beside photons: where the camera's diffuse lobe meets a diffuse lobe of the vertex, and where a
+// gather ray meets one, the global map has the light.
 Rgb LightPaths::connect(const RayCaster& caster, const LightVertex& vertex, const Hit& hit,
-                        const Surface& surface) const {
+                        const Surface& surface, Walk walk) const {
   const Vec3 d = vertex.hit.position - hit.position;
   const double distance2 = glm::dot(d, d);
   if (!(distance2 > 0)) return Rgb(0);
   const double distance = std::sqrt(distance2);
   const Vec3 out = d / distance;
   const Surface& v = vertex.surface;
-  const Rgb here = diffuse_times_cosine(surface, out) + glossy_times_cosine(surface, out);
-  if (is_black(here)) return Rgb(0);
-  const Rgb there =
-      sent(diffuse_times_cosine(v, -out) + glossy_times_cosine(v, -out, Carried::kPower), v, -out);
-  if (is_black(there)) return Rgb(0);
+  const Rgb here_diffuse = walk == Walk::kCamera ? diffuse_times_cosine(surface, out) : Rgb(0);
+  const Rgb here_glossy = glossy_times_cosine(surface, out);
+  if (is_black(here_diffuse) && is_black(here_glossy)) return Rgb(0);
+  const Rgb glossy = sent(glossy_times_cosine(v, -out, Carried::kPower), v, -out);
+  const Rgb diffuse = is_stored(vertex) ? Rgb(0) : sent(diffuse_times_cosine(v, -out), v, -out);
+  Rgb light;
+  if (!beside_photons_)
+    light = (here_diffuse + here_glossy) * (diffuse + glossy);
+  else if (walk == Walk::kCamera)
+    light = here_diffuse * glossy + here_glossy * (diffuse + glossy);
+  else
+    light = here_glossy * glossy;
+  if (is_black(light)) return Rgb(0);
   const double passing =
       transmittance(world_, caster, Ray{hit.position, out}, distance, &hit, &vertex.hit);
   if (passing == 0) return Rgb(0);
-  return here * there * vertex.power * (passing / distance2);
+  return light * vertex.power * (passing / distance2);
 }
 
 bool LightPaths::splat(const RayCaster& caster, const Lens& lens, const Vec2& u,
@@ -116,6 +145,7 @@ bool LightPaths::splat(const RayCaster& caster, const Lens& lens, const Vec2& u,
   const Rgb scale = vertex.power * seen.density;
   out.caustic = sent(diffuse_times_cosine(v, to_camera), v, to_camera) * scale;
   out.indirect = sent(glossy_times_cosine(v, to_camera, Carried::kPower), v, to_camera) * scale;
+  if (is_stored(vertex)) out.caustic = Rgb(0);
   if (!vertex.first) {
     out.indirect += out.caustic;
     out.caustic = Rgb(0);

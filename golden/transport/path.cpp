@@ -14,6 +14,7 @@
 #include "golden/transport/direct.hpp"
 #include "golden/transport/film_filter.hpp"
 #include "golden/transport/light_paths.hpp"
+#include "golden/transport/light_splats.hpp"
 #include "golden/transport/roulette.hpp"
 #include "golden/transport/sampling.hpp"
 #include "golden/transport/visibility.hpp"
@@ -33,9 +34,6 @@ enum PathDimension : uint64_t {
   kPathPart,
   kPathOpening
 };
-
-// A bounce that no light path reaches: the numbers of its points on the lens.
-constexpr uint64_t kSplatLens = uint64_t{1} << 40;
 
 // How the ray under way left its last non-delta surface.
 struct LobeRay {
@@ -126,9 +124,8 @@ PathSample trace_sample(const World& world, const RayCaster& caster, const Lens&
           direct_light(world, caster, hit, s, numbers.unit(segment, kPathChoice),
                        numbers.pair(segment, kPathPoint), {p, 1 - p});
       (lobe.exists ? out.indirect : out.direct) += throughput * (light.diffuse + light.glossy);
-      for (const LightVertex& v : light_vertices)
-        if (has_depth(scene, segment + v.segments))
-          out.indirect += throughput * light_paths.connect(caster, v, hit, s);
+      out.indirect += throughput * light_paths.connect(caster, light_vertices, hit, s, segment,
+                                                       LightPaths::Walk::kCamera);
       const bool first = !lobe.exists;
       if (!leave_by_lobe(hit, s, numbers.unit(segment, kPathLobe),
                          numbers.pair(segment, kPathDirection), ray.direction, throughput, ior2,
@@ -172,74 +169,6 @@ struct PixelSum {
     square += total * total;
   }
 };
-
-// Sums of the splats of one pixel.
-struct SplatSum {
-  Rgb direct{0}, caustic{0}, indirect{0}, square{0};
-};
-
-// Weight of a sample at these places within its pixel, in the pixel (x, y) further.
-double weight_of(const FilterTable& filter, int x, int y, const Vec2& place) {
-  return std::ldexp(static_cast<double>(filter.weight(x, FilterTable::place(place.x)) *
-                                        filter.weight(y, FilterTable::place(place.y))),
-                    -2 * FilterTable::kOneBits);
-}
-
-// Light paths in blocks, added up in the order of their numbers. With a filter a splat counts in
-// the pixels around it, over what a pixel's camera samples count in the mean. trace(random, path)
-// makes a light path, splat(u, path, number, out) shows one of its vertices and size(path) counts
-// them.
-template <class LightPath, class Trace, class Size, class Show>
-std::vector<SplatSum> splat_light_paths(const World& world, const Lens& lens,
-                                        const FilterTable& filter, uint64_t paths, uint64_t seed,
-                                        Trace&& trace, Size&& size, Show&& splat_of) {
-  const Film film = world.scene().film;
-  std::vector<SplatSum> sums(static_cast<size_t>(film.width) * static_cast<size_t>(film.height));
-  constexpr uint64_t kBlock = 4096, kBlocks = 64;
-  std::vector<std::vector<Splat>> splats(kBlocks);
-  const auto add = [&](const Splat& s, int x, int y, double weight) {
-    SplatSum& sum = sums[static_cast<size_t>(y * film.width + x)];
-    const Rgb direct = s.direct * weight, caustic = s.caustic * weight,
-              indirect = s.indirect * weight, all = direct + caustic + indirect;
-    sum.direct += direct;
-    sum.caustic += caustic;
-    sum.indirect += indirect;
-    sum.square += all * all;
-  };
-  const int reach = filter.reach();
-  for (uint64_t first = 0; first < paths; first += kBlock * kBlocks) {
-    tbb::parallel_for(uint64_t{0}, kBlocks, [&](uint64_t b) {
-      splats[b].clear();
-      LightPath path;
-      const uint64_t begin = first + b * kBlock, end = std::min(begin + kBlock, paths);
-      for (uint64_t i = begin; i < end; ++i) {
-        const Random random(seed, Phase::kCausticPhoton, i);
-        trace(random, path);
-        for (uint64_t number = 0; number < size(path); ++number) {
-          const Vec2 u = lens.has_aperture() ? Vec2(random.unit(kSplatLens, 2 * number),
-                                                    random.unit(kSplatLens, 2 * number + 1))
-                                             : Vec2(0);
-          Splat splat;
-          if (splat_of(u, path, number, splat)) splats[b].push_back(splat);
-        }
-      }
-    });
-    for (const auto& block : splats)
-      for (const Splat& s : block) {
-        const int x = static_cast<int>(s.x), y = static_cast<int>(s.y);
-        if (filter.is_plain_box()) {
-          add(s, x, y, 1);
-          continue;
-        }
-        for (int v = std::max(0, y - reach); v <= std::min(film.height - 1, y + reach); ++v)
-          for (int u = std::max(0, x - reach); u <= std::min(film.width - 1, x + reach); ++u)
-            add(s, u, v,
-                weight_of(filter, u - x, v - y, Vec2(s.x - x, s.y - y)) /
-                    (filter.mean_sum(u, film.width) * filter.mean_sum(v, film.height)));
-      }
-  }
-  return sums;
-}
 
 const char* const kColour[3] = {".R", ".G", ".B"};
 const char* const kAxis[3] = {".X", ".Y", ".Z"};
@@ -326,7 +255,7 @@ class FilteredFilm {
     const int reach = filter_.reach();
     WeightedLight* to = block(x, y - first);
     for (int v = -reach; v <= reach; ++v)
-      for (int u = -reach; u <= reach; ++u) to++->add(s, weight_of(filter_, u, v, s.place));
+      for (int u = -reach; u <= reach; ++u) to++->add(s, filter_.weight(u, v, s.place));
   }
   void end(int x, int y, const PixelSum& sum) { pixels_[size(y * width_ + x)] = sum; }
 
@@ -400,14 +329,14 @@ Image render_path(const World& world, const RayCaster& caster, const PathOptions
   const int tiles_x = (film.width + kTile - 1) / kTile, tiles_y = (film.height + kTile - 1) / kTile;
   const uint64_t pixels = static_cast<uint64_t>(film.width) * static_cast<uint64_t>(film.height);
   const uint64_t samples = pixels * static_cast<uint64_t>(options.spp);
-  const LightPaths light_paths(world);
+  const LightPaths light_paths(world, Photons::kNone);
   const FilterTable filter(film.filter);
   const Bidirectional bidirectional(world, caster);
   const bool both = options.bidirectional, light = !both && light_paths.needed();
   std::vector<SplatSum> splats;
   if (both) {
     splats = splat_light_paths<LightSubpath>(
-        world, lens, filter, samples, options.seed,
+        film, lens, filter, samples, options.seed, Phase::kCausticPhoton,
         [&](const Random& random, LightSubpath& path) { bidirectional.trace_light(random, path); },
         [](const LightSubpath& path) { return path.vertices.size(); },
         [&](const Vec2& u, const LightSubpath& path, size_t number, Splat& out) {
@@ -416,7 +345,7 @@ Image render_path(const World& world, const RayCaster& caster, const PathOptions
   } else if (light) {
     using Vertices = std::vector<LightVertex>;
     splats = splat_light_paths<Vertices>(
-        world, lens, filter, samples, options.seed,
+        film, lens, filter, samples, options.seed, Phase::kCausticPhoton,
         [&](const Random& random, Vertices& path) { light_paths.trace(caster, random, path); },
         [](const Vertices& path) { return path.size(); },
         [&](const Vec2& u, const Vertices& path, size_t number, Splat& out) {

@@ -2,6 +2,7 @@
 // Camera paths and final gather rays of the photon mapper.
 #include "golden/transport/camera.hpp"
 #include "golden/transport/direct.hpp"
+#include "golden/transport/light_paths.hpp"
 #include "golden/transport/roulette.hpp"
 #include "golden/transport/sampling.hpp"
 #include "golden/transport/shadow_rays.hpp"
@@ -100,6 +101,25 @@ Rgb escaped_by_glossy(const World& world, const Path& path) {
   return path.throughput * world.environment()->radiance(path.ray.direction) * w;
 }
 
+// The light path of one walk, traced when it is first asked for.
+class JoinedLight {
+ public:
+  JoinedLight(const LightPaths* paths, const RayCaster& caster, const Random& random)
+      : paths_(paths), caster_(caster), random_(random) {}
+  Rgb from(const Hit& hit, const Surface& s, uint64_t segments, LightPaths::Walk walk) {
+    if (!traced_) paths_->trace(caster_, random_, vertices_);
+    traced_ = true;
+    return paths_->connect(caster_, vertices_, hit, s, segments, walk);
+  }
+
+ private:
+  const LightPaths* paths_;
+  const RayCaster& caster_;
+  Random random_;
+  bool traced_ = false;
+  std::vector<LightVertex> vertices_;
+};
+
 // Numbers that only some scenes ask for.
 template <class Numbers>
 double part_number(const World& world, const Numbers& numbers, uint64_t segment) {
@@ -133,7 +153,8 @@ Rgb camera_direct(const World& world, const RayCaster& caster, const Hit& hit, c
 }  // namespace
 
 CameraSample trace_camera(const World& world, const RayCaster& caster, int px, int py,
-                          uint64_t sample, uint64_t seed, ShadowRays shadow_rays) {
+                          uint64_t sample, uint64_t seed, ShadowRays shadow_rays,
+                          const LightPaths* light_paths) {
   const Scene& scene = world.scene();
   const uint64_t pixel = static_cast<uint64_t>(py) * static_cast<uint64_t>(scene.film.width) +
                          static_cast<uint64_t>(px);
@@ -151,6 +172,8 @@ CameraSample trace_camera(const World& world, const RayCaster& caster, int px, i
     out.depth = hit.distance;
     out.albedo = world.albedo(hit, path.ray.direction);
   }
+  JoinedLight joined(light_paths, caster,
+                     Random(seed, Phase::kLightPath, hash_bits(pixel, sample, 0, 0)));
   bool at_first = true;  // no non-delta hit yet
   for (uint64_t segment = 1; hit.valid(); ++segment) {
     if (at_first) {
@@ -173,6 +196,8 @@ CameraSample trace_camera(const World& world, const RayCaster& caster, int px, i
         const Rgb direct = camera_direct(world, caster, hit, s, numbers, segment);
         (at_first ? out.direct : out.indirect) += path.throughput * direct;
       }
+      if (light_paths)
+        out.indirect += path.throughput * joined.from(hit, s, segment, LightPaths::Walk::kCamera);
       const double p = s.diffuse_probability();
       if (numbers.unit(segment, kWalkLobe) < p) {
         // Photons take one segment more at least.
@@ -208,11 +233,13 @@ CameraSample trace_camera(const World& world, const RayCaster& caster, int px, i
 
 GatherSample trace_gather(const World& world, const RayCaster& caster, const DiffuseHit& x,
                           const Vec3& direction, uint64_t pixel, uint64_t sample, uint64_t ray,
-                          uint64_t seed) {
+                          uint64_t seed, const LightPaths* light_paths) {
   GatherSample out;
   if (glm::dot(direction, x.normal) <= 0 || glm::dot(direction, x.shading_normal) <= 0) return out;
   const RayNumbers numbers(seed, pixel, sample, ray);
   Path path{{x.position, direction}, Rgb(1), 1, {}};
+  JoinedLight joined(light_paths, caster,
+                     Random(seed, Phase::kLightPath, hash_bits(pixel, sample, ray, 1)));
   if (x.coat) path.throughput *= x.coat->passes(glm::dot(direction, x.shading_normal));
   Hit hit = pass_openings(world, caster, path.ray, caster.closest(path.ray, &x.hit),
                           opening_number(world, numbers, x.segments + uint64_t{1}));
@@ -231,6 +258,8 @@ GatherSample trace_gather(const World& world, const RayCaster& caster, const Dif
             direct_light(world, caster, hit, s, numbers.unit(segment, kWalkChoice),
                          numbers.pair(segment, kWalkPoint), {0, 1 - p});
         out.radiance += path.throughput * light.glossy;
+        if (light_paths)
+          out.radiance += path.throughput * joined.from(hit, s, segment, LightPaths::Walk::kGather);
       }
       if (numbers.unit(segment, kWalkLobe) < p) {
         out.diffuse = true;

@@ -318,14 +318,18 @@ PhotonPass trace_caustic_photons(const World& world, const RayCaster& caster, ui
 // path, one of each kind, or whoever calls trace_camera (shadow_rays.hpp).
 enum class ShadowRays { kWithPath, kLater };
 
-// One camera path through pixel (px, py) of the film, (0, 0) top left.
+class LightPaths;
+
+// One camera path through pixel (px, py) of the film, (0, 0) top left. `light_paths` are those
+// beside photons, where a scene needs them (light_paths.hpp).
 CameraSample trace_camera(const World& world, const RayCaster& caster, int px, int py,
                           uint64_t sample, uint64_t seed,
-                          ShadowRays shadow_rays = ShadowRays::kWithPath);
+                          ShadowRays shadow_rays = ShadowRays::kWithPath,
+                          const LightPaths* light_paths = nullptr);
 
 // One final gather ray from x; zero where the direction is below x's surface.
 GatherSample trace_gather(const World& world, const RayCaster& caster, const DiffuseHit& x,
                           const Vec3& direction, uint64_t pixel, uint64_t sample, uint64_t ray,
-                          uint64_t seed);
+                          uint64_t seed, const LightPaths* light_paths = nullptr);
 
 }  // namespace photonloom

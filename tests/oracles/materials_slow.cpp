@@ -100,6 +100,37 @@ TEST_CASE("layers agree: rough metal, rough glass and thin glass, caustic within
   check_layers("rough", s, 2048, 12, 0.05);
 }
 
+// What photons lack and light paths add: on the camera's first hit (metal floor), on a mixture of
+// two coats, and on final gather rays that come to either. The camera looks past ball and mirror,
+// in which it would see caustics that no path of the path tracer finds (docs/transport.md).
+TEST_CASE("layers agree: a point lamp through glass onto rough lobes, caustic within 5 %") {
+  Scene s = room(false);
+  Light lamp;
+  lamp.kind = LightKind::kPoint;
+  lamp.position = Vec3(0.45, 0.95, 0.5);
+  lamp.intensity = Rgb(1);
+  s.lights.push_back(lamp);
+  const int metal =
+      add_bsdf(s, glossy(BsdfKind::kRoughConductor, Microfacets::kBeckmann, 0.4, Rgb(0), 1));
+  add_quad(s, metal, Vec3(0, 0.002, 0), Vec3(0, 0, 1), Vec3(1, 0, 0));
+  Bsdf mixture;
+  mixture.kind = BsdfKind::kMixture;
+  for (const double ior : {1.5, 1.9}) {
+    Bsdf plastic = glossy(BsdfKind::kRoughPlastic, Microfacets::kGgx, 0.3, Rgb(0.7), ior);
+    plastic.follow_diffuse = true;
+    mixture.parts.push_back(add_bsdf(s, plastic));
+    mixture.shares.push_back(0.35);
+  }
+  mixture.parts.push_back(add_diffuse(s, Rgb(0.6)));
+  mixture.shares.push_back(0.3);
+  const int mixed = add_bsdf(s, mixture);
+  add_quad(s, mixed, Vec3(0.002, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1));
+  add_sphere(s, add_glass(s, 1.5), Vec3(0.45, 0.7, 0.5), 0.15);
+  add_sphere(s, add_mirror(s, Rgb(0.9)), Vec3(0.8, 0.7, 0.35), 0.12);
+  set_camera(s, Vec3(0.8, 0.5, -1), Vec3(0.15, 0.1, 0.5), Vec3(0, 1, 0), 26, kSize, kSize);
+  check_layers("lamp", s, 4096, 15, 0.05, 4);
+}
+
 TEST_CASE("layers agree: an environment, a mask and a mixture, caustic within 5 %") {
   Scene s = room(false);
   s.lights.push_back(sky(Rgb(1, 0.8, 0.5)));

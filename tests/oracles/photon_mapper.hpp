@@ -8,6 +8,8 @@
 #include <cmath>
 
 #include "golden/numeric/elementary.hpp"
+#include "golden/transport/light_paths.hpp"
+#include "golden/transport/light_splats.hpp"
 #include "golden/transport/sampling.hpp"
 #include "golden/unit/reference_gather.hpp"
 #include "tests/catch.hpp"
@@ -56,6 +58,7 @@ class PhotonMapper {
         camera_samples_(256 * effort),
         gather_samples_(16 * effort),
         seed_(seed),
+        light_paths_(world, Photons::kOnDiffuse),
         global_(world, photons, trace_global_photons(world, *caster_, photons, seed)),
         caustic_(world, caustic_photons,
                  trace_caustic_photons(world, *caster_, caustic_photons, seed)) {}
@@ -72,15 +75,35 @@ class PhotonMapper {
     Layers mean{};
     for (const Layers& p : pixels)
       for (size_t l = 0; l < kLayers; ++l) mean[l] += p[l] / (kSize * kSize);
+    if (light_paths_.needed()) mean[kIndirect] += shown_by_light_paths();
     return mean;
   }
 
  private:
   static constexpr uint64_t kRays = 4;
 
+  const LightPaths* joined_paths() const { return light_paths_.needed() ? &light_paths_ : nullptr; }
+
+  double shown_by_light_paths() const {
+    const uint64_t paths = camera_samples_ * kSize * kSize;
+    using Vertices = std::vector<LightVertex>;
+    const Lens lens(world_.scene());
+    const auto sums = splat_light_paths<Vertices>(
+        world_.scene().film, lens, FilterTable(world_.scene().film.filter), paths, seed_,
+        Phase::kLightSplat,
+        [&](const Random& random, Vertices& path) { light_paths_.trace(*caster_, random, path); },
+        [](const Vertices& path) { return path.size(); },
+        [&](const Vec2& u, const Vertices& path, size_t number, Splat& out) {
+          return light_paths_.splat(*caster_, lens, u, path[number], out);
+        });
+    double sum = 0;
+    for (const SplatSum& s : sums) sum += s.indirect.y;
+    return sum / (kSize * kSize) / static_cast<double>(paths);
+  }
+
   void add_sample(int pixel, uint64_t sample, Layers& p) const {
-    const CameraSample c =
-        trace_camera(world_, *caster_, pixel % kSize, pixel / kSize, sample, seed_);
+    const CameraSample c = trace_camera(world_, *caster_, pixel % kSize, pixel / kSize, sample,
+                                        seed_, ShadowRays::kWithPath, joined_paths());
     const double share = 1 / static_cast<double>(camera_samples_);
     p[kEmission] += c.emission.y * share;
     p[kDirectLayer] += c.direct.y * share;
@@ -93,7 +116,8 @@ class PhotonMapper {
     for (uint64_t ray = 0; ray < kRays; ++ray) {
       const Vec3 d =
           Frame(c.x.shading_normal).to_world(sample_cosine({r.unit(ray, 0), r.unit(ray, 1)}));
-      const GatherSample g = trace_gather(world_, *caster_, c.x, d, number, sample, ray, seed_);
+      const GatherSample g =
+          trace_gather(world_, *caster_, c.x, d, number, sample, ray, seed_, joined_paths());
       Rgb radiance = g.radiance;
       if (g.diffuse) radiance += g.weight * global_.estimate(g.y);
       p[kIndirect] +=
@@ -105,6 +129,7 @@ class PhotonMapper {
   std::unique_ptr<RayCaster> caster_;
   uint64_t camera_samples_, gather_samples_;  // a pixel
   uint64_t seed_;
+  LightPaths light_paths_;
   Map global_, caustic_;
 };
 

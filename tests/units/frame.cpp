@@ -12,6 +12,7 @@
 
 #include "golden/numeric/elementary.hpp"
 #include "golden/pipeline/prepare.hpp"
+#include "golden/transport/path.hpp"
 #include "golden/unit/cdf_sampler.hpp"
 #include "tests/catch.hpp"
 #include "tests/oracles/scenes.hpp"
@@ -119,6 +120,73 @@ TEST_CASE(
     INFO(line);
     set_plan_line(frame.plan, line);
     CHECK(same_bytes(rendered(frame), one));
+  }
+}
+
+namespace {
+
+// A point lamp, a glass ball and a mirror, a floor of rough metal, a rough plastic wall: light that
+// no photon carries.
+Scene lamp_room() {
+  Scene s;
+  add_room(s, add_diffuse(s, Rgb(0.5)), Vec3(0), Vec3(1));
+  Bsdf rough;
+  rough.kind = BsdfKind::kRoughConductor;
+  rough.alpha_u = rough.alpha_v = 0.5;
+  rough.specular = Rgb(0.9, 0.7, 0.5);
+  add_quad(s, add_bsdf(s, rough), Vec3(0, 1e-3, 0), Vec3(0, 0, 1), Vec3(1, 0, 0));
+  rough.kind = BsdfKind::kRoughPlastic;
+  rough.specular = Rgb(1);
+  rough.diffuse = Rgb(0.5);
+  rough.ior = 2;
+  add_quad(s, add_bsdf(s, rough), Vec3(0, 0, 1 - 1e-3), Vec3(0, 1, 0), Vec3(1, 0, 0));
+  add_sphere(s, add_glass(s, 1.5), Vec3(0.45, 0.45, 0.6), 0.2);
+  add_sphere(s, add_mirror(s), Vec3(0.8, 0.25, 0.5), 0.12);
+  Light lamp;
+  lamp.position = Vec3(0.45, 0.8, 0.6);
+  lamp.intensity = Rgb(1);
+  s.lights.push_back(lamp);
+  set_camera(s, Vec3(0.5, 0.6, 0.02), Vec3(0.5, 0.3, 1), Vec3(0, 1, 0), 70, 24, 24);
+  return s;
+}
+
+}  // namespace
+
+TEST_CASE("light that mirrors and glass throw onto rough surfaces is the path tracer's") {
+  const Scene scene = lamp_room();
+  FrameRequest request = small_request();
+  request.photons = 60000;
+  request.caustic_photons = 60000;
+  request.spp = 64;
+  const PreparedFrame frame = prepared(scene, request);
+  FrameCounts counts;
+  const Image image = rendered(frame, Arithmetic::kGolden, &counts);
+  CHECK(counts.shader.direct == 0);
+  const World world(scene);
+  PathOptions options;
+  options.spp = 256;
+  const Image path = render_path(world, *make_double_bvh(world), options);
+  for (const char* c : {"R", "G", "B"}) {
+    INFO(c << ": " << channel_mean(image, c) << ", path tracer " << channel_mean(path, c));
+    CHECK(channel_mean(image, c) == Approx(channel_mean(path, c)).epsilon(0.02));
+  }
+}
+
+TEST_CASE("light paths in the image: the same in any batch and with any threads, also filtered") {
+  for (const FilterKind kind : {FilterKind::kBox, FilterKind::kGaussian}) {
+    Scene scene = lamp_room();
+    scene.film.filter = {kind, kind == FilterKind::kBox ? 0.5 : 2, 0.5};
+    PreparedFrame frame = prepared(scene, small_request());
+    Image one;
+    {
+      const tbb::global_control single(tbb::global_control::max_allowed_parallelism, 1);
+      one = rendered(frame);
+    }
+    for (const char* line : {"frame.batch_tiles=1", "frame.order=pixel", "reorder.key=hash"}) {
+      INFO(line);
+      set_plan_line(frame.plan, line);
+      CHECK(same_bytes(rendered(frame), one));
+    }
   }
 }
 

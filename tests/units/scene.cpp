@@ -887,25 +887,6 @@ TEST_CASE("mixtures of mixtures: parts are counted, and copied only where they c
   CHECK(s.bsdfs.size() <= 20);
 }
 
-TEST_CASE("a scene in which photons miss caustics says so") {
-  const std::string glass = "<shape type=\"sphere\"><bsdf type=\"dielectric\"/></shape>",
-                    point = "<emitter type=\"point\"/>",
-                    rough = "<shape type=\"disk\"><bsdf type=\"roughconductor\"/></shape>",
-                    plain = "<shape type=\"disk\"><bsdf type=\"diffuse\"/></shape>";
-  const auto warned = [&](const std::string& body) {
-    for (const std::string& w : load_body(body).warnings)
-      if (w.find("path traced images only") != std::string::npos) return true;
-    return false;
-  };
-  CHECK(warned(glass + point + rough));
-  CHECK_FALSE(warned(glass + point + plain));
-  CHECK_FALSE(warned(glass + rough));
-  CHECK_FALSE(warned(point + rough));
-  CHECK(warned(glass + point +
-               "<shape type=\"disk\"><bsdf type=\"blendbsdf\"><bsdf type=\"diffuse\"/><bsdf "
-               "type=\"plastic\"/></bsdf></shape>"));
-}
-
 TEST_CASE("environments: one, of one radiance or with a map") {
   const Scene s = load_body(
       "<emitter type=\"constant\"><rgb name=\"radiance\" value=\"1 2 3\"/>"
