@@ -4,6 +4,7 @@
 #include <fmt/core.h>
 #include <turbojpeg.h>
 
+#include <algorithm>
 #include <climits>
 #include <cstdint>
 #include <memory>
@@ -128,6 +129,51 @@ Picture from_jpeg(const std::string& path, const std::string& bytes) {
   return out;
 }
 
+// Bytes that end. The library asks for runs again and again where it finds none, so behind the end
+// it gets bytes that bring it to its own, and the picture is not taken.
+struct EndingBytes {
+  const std::string& bytes;
+  size_t at = 0;
+  bool beyond = false;
+};
+
+int read_some(void* user, char* to, int size) {
+  auto* from = static_cast<EndingBytes*>(user);
+  if (from->at == from->bytes.size()) {
+    from->beyond = true;
+    std::fill_n(to, size, '\1');
+    return size;
+  }
+  const size_t n = std::min(static_cast<size_t>(size), from->bytes.size() - from->at);
+  from->bytes.copy(to, n, from->at);
+  from->at += n;
+  return static_cast<int>(n);
+}
+
+void skip_some(void* user, int size) {
+  auto* from = static_cast<EndingBytes*>(user);
+  from->at = std::min(from->at + static_cast<size_t>(size), from->bytes.size());
+}
+
+int at_end(void* user) {
+  const auto* from = static_cast<const EndingBytes*>(user);
+  return from->at == from->bytes.size();
+}
+
+Picture from_hdr(const std::string& path, const std::string& bytes) {
+  const stbi_io_callbacks calls{read_some, skip_some, at_end};
+  EndingBytes from{bytes};
+  Picture out;
+  const std::unique_ptr<float, Free> values(
+      stbi_loadf_from_callbacks(&calls, &from, &out.width, &out.height, &out.channels, 0));
+  if (from.beyond) fail_picture(path, "ends before its last pixel");
+  if (!values) fail_picture(path, fmt::format("cannot be read as HDR: {}", stbi_failure_reason()));
+  out.values.assign(values.get(), values.get() + static_cast<size_t>(out.width) *
+                                                     static_cast<size_t>(out.height) *
+                                                     static_cast<size_t>(out.channels));
+  return out;
+}
+
 }  // namespace
 
 Picture read_picture(const std::string& path) {
@@ -156,11 +202,8 @@ Picture read_picture(const std::string& path) {
   check_size(path, out.width, out.height);
   check_bytes(path, out, bytes.size());
   int width = 0, height = 0;
-  if (stbi_is_hdr_from_memory(data, size)) {
-    float* values = stbi_loadf_from_memory(data, size, &width, &height, &out.channels, 0);
-    if (!values) broken("cannot be read as HDR");
-    take(out, values, 1);
-  } else if (stbi_is_16_bit_from_memory(data, size)) {
+  if (stbi_is_hdr_from_memory(data, size)) return from_hdr(path, bytes);
+  if (stbi_is_16_bit_from_memory(data, size)) {
     stbi_us* values = stbi_load_16_from_memory(data, size, &width, &height, &out.channels, 0);
     if (!values) broken("cannot be read");
     out.integers = true;

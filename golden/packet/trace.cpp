@@ -68,6 +68,8 @@ void packet_from_json(const PacketLayout& layout, std::string_view line, const s
     });
   } catch (const json::parse_error& error) {
     throw std::runtime_error(fmt::format("{}: is not JSON, at character {}", where, error.byte));
+  } catch (const json::out_of_range&) {
+    throw std::runtime_error(fmt::format("{}: is not JSON of numbers up to 1e308", where));
   }
   if (!object.is_object())
     throw std::runtime_error(

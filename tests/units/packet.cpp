@@ -150,6 +150,7 @@ TEST_CASE("a bad line is one clear error") {
   CHECK(message(R"([1])", plan) ==
         "q.jsonl, line 3: expected one JSON object, a gather_query packet");
   CHECK(message(R"({"pixel": )", plan).find("is not JSON") != std::string::npos);
+  CHECK(message(R"({"pixel": 1e999})", plan).find("is not JSON") != std::string::npos);
   for (const char* bad : {"-1", "1.5", "true", "\"x\"", "null", "99999999999999999999999"})
     CHECK(message(
               start + R"("want_photons": )" + bad + R"(, "position": [1, 2, 3], "normal": [0, 1]})",
