@@ -17,6 +17,7 @@ class CacheInTime {
   CacheInTime(const CacheShape& shape, const LookupTimes& times, size_t clients)
       : shape_(shape),
         times_(times),
+        used_(shape),
         tags_(size_t{shape.sets} * shape.ways, kNowhere),
         holders_(tags_.size(), 0),
         misses_(times.misses) {
@@ -70,7 +71,7 @@ class CacheInTime {
   }
 
   bool is_decided(const Request& r) {
-    const uint32_t set = r.line % shape_.sets * shape_.ways;
+    const uint32_t number = r.line % shape_.sets, set = number * shape_.ways;
     for (uint32_t place = set; place < set + shape_.ways; ++place) {
       if (tags_[place] != r.line) continue;
       const bool comes = std::any_of(misses_.begin(), misses_.end(),
@@ -78,25 +79,22 @@ class CacheInTime {
       if (comes || hit_.place != kNowhere) return false;
       hit_ = {r.client, place, kNever};
       ++holders_[place];
+      used_.use(number, place - set);
       return true;
     }
     const auto entry = std::find_if(misses_.begin(), misses_.end(),
                                     [](const Miss& m) { return m.place == kNowhere; });
     if (entry == misses_.end()) return false;
-    for (uint32_t i = 0; i < shape_.ways; ++i) {
-      const uint32_t way = turn_ + i < shape_.ways ? turn_ + i : turn_ + i - shape_.ways;
-      if (holders_[set + way] != 0) continue;
-      const uint32_t place = set + way;
-      tags_[place] = r.line;
-      ++holders_[place];
-      port_free_ = std::max(port_free_, now_) + times_.beats;
-      *entry = {r.client, place, port_free_ + times_.memory};
-      turn_ = turn_ + 1 == shape_.ways ? 0 : turn_ + 1;
-      ++fetched_;
-      ++busy_;
-      return true;
-    }
-    return false;
+    const uint32_t way = used_.take(number, [&](uint32_t w) { return holders_[set + w] != 0; });
+    if (way == UsedWays::kNone) return false;
+    const uint32_t place = set + way;
+    tags_[place] = r.line;
+    ++holders_[place];
+    port_free_ = std::max(port_free_, now_) + times_.beats;
+    *entry = {r.client, place, port_free_ + times_.memory};
+    ++fetched_;
+    ++busy_;
+    return true;
   }
 
   // Lines that have come go before hits.
@@ -116,13 +114,14 @@ class CacheInTime {
 
   CacheShape shape_;
   LookupTimes times_;
+  UsedWays used_;
   std::vector<uint32_t> tags_;     // set by set
   std::vector<uint32_t> holders_;  // of each place: on its way, waiting to be read, being read
   std::vector<Miss> misses_;       // kNowhere: free
   std::vector<Request> again_;
   Reading hit_, reading_;
   uint64_t now_ = 0, port_free_ = 0, fetched_ = 0;
-  uint32_t turn_ = 0, busy_ = 0;
+  uint32_t busy_ = 0;
 };
 
 }  // namespace
@@ -134,15 +133,32 @@ CacheShape cache_shape(const Plan& plan, int line_bytes) {
           static_cast<uint32_t>(plan.cache_ways)};
 }
 
+UsedWays::UsedWays(const CacheShape& shape)
+    : ways_(shape.ways), used_(size_t{shape.sets} * shape.ways, 0) {}
+
+void UsedWays::use(uint32_t set, uint32_t way) {
+  const auto begin = used_.begin() + static_cast<std::ptrdiff_t>(size_t{set} * ways_);
+  begin[way] = 1;
+  if (std::find(begin, begin + ways_, 0) != begin + ways_) return;
+  std::fill_n(begin, ways_, char{0});
+  begin[way] = 1;
+}
+
 CacheModel::CacheModel(const CacheShape& shape)
-    : sets_(shape.sets), ways_(shape.ways), tags_(size_t{shape.sets} * shape.ways, ~0u) {}
+    : sets_(shape.sets),
+      ways_(shape.ways),
+      used_(shape),
+      tags_(size_t{shape.sets} * shape.ways, ~0u) {}
 
 bool CacheModel::read(uint32_t line) {
-  uint32_t* const set = &tags_[size_t{line % sets_} * ways_];
+  const uint32_t number = line % sets_;
+  uint32_t* const set = &tags_[size_t{number} * ways_];
   for (uint32_t way = 0; way < ways_; ++way)
-    if (set[way] == line) return true;
-  set[turn_] = line;
-  turn_ = turn_ + 1 == ways_ ? 0 : turn_ + 1;
+    if (set[way] == line) {
+      used_.use(number, way);
+      return true;
+    }
+  set[used_.take(number, [](uint32_t) { return false; })] = line;
   return false;
 }
 

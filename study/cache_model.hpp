@@ -36,8 +36,35 @@ CacheShape leaf_cache_shape(const Plan& plan);
 // As many bytes in lines of another size: sets need no power of two.
 CacheShape cache_shape(const Plan& plan, int line_bytes);
 
-// A set-associative cache of lines. A line's set is its number modulo the sets. The victim of
-// a miss is the next way in turn; one turn serves all sets.
+// Which ways of a cache were used of late: a bit each, all but the last of a set's cleared when all
+// would be. What a miss may take is the next way in turn, of those not used where it can; one turn
+// serves all sets.
+class UsedWays {
+ public:
+  explicit UsedWays(const CacheShape& shape);
+  void use(uint32_t set, uint32_t way);
+  // The way that a miss takes, of those for which held(way) is false; kNone: all are held. Advances
+  // the turn.
+  static constexpr uint32_t kNone = ~0u;
+  template <class Held>
+  uint32_t take(uint32_t set, Held&& held) {
+    for (const bool spare : {true, false})
+      for (uint32_t i = 0; i < ways_; ++i) {
+        const uint32_t way = turn_ + i < ways_ ? turn_ + i : turn_ + i - ways_;
+        if (held(way) || (spare && used_[size_t{set} * ways_ + way])) continue;
+        turn_ = turn_ + 1 == ways_ ? 0 : turn_ + 1;
+        use(set, way);
+        return way;
+      }
+    return kNone;
+  }
+
+ private:
+  uint32_t ways_, turn_ = 0;
+  std::vector<char> used_;  // set by set
+};
+
+// A set-associative cache of lines. A line's set is its number modulo the sets.
 class CacheModel {
  public:
   explicit CacheModel(const CacheShape& shape);
@@ -45,7 +72,8 @@ class CacheModel {
   bool read(uint32_t line);
 
  private:
-  uint32_t sets_, ways_, turn_ = 0;
+  uint32_t sets_, ways_;
+  UsedWays used_;
   std::vector<uint32_t> tags_;  // set by set; ~0: nothing
 };
 

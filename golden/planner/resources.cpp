@@ -154,7 +154,9 @@ Memories gatherer_memories(const Plan& p) {
   m.add(2 * p.lanes * p.direction_bits, rows, lists);
 
   // Of a result: what is known of it at the start, at the end, and its reciprocal.
-  const uint64_t most = p.lut_ram_words >= 64 && p.lut_ram_words < 128 ? 64 : 128;
+  const uint64_t most = p.lut_ram_words < 64 || p.lut_ram_words >= 512 ? (p.parity ? 128 : 512)
+                        : p.lut_ram_words < 128                        ? 64
+                                                                       : 128;
   const uint64_t slots = std::min(8 * contexts, std::max(most, 2 * contexts));
   const int body = p.count_bits() + p.r2_bits() + p.channels * p.flux_bits() +
                    2 * (p.line_bits() + 1) + p.index_bits() + 3;

@@ -7,7 +7,7 @@
 // order. A miss takes one of Misses entries, which holds its way until its client begins to read. Whatever cannot be
 // served at once (the line is on its way, no entry is free, every way of the set is held, tags that are just being
 // changed) goes to a queue and is looked up again when no new request comes. A request that misses is served by its own
-// entry, so each is served after finitely many rounds. The victim is the next way in turn that is not held.
+// entry, so each is served after finitely many rounds. The victim is a way that is not held: cache_victim.
 //
 //   stage 0  choose a request    1  tag memory    2  held ways    3  compare, decide    hit: wait for the reader
 //
@@ -144,7 +144,7 @@ module cache #(
   logic [PlaceBits-1:0] hit_place_q, hit_place, reader_place_q;
   logic [ClientBits-1:0] hit_client_q, hit_client, reader_client_q;
   logic [Ways-1:0] match, held;
-  logic [WayBits-1:0] hit_way, victim, turn_q;
+  logic [WayBits-1:0] hit_way, victim;
   logic found, hits;
   logic free_q;  // an entry of the misses is free
   logic [MissBits-1:0] entry_q;
@@ -157,9 +157,6 @@ module cache #(
       held[w] = pending_3_q[w] || (hit_valid_q && hit_place_q == {set_3_q, WayBits'(w)}) ||
           (reader_valid_q && reader_place_q == {set_3_q, WayBits'(w)});
     end
-    victim = '0;
-    for (int unsigned w = Ways; w > 0; w--) if (!held[w-1]) victim = WayBits'(w - 1);
-    for (int unsigned w = Ways; w > 0; w--) if (!held[w-1] && WayBits'(w - 1) >= turn_q) victim = WayBits'(w - 1);
   end
 
   assign found = match != '0;
@@ -175,10 +172,7 @@ module cache #(
   /* verilator lint_off UNUSEDSIGNAL */  // the queue holds every client
   logic queue_ready;
   /* verilator lint_on UNUSEDSIGNAL */
-  fifo #(
-      .Width(ClientBits + AddressBits),
-      .Depth(QueueDepth)
-  ) again (
+  fifo #(.Width(ClientBits + AddressBits), .Depth(QueueDepth)) again (
       .clk_i(clk_i),
       .rst_i(rst_i),
       .in_valid_i(retry),
@@ -215,6 +209,19 @@ module cache #(
         .read_data_o(tag_read)
     );
   end
+
+  cache_victim #(.Sets(Sets), .Ways(Ways)) to_take (
+      .clk_i(clk_i),
+      .rst_i(rst_i),
+      .clear_i(sweeping_q),
+      .set_ahead_i(set_2),
+      .set_i(sweeping_q ? sweep_q : set_3_q),
+      .held_i(held),
+      .hit_i(hits),
+      .hit_way_i(hit_way),
+      .miss_i(allocate),
+      .victim_o(victim)
+  );
 
   // ---- lines that are not right ----
   // They are forgotten when no lookup is decided; until then whoever reads one is told as well.
@@ -301,13 +308,11 @@ module cache #(
       line_req_valid_o <= 1'b1;
       line_req_addr_o <= address_3_q;
       line_req_tag_o <= entry_q;
-      turn_q <= turn_q == WayBits'(Ways - 1) ? '0 : turn_q + 1'b1;
     end
     if (rst_i) begin
       busy_q <= '0;
       filled_q <= '0;
       line_req_valid_o <= 1'b0;
-      turn_q <= '0;
     end
   end
 

@@ -84,10 +84,12 @@ module photon_gatherer_answers #(
     output photonloom_pkg::gather_photon_t   photon_o
 );
   localparam int unsigned QueueDepth = Contexts > 2 ? (1 << $clog2(Contexts)) : 2;
-  // Of results. A slow query shares its gatherer with the others, so scores of them overtake it; 128 are enough. Block RAM
-  // holds them as well as fewer. Where memories of 64 words are made of LUTs and those of 128 are not, there are 64.
+  // Of results. A slow query shares its gatherer with the others, so hundreds of them overtake it where many are in flight:
+  // 8 a context, up to 512, which block RAM holds as well as fewer. Where LUTs hold fewer and not these, there are as many as
+  // LUTs hold. With parity each takes a flip-flop.
   localparam int unsigned LutWords = photonloom_pkg::LutRamWords;
-  localparam int unsigned EnoughSlots = LutWords >= 64 && LutWords < 128 ? 64 : 128;
+  localparam int unsigned LutSlots = LutWords >= 512 ? 512 : LutWords >= 128 ? 128 : LutWords >= 64 ? 64 : 512;
+  localparam int unsigned EnoughSlots = photonloom_pkg::Parity != 0 && LutSlots > 128 ? 128 : LutSlots;
   localparam int unsigned MostSlots = EnoughSlots > 2 * QueueDepth ? EnoughSlots : 2 * QueueDepth;
   localparam int unsigned Slots = 8 * QueueDepth < MostSlots ? 8 * QueueDepth : MostSlots;
   localparam int unsigned SlotBits = $clog2(Slots);

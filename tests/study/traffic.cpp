@@ -40,17 +40,28 @@ std::vector<uint32_t> in_order(const LineVisits& visits) {
 }  // namespace
 
 TEST_CASE("the cache of a hand-made stream") {
-  // Two sets of two ways. Lines 0, 2, 4, 6 share set 0, line 1 is in set 1; the turn is common.
+  // Two sets of two ways. Lines 0, 2, 4, 6 share set 0, line 1 is in set 1; the turn is common. Of
+  // two ways the one used before is the one that goes.
   LineVisits visits;
-  visits.add_query(std::vector<uint32_t>{0, 2});  // misses into ways 0, 1
-  visits.add_query(
-      std::vector<uint32_t>{0, 1, 4});  // hit; miss into way 0; miss into way 1: 2 goes
-  visits.add_query(std::vector<uint32_t>{0, 4, 2});  // hit, hit, miss into way 0: 0 goes
+  visits.add_query(std::vector<uint32_t>{0, 2});     // misses into ways 0, 1
+  visits.add_query(std::vector<uint32_t>{0, 1, 4});  // hit; miss; miss: 2 goes
+  visits.add_query(std::vector<uint32_t>{0, 4, 2});  // hit, hit, miss: 0 goes
   visits.add_query(std::vector<uint32_t>{});
   visits.add_query(std::vector<uint32_t>{4, 1, 0});  // hit, hit, miss
   const std::vector<uint32_t> order = in_order(visits);
   CHECK(lines_fetched({2, 2}, visits, order) == 6);
-  CHECK(lines_fetched({2, 2}, visits, std::vector<uint32_t>{1, 0}) == 5);
+  CHECK(lines_fetched({2, 2}, visits, std::vector<uint32_t>{1, 0}) == 4);
+  // Of three ways: all used but the last, so the turn decides among those that are not.
+  LineVisits turns;
+  turns.add_query(std::vector<uint32_t>{0, 1, 2});  // ways 0, 1, 2; then only 2 counts as used
+  turns.add_query(std::vector<uint32_t>{1, 3});     // hit; the turn is at 0: 0 goes
+  turns.add_query(std::vector<uint32_t>{1, 2});     // both still there
+  turns.add_query(std::vector<uint32_t>{0});
+  CHECK(lines_fetched({1, 3}, turns, in_order(turns)) == 5);
+  // What is asked for again and again stays while others pass.
+  LineVisits passing;
+  for (uint32_t i = 1; i < 20; ++i) passing.add_query(std::vector<uint32_t>{0, i});
+  CHECK(lines_fetched({1, 2}, passing, in_order(passing)) == 20);
 }
 
 TEST_CASE("a cache that holds everything fetches each line once, whatever order and turns") {

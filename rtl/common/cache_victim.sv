@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+// Which way of a set a cache's miss takes: of those that are not held the next in turn that was not used of late, or, where
+// all were, the next in turn. A bit a way says that its line was asked for since all others of the set were: a use sets it,
+// and clears the others of the set where all would be set. One turn serves all sets and advances with every miss.
+//
+// set_ahead_i is read; in the cycle after, set_i is what it was, held_i and the way of a hit belong to it, and victim_o is
+// there in that cycle. Uses of one set in cycles that follow on each other may lose one of their bits. clear_i clears the
+// bits of set_i. A choice a cycle. Not recently used: Tanenbaum, Modern Operating Systems, of pages.
+module cache_victim #(
+    parameter int unsigned Sets = 64,
+    parameter int unsigned Ways = 2,
+    localparam int unsigned SetBits = Sets > 1 ? $clog2(Sets) : 1,
+    localparam int unsigned WayBits = Ways > 1 ? $clog2(Ways) : 1
+) (
+    input  logic               clk_i,
+    input  logic               rst_i,
+    input  logic               clear_i,
+    input  logic [SetBits-1:0] set_ahead_i,
+    input  logic [SetBits-1:0] set_i,
+    input  logic [   Ways-1:0] held_i,
+    input  logic               hit_i,
+    input  logic [WayBits-1:0] hit_way_i,
+    input  logic               miss_i,
+    output logic [WayBits-1:0] victim_o
+);
+  if (Ways > 1) begin : gen_ways
+    logic [Ways-1:0] used_q, used_ahead, spared, now, used;
+    logic [WayBits-1:0] turn_q;
+
+    always_comb begin
+      spared = (held_i | used_q) == '1 ? held_i : held_i | used_q;
+      victim_o = '0;
+      for (int unsigned w = Ways; w > 0; w--) if (!spared[w-1]) victim_o = WayBits'(w - 1);
+      for (int unsigned w = Ways; w > 0; w--) if (!spared[w-1] && WayBits'(w - 1) >= turn_q) victim_o = WayBits'(w - 1);
+    end
+
+    assign now = Ways'(1) << (miss_i ? victim_o : hit_way_i);
+    assign used = (used_q | now) == '1 ? now : used_q | now;
+
+    lut_ram #(
+        .Width(Ways),
+        .Depth(Sets > 1 ? Sets : 2)
+    ) used_ways (
+        .clk_i(clk_i),
+        .write_i(clear_i || hit_i || miss_i),
+        .write_address_i(set_i),
+        .write_data_i(clear_i ? '0 : used),
+        .read_address_i(set_ahead_i),
+        .read_data_o(used_ahead)
+    );
+
+    always_ff @(posedge clk_i) begin
+      used_q <= used_ahead;
+      if (miss_i) turn_q <= turn_q == WayBits'(Ways - 1) ? '0 : turn_q + 1'b1;
+      if (rst_i) turn_q <= '0;
+    end
+  end else begin : gen_one_way
+    assign victim_o = '0;
+    /* verilator lint_off UNUSEDSIGNAL */
+    logic unused;
+    /* verilator lint_on UNUSEDSIGNAL */
+    assign unused = &{1'b0, clk_i, rst_i, clear_i, set_ahead_i, set_i, held_i, hit_i, hit_way_i, miss_i};
+  end
+endmodule
