@@ -39,7 +39,7 @@ gallery: build ## all scenes by both integrators, with metrics: docs/gallery.md 
 mutate: ## planted bugs in the RTL, each caught by a bench or a test
 	@scripts/setup mutate
 	@cmake --preset release -DBUILD_TESTING=ON
-	@cmake --build build --target benches test_rtl
+	@cmake --build build --target benches scenes test_rtl test_rtl_slow
 	@scripts/mutate
 
 bench: ## the golden gather beside nanoflann, FLANN and CGAL (10 minutes)

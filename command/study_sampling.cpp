@@ -186,24 +186,31 @@ Conclusion conclude_sampling(const StudyOutcome& outcome) {
   const std::vector<RowCurves> rows =
       part_table(outcome, "sampling", kGatherRays, kRays, combination, "combine | levels | photons",
                  conclusion.page, scenes);
-  // One setting for all scenes: the least product of parts.
+  const auto goal_of = [&](size_t scene) {
+    const bool concentrated =
+        std::find(kConcentrated.begin(), kConcentrated.end(), scenes[scene]) != kConcentrated.end();
+    return concentrated ? 0.5 : 1.05;
+  };
+  // One setting for all scenes: the one whose farthest part from its goal is nearest.
   const RowCurves* best = nullptr;
   double least = 0;
   for (size_t r = 1; r < rows.size(); ++r) {
-    double sum = 0;
-    for (const RayPart& part : rows[r].parts) sum += std::log(part.value);
-    if (std::isfinite(sum) && (!best || sum < least)) {
+    double farthest = 0;
+    bool everywhere = true;
+    for (size_t s = 0; s < scenes.size(); ++s) {
+      everywhere = everywhere && std::isfinite(rows[r].parts[s].value);
+      farthest = std::max(farthest, rows[r].parts[s].value / goal_of(s));
+    }
+    if (everywhere && (!best || farthest < least)) {
       best = &rows[r];
-      least = sum;
+      least = farthest;
     }
   }
   for (size_t s = 0; s < scenes.size(); ++s) {
-    const bool concentrated =
-        std::find(kConcentrated.begin(), kConcentrated.end(), scenes[s]) != kConcentrated.end();
     if (best)
       conclusion.goals.push_back({fmt::format("{}, {}: part of the cosine's rays, ± {:.2g}",
                                               scenes[s], best->name, best->parts[s].error),
-                                  concentrated ? 0.5 : 1.05, best->parts[s].value, false});
+                                  goal_of(s), best->parts[s].value, false});
   }
   for (size_t s = 0; s < scenes.size(); ++s) {
     const auto least_of =
