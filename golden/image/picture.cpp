@@ -174,24 +174,43 @@ Picture from_hdr(const std::string& path, const std::string& bytes) {
   return out;
 }
 
+int64_t big_endian(const std::string& bytes, size_t at) {
+  int64_t n = 0;
+  for (size_t i = at; i < at + 4; ++i) n = n << 8 | static_cast<unsigned char>(bytes[i]);
+  return n;
+}
+
+// A PNG without its chunks of no data: they may stand anywhere, and the library has no room to copy
+// the first one to.
+std::string without_empty_data(const std::string& bytes) {
+  constexpr size_t kSignature = 8, kAround = 12;  // of a chunk: length, name, CRC
+  std::string out = bytes.substr(0, kSignature);
+  size_t at = kSignature;
+  while (bytes.size() - at >= kAround) {
+    const auto length = static_cast<uint64_t>(big_endian(bytes, at));
+    if (length > bytes.size() - at - kAround) break;
+    const size_t end = at + kAround + static_cast<size_t>(length);
+    if (length > 0 || bytes.compare(at + 4, 4, "IDAT") != 0) out.append(bytes, at, end - at);
+    at = end;
+  }
+  return out.append(bytes, at);
+}
+
+bool is_png(const std::string& bytes) { return bytes.compare(0, 8, "\x89PNG\r\n\x1a\n") == 0; }
+
 }  // namespace
 
 Picture read_picture(const std::string& path) {
-  const std::string bytes = read_file(path);
+  std::string bytes = read_file(path);
+  if (is_png(bytes)) bytes = without_empty_data(bytes);
   if (bytes.compare(0, 4, "\x76\x2f\x31\x01") == 0) return from_exr(path);
   if (bytes.compare(0, 2, "\xff\xd8") == 0) return from_jpeg(path, bytes);
   if (bytes.size() > INT_MAX) fail_picture(path, "is larger than 2 GiB");
   const auto* data = reinterpret_cast<const stbi_uc*>(bytes.data());
   const int size = static_cast<int>(bytes.size());
   // The library's own limit has no message of its own.
-  if (bytes.size() >= 24 && bytes.compare(0, 4, "\x89PNG") == 0) {
-    const auto big_endian = [&](size_t at) {
-      int64_t n = 0;
-      for (size_t i = at; i < at + 4; ++i) n = n << 8 | data[i];
-      return n;
-    };
-    check_size(path, big_endian(16), big_endian(20));
-  }
+  if (bytes.size() >= 24 && is_png(bytes))
+    check_size(path, big_endian(bytes, 16), big_endian(bytes, 20));
   Picture out;
   const auto broken = [&](const char* what) {
     const char* reason = stbi_failure_reason();

@@ -8,6 +8,7 @@
 
 #include "golden/image/image.hpp"
 #include "golden/numeric/elementary.hpp"
+#include "golden/numeric/output_file.hpp"
 #include "golden/transport/bsdf.hpp"
 #include "golden/transport/direct.hpp"
 #include "golden/transport/emitters.hpp"
@@ -853,6 +854,12 @@ TEST_CASE("pictures of all formats give the same texels; alpha, raw, gamma, gray
   CHECK(png.at(0, 1) == Rgb(0, 0, 1));
   CHECK(png.at(1, 1).x == Approx(grey).epsilon(1e-6));
   CHECK(load_bitmap(folder / "a.tga", {}).texels == png.texels);
+  // A chunk of no data stands before the others.
+  std::string split = read_file(folder / "a.png");
+  REQUIRE(split.find("IDAT") != std::string::npos);
+  split.insert(split.find("IDAT") - 4, std::string("\0\0\0\0IDAT\x35\xaf\x06\x1e", 12));
+  folder.write("split.png", split);
+  CHECK(load_bitmap(folder / "split.png", {}).texels == png.texels);
   CHECK(load_bitmap(folder / "a.exr", {}).texels == png.texels);
   const Bitmap shared = load_bitmap(folder / "a.hdr", {});
   CHECK(shared.at(0, 0) == Rgb(1, 0, 0));
