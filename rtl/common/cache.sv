@@ -327,10 +327,7 @@ module cache #(
       .read_address_i(serve_entry),
       .read_data_o({serve_place, serve_client})
   );
-  lut_ram #(
-      .Width(PlaceBits),
-      .Depth(Misses > 1 ? Misses : 2)
-  ) misses_to_fill (
+  lut_ram #(.Width(PlaceBits), .Depth(Misses > 1 ? Misses : 2)) misses_to_fill (
       .clk_i(clk_i),
       .write_i(allocate),
       .write_address_i(entry_q),
