@@ -12,6 +12,8 @@
 
 #include "golden/numeric/elementary.hpp"
 #include "golden/pipeline/prepare.hpp"
+#include "golden/transport/camera.hpp"
+#include "golden/transport/light_paths.hpp"
 #include "golden/transport/path.hpp"
 #include "golden/unit/cdf_sampler.hpp"
 #include "tests/catch.hpp"
@@ -170,6 +172,49 @@ TEST_CASE("light that mirrors and glass throw onto rough surfaces is the path tr
     INFO(c << ": " << channel_mean(image, c) << ", path tracer " << channel_mean(path, c));
     CHECK(channel_mean(image, c) == Approx(channel_mean(path, c)).epsilon(0.02));
   }
+}
+
+TEST_CASE("light paths beside photons leave to the maps what diffuse lobes throw back") {
+  const World world(lamp_room());
+  const auto caster = make_double_bvh(world);
+  const LightPaths beside(world, Photons::kOnDiffuse), all(world, Photons::kNone);
+  const Lens lens(world.scene());
+  std::vector<LightVertex> some, every;
+  uint64_t plain = 0, rough = 0, splats = 0;
+  for (uint64_t i = 0; i < 2000; ++i) {
+    const Random random(7, Phase::kLightPath, i);
+    all.trace(*caster, random, every);
+    for (const LightVertex& v : every) plain += v.first && v.surface.diffuse_probability() == 1;
+    beside.trace(*caster, random, some);
+    for (const LightVertex& v : some) {
+      rough += v.first;
+      if (v.first) CHECK(v.surface.diffuse_probability() < 1);
+      Splat splat;
+      if (!beside.splat(*caster, lens, Vec2(0), v, splat)) continue;
+      ++splats;
+      CHECK(is_black(splat.caustic));
+    }
+  }
+  CHECK(plain > 0);
+  CHECK(rough > 0);
+  CHECK(splats > 0);
+}
+
+TEST_CASE("light paths reach final gather rays by rough surfaces that these meet") {
+  const World world(lamp_room());
+  const auto caster = make_double_bvh(world);
+  const LightPaths beside(world, Photons::kOnDiffuse);
+  // From the right wall down to the floor of rough metal.
+  const Hit hit = caster->closest({Vec3(0.5, 0.5, 0.2), Vec3(1, 0, 0)}, nullptr);
+  REQUIRE(hit.valid());
+  const DiffuseHit x{hit.position, Vec3(-1, 0, 0), Vec3(-1, 0, 0), hit, 1, nullptr};
+  const Vec3 down = glm::normalize(Vec3(-1, -1, 0.5));
+  double without = 0, with = 0;
+  for (uint64_t ray = 0; ray < 400; ++ray) {
+    without += trace_gather(world, *caster, x, down, 0, 0, ray, 1).radiance.y;
+    with += trace_gather(world, *caster, x, down, 0, 0, ray, 1, &beside).radiance.y;
+  }
+  CHECK(with > 1.01 * without);
 }
 
 TEST_CASE("light paths in the image: the same in any batch and with any threads, also filtered") {
