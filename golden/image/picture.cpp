@@ -45,6 +45,11 @@ void check_size(const std::string& path, int64_t width, int64_t height) {
     fail_picture(path, fmt::format("has {} x {} pixels, expected at most 2^26", width, height));
 }
 
+[[noreturn]] void fail_library(const std::string& path, const char* what) {
+  const char* reason = stbi_failure_reason();
+  fail_picture(path, fmt::format("{}: {}", what, reason ? reason : "unknown format"));
+}
+
 struct Free {
   void operator()(void* p) const { stbi_image_free(p); }
 };
@@ -167,7 +172,7 @@ Picture from_hdr(const std::string& path, const std::string& bytes) {
   const std::unique_ptr<float, Free> values(
       stbi_loadf_from_callbacks(&calls, &from, &out.width, &out.height, &out.channels, 0));
   if (from.beyond) fail_picture(path, "ends before its last pixel");
-  if (!values) fail_picture(path, fmt::format("cannot be read as HDR: {}", stbi_failure_reason()));
+  if (!values) fail_library(path, "cannot be read as HDR");
   out.values.assign(values.get(), values.get() + static_cast<size_t>(out.width) *
                                                      static_cast<size_t>(out.height) *
                                                      static_cast<size_t>(out.channels));
@@ -212,24 +217,20 @@ Picture read_picture(const std::string& path) {
   if (bytes.size() >= 24 && is_png(bytes))
     check_size(path, big_endian(bytes, 16), big_endian(bytes, 20));
   Picture out;
-  const auto broken = [&](const char* what) {
-    const char* reason = stbi_failure_reason();
-    fail_picture(path, fmt::format("{}: {}", what, reason ? reason : "unknown format"));
-  };
   if (!stbi_info_from_memory(data, size, &out.width, &out.height, &out.channels))
-    broken("cannot be read as PNG, JPEG, TGA, BMP, HDR or EXR");
+    fail_library(path, "cannot be read as PNG, JPEG, TGA, BMP, HDR or EXR");
   check_size(path, out.width, out.height);
   check_bytes(path, out, bytes.size());
   int width = 0, height = 0;
   if (stbi_is_hdr_from_memory(data, size)) return from_hdr(path, bytes);
   if (stbi_is_16_bit_from_memory(data, size)) {
     stbi_us* values = stbi_load_16_from_memory(data, size, &width, &height, &out.channels, 0);
-    if (!values) broken("cannot be read");
+    if (!values) fail_library(path, "cannot be read");
     out.integers = true;
     take(out, values, 65535);
   } else {
     stbi_uc* values = stbi_load_from_memory(data, size, &width, &height, &out.channels, 0);
-    if (!values) broken("cannot be read");
+    if (!values) fail_library(path, "cannot be read");
     out.integers = true;
     take(out, values, 255);
   }

@@ -310,15 +310,9 @@ class Renderer {
     if (!light_paths_.needed()) return;
     const uint64_t paths = place_.size() * spp_;
     const ProgressPhase phase(progress_, "light paths", paths, "paths");
-    const Lens lens(in_.world.scene());
-    using Vertices = std::vector<LightVertex>;
-    splats_ = splat_light_paths<Vertices>(
-        in_.world.scene().film, lens, filter_, paths, in_.seed, Phase::kLightSplat,
-        [&](const Random& random, Vertices& path) { light_paths_.trace(in_.caster, random, path); },
-        [](const Vertices& path) { return path.size(); },
-        [&](const Vec2& u, const Vertices& path, size_t number, Splat& out) {
-          return light_paths_.splat(in_.caster, lens, u, path[number], out);
-        });
+    const Scene& scene = in_.world.scene();
+    splats_ = splat_light_paths(light_paths_, in_.caster, scene.film, Lens(scene), filter_, paths,
+                                in_.seed, Phase::kLightSplat);
     for (SplatSum& s : splats_) {
       s.indirect /= static_cast<double>(paths);
       s.square /= static_cast<double>(paths) * static_cast<double>(paths);

@@ -10,6 +10,7 @@
 #include "golden/numeric/random.hpp"
 #include "golden/transport/camera.hpp"
 #include "golden/transport/film_filter.hpp"
+#include "golden/transport/light_paths.hpp"
 #include "golden/transport/path_sample.hpp"
 
 namespace photonloom {
@@ -75,6 +76,21 @@ std::vector<SplatSum> splat_light_paths(const Film& film, const Lens& lens,
       }
   }
   return sums;
+}
+
+// The same of LightPaths.
+inline std::vector<SplatSum> splat_light_paths(const LightPaths& light_paths,
+                                               const RayCaster& caster, const Film& film,
+                                               const Lens& lens, const FilterTable& filter,
+                                               uint64_t paths, uint64_t seed, Phase phase) {
+  using Vertices = std::vector<LightVertex>;
+  return splat_light_paths<Vertices>(
+      film, lens, filter, paths, seed, phase,
+      [&](const Random& random, Vertices& path) { light_paths.trace(caster, random, path); },
+      [](const Vertices& path) { return path.size(); },
+      [&](const Vec2& u, const Vertices& path, size_t number, Splat& out) {
+        return light_paths.splat(caster, lens, u, path[number], out);
+      });
 }
 
 }  // namespace photonloom

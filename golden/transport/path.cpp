@@ -343,14 +343,8 @@ Image render_path(const World& world, const RayCaster& caster, const PathOptions
           return bidirectional.splat(lens, u, path, number, out);
         });
   } else if (light) {
-    using Vertices = std::vector<LightVertex>;
-    splats = splat_light_paths<Vertices>(
-        film, lens, filter, samples, options.seed, Phase::kCausticPhoton,
-        [&](const Random& random, Vertices& path) { light_paths.trace(caster, random, path); },
-        [](const Vertices& path) { return path.size(); },
-        [&](const Vec2& u, const Vertices& path, size_t number, Splat& out) {
-          return light_paths.splat(caster, lens, u, path[number], out);
-        });
+    splats = splat_light_paths(light_paths, caster, film, lens, filter, samples, options.seed,
+                               Phase::kCausticPhoton);
   }
   std::optional<FilteredFilm> filtered;
   if (!filter.is_plain_box()) filtered.emplace(filter, film.width, film.height);

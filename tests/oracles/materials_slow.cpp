@@ -50,6 +50,21 @@ Light sky(const Rgb& radiance) {
   return l;
 }
 
+// Diffuse lobes under two coats, which are followed, and under none.
+int add_coated_mixture(Scene& s) {
+  Bsdf mixture;
+  mixture.kind = BsdfKind::kMixture;
+  for (const double ior : {1.5, 1.9}) {
+    Bsdf plastic = glossy(BsdfKind::kRoughPlastic, Microfacets::kGgx, 0.3, Rgb(0.7), ior);
+    plastic.follow_diffuse = true;
+    mixture.parts.push_back(add_bsdf(s, plastic));
+    mixture.shares.push_back(0.35);
+  }
+  mixture.parts.push_back(add_diffuse(s, Rgb(0.6)));
+  mixture.shares.push_back(0.3);
+  return add_bsdf(s, mixture);
+}
+
 }  // namespace
 
 // A dense coat and a wide lamp: the path tracer finds caustics by chance, and those of a common
@@ -70,17 +85,7 @@ TEST_CASE("layers agree: plastics, smooth and rough, on a textured floor, causti
 
 TEST_CASE("layers agree: a mixture whose diffuse lobes lie under two coats and none, within 5 %") {
   Scene s = room(true);
-  Bsdf mixture;
-  mixture.kind = BsdfKind::kMixture;
-  for (const double ior : {1.5, 1.9}) {
-    Bsdf plastic = glossy(BsdfKind::kRoughPlastic, Microfacets::kGgx, 0.3, Rgb(0.7), ior);
-    plastic.follow_diffuse = true;
-    mixture.parts.push_back(add_bsdf(s, plastic));
-    mixture.shares.push_back(0.35);
-  }
-  mixture.parts.push_back(add_diffuse(s, Rgb(0.6)));
-  mixture.shares.push_back(0.3);
-  const int mixed = add_bsdf(s, mixture);
+  const int mixed = add_coated_mixture(s);
   add_sphere(s, mixed, Vec3(0.3, 0.2, 0.65), 0.2);
   add_quad(s, mixed, Vec3(0, 0.002, 0), Vec3(0, 0, 1), Vec3(1, 0, 0));
   check_layers("mixture", s, 2048, 14, 0.05);
@@ -113,17 +118,7 @@ TEST_CASE("layers agree: a point lamp through glass onto rough lobes, caustic wi
   const int metal =
       add_bsdf(s, glossy(BsdfKind::kRoughConductor, Microfacets::kBeckmann, 0.4, Rgb(0), 1));
   add_quad(s, metal, Vec3(0, 0.002, 0), Vec3(0, 0, 1), Vec3(1, 0, 0));
-  Bsdf mixture;
-  mixture.kind = BsdfKind::kMixture;
-  for (const double ior : {1.5, 1.9}) {
-    Bsdf plastic = glossy(BsdfKind::kRoughPlastic, Microfacets::kGgx, 0.3, Rgb(0.7), ior);
-    plastic.follow_diffuse = true;
-    mixture.parts.push_back(add_bsdf(s, plastic));
-    mixture.shares.push_back(0.35);
-  }
-  mixture.parts.push_back(add_diffuse(s, Rgb(0.6)));
-  mixture.shares.push_back(0.3);
-  const int mixed = add_bsdf(s, mixture);
+  const int mixed = add_coated_mixture(s);
   add_quad(s, mixed, Vec3(0.002, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1));
   add_sphere(s, add_glass(s, 1.5), Vec3(0.45, 0.7, 0.5), 0.15);
   add_sphere(s, add_mirror(s, Rgb(0.9)), Vec3(0.8, 0.7, 0.35), 0.12);

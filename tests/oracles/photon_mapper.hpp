@@ -86,16 +86,10 @@ class PhotonMapper {
 
   double shown_by_light_paths() const {
     const uint64_t paths = camera_samples_ * kSize * kSize;
-    using Vertices = std::vector<LightVertex>;
-    const Lens lens(world_.scene());
-    const auto sums = splat_light_paths<Vertices>(
-        world_.scene().film, lens, FilterTable(world_.scene().film.filter), paths, seed_,
-        Phase::kLightSplat,
-        [&](const Random& random, Vertices& path) { light_paths_.trace(*caster_, random, path); },
-        [](const Vertices& path) { return path.size(); },
-        [&](const Vec2& u, const Vertices& path, size_t number, Splat& out) {
-          return light_paths_.splat(*caster_, lens, u, path[number], out);
-        });
+    const Scene& scene = world_.scene();
+    const auto sums =
+        splat_light_paths(light_paths_, *caster_, scene.film, Lens(scene),
+                          FilterTable(scene.film.filter), paths, seed_, Phase::kLightSplat);
     double sum = 0;
     for (const SplatSum& s : sums) sum += s.indirect.y;
     return sum / (kSize * kSize) / static_cast<double>(paths);
