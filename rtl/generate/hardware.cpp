@@ -36,8 +36,7 @@ std::set<std::string> modules_not_taken(const Plan& plan) {
     without.insert("reorder_fullest");
   if (plan.reorder_key == ReorderKey::kNone) without.insert("reorder_key");
   if (plan.reciprocal_bits == 0) without.insert("reciprocal");
-  if (!plan.parity)
-    without.insert({"parity_check", std::string(unit_name<PhotonGatherer>) + "_faults"});
+  if (!plan.parity) without.insert("parity_check");
   if (!plan.self_test) without.insert("self_test");
   without.insert(plan.photon_memory == PhotonMemory::kSdram ? "photon_ram" : "photon_sdram");
   return without;

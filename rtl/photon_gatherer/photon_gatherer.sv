@@ -4,7 +4,7 @@
 // order of the queries, photons in the order of the queries that want them; neither stream ever waits for the other.
 // Mirrors search() of golden/unit/photon_gatherer.cpp, with equal counts of nodes, leaves and insertions.
 //
-// Wires: a query starts, the tree gives its leaves one by one, each is searched, and when the tree has no more its
+// Wires: a query starts, its tree gives its leaves one by one, each is searched, and when the tree has no more its
 // answers are made. Up to Contexts queries are in flight. Each is at any time in one place: descending through inner
 // nodes, waiting for its leaf line, in the lanes, entering its list, or taking subtrees off its stack; its next decision
 // waits for its last insertion. Nodes, dropped stack entries, leaf beats and insertions each have a port of their own
@@ -12,8 +12,7 @@
 // docs/photon_gatherer.md has the drawing, the modules, the address map of cfg_*, and the figures.
 //
 // Latency: about 3 cycles an inner node, 3 for one or two stack entries, 40 a leaf in the cache, 1 a candidate.
-// Throughput: cycles per query near max(inner nodes / Trees, Bucket / Lanes * leaves, insertions / Lists,
-// (K + 1) / Sums).
+// Throughput: cycles per query near max(inner nodes / Trees, Bucket / Lanes * leaves, insertions / Lists, (K + 1) / Sums).
 module photon_gatherer #(
     // These change when packets come, never which.
     parameter int unsigned Contexts = photonloom_pkg::Contexts,
@@ -72,34 +71,21 @@ module photon_gatherer #(
     output logic [31:0] count_faults_o  // words of memory that were not right; 0 without parity
 );
   localparam int unsigned ContextBits = Contexts > 1 ? $clog2(Contexts) : 1;
-  localparam int unsigned TreeContexts = (Contexts + Trees - 1) / Trees;
-  localparam int unsigned TreeContextBits = TreeContexts > 1 ? $clog2(TreeContexts) : 1;
-  localparam int unsigned ListContexts = (Contexts + Lists - 1) / Lists;
-  localparam int unsigned ListContextBits = ListContexts > 1 ? $clog2(ListContexts) : 1;
-  localparam int unsigned SumContexts = (Contexts + Sums - 1) / Sums;
-  localparam int unsigned SumContextBits = SumContexts > 1 ? $clog2(SumContexts) : 1;
-  localparam int unsigned PositionBits = photonloom_pkg::PositionBits;
-  localparam int unsigned NormalBits = photonloom_pkg::NormalBits;
-  localparam int unsigned DirectionBits = photonloom_pkg::DirectionBits;
+  localparam int unsigned TreeContextBits = Contexts > Trees ? $clog2((Contexts + Trees - 1) / Trees) : 1;
+  localparam int unsigned ListContextBits = Contexts > Lists ? $clog2((Contexts + Lists - 1) / Lists) : 1;
+  localparam int unsigned SumContextBits = Contexts > Sums ? $clog2((Contexts + Sums - 1) / Sums) : 1;
   localparam int unsigned R2Bits = photonloom_pkg::R2Bits;
   localparam int unsigned IndexBits = photonloom_pkg::IndexBits;
-  localparam int unsigned CountBits = photonloom_pkg::CountBits;
   localparam int unsigned K = photonloom_pkg::K;
   localparam int unsigned PlaceBits = K > 1 ? $clog2(K) : 1;
   localparam int unsigned NodeBits = LineBits + 1;
   localparam int unsigned StackBits = $clog2(LineBits + 1);
-  localparam int unsigned StoreBits = 2 * DirectionBits + photonloom_pkg::Channels * photonloom_pkg::MantissaBits +
-      photonloom_pkg::ExponentBits + R2Bits + IndexBits;
+  localparam int unsigned StoreBits = 2 * photonloom_pkg::DirectionBits +
+      photonloom_pkg::Channels * photonloom_pkg::MantissaBits + photonloom_pkg::ExponentBits + R2Bits + IndexBits;
 
-  localparam int unsigned Bucket = photonloom_pkg::Bucket;
-  localparam int unsigned GlobalLines = photonloom_pkg::GlobalPresent == 0 ? 0 :
-      (photonloom_pkg::GlobalPhotons + Bucket - 1) / Bucket;
-  localparam int unsigned CausticLines = photonloom_pkg::CausticPresent == 0 ? 0 :
-      (photonloom_pkg::CausticPhotons + Bucket - 1) / Bucket;
-  localparam int unsigned NodeWords = GlobalLines + CausticLines > 2 ? GlobalLines + CausticLines : 2;
-  localparam int unsigned NodeAddressBits = $clog2(NodeWords);
   // The largest power of two of sets that fits in CacheBytes.
-  localparam int unsigned SetsThatFit = CacheBytes / (Bucket * photonloom_pkg::PhotonBytes * CacheWays);
+  localparam int unsigned SetsThatFit =
+      CacheBytes / (photonloom_pkg::Bucket * photonloom_pkg::PhotonBytes * CacheWays);
   localparam int unsigned Sets = SetsThatFit == 0 ? 0 : 1 << ($clog2(SetsThatFit + 1) - 1);
   localparam int unsigned SetBits = Sets > 1 ? $clog2(Sets) : 1;
 
@@ -107,61 +93,47 @@ module photon_gatherer #(
     cache_bytes_must_hold_one_line_in_each_way bad_cache ();
   end
 
-  logic node_write, forget, bypass;
-  logic [NodeAddressBits-1:0] node_address;
-  logic [PositionBits+1:0] node_data;
-  logic [2*NodeBits-1:0] lines;
-  logic [2*R2Bits-1:0] r2_max;
+  photonloom_pkg::gather_query_t query;
+  logic forget, bypass, start, search, slot_ready, flush_ready, busy;
+  logic token, token_taken, token_done, empty_done, photons_free, leaf_valid, leaf_map, leaf_first;
   logic [SetBits-1:0] set_mask;
+  logic [Trees-1:0] tree_done, finish_valid, finish_ready, finish_stop, node_wrong;
+  logic [Lists-1:0] bound_write;
+  logic [Sums-1:0] sum_free;
+  logic [ContextBits-1:0] search_context, token_context, photons_free_context, leaf_context;
+  logic [Trees*TreeContextBits-1:0] tree_done_context, finish_context, node_wrong_context;
+  logic [Lists*ListContextBits-1:0] bound_context;
+  logic [Sums*SumContextBits-1:0] sum_free_context;
+  logic [3*(photonloom_pkg::NormalBits+2)-1:0] search_normal;
+  logic [R2Bits-1:0] token_r2_max;
+  logic [LineBits-1:0] leaf_line;
+  logic [StackBits-1:0] leaf_stack, leaf_steps;
+  logic [Trees*StackBits-1:0] finish_stack;
+  logic [Lists*R2Bits-1:0] bound;
+  logic [$clog2(2*Trees+1)-1:0] nodes, dropped;
 
-  photon_gatherer_registers #(
-      .Sets(Sets),
-      .NodeAddressBits(NodeAddressBits)
-  ) registers (
+  photon_gatherer_descent #(
+      .Contexts(Contexts),
+      .Trees(Trees),
+      .Lists(Lists),
+      .Sums(Sums),
+      .Sets(Sets)
+  ) walks (
       .clk_i(clk_i),
       .rst_i(rst_i),
       .cfg_valid_i(cfg_valid_i),
       .cfg_addr_i(cfg_addr_i),
       .cfg_data_i(cfg_data_i),
-      .node_write_o(node_write),
-      .node_address_o(node_address),
-      .node_data_o(node_data),
-      .lines_o(lines),
-      .r2_max_o(r2_max),
       .forget_o(forget),
       .set_mask_o(set_mask),
-      .bypass_o(bypass)
-  );
-
-  photonloom_pkg::gather_query_t query;
-  logic start, search, search_inner, search_leaf, hold, slot_ready, flush_ready, busy;
-  logic token, token_taken, token_done, empty_done, photons_free;
-  logic [Trees-1:0] tree_done;
-  logic [Sums-1:0] sum_free;
-  logic [ContextBits-1:0] search_context, token_context, photons_free_context;
-  logic [Trees*TreeContextBits-1:0] tree_done_context;
-  logic [Sums*SumContextBits-1:0] sum_free_context;
-  logic [3*(NormalBits+2)-1:0] search_normal;
-  logic [R2Bits-1:0] token_r2_max;
-
-  photon_gatherer_start #(
-      .Contexts(Contexts),
-      .Sums(Sums)
-  ) starts (
-      .clk_i(clk_i),
-      .rst_i(rst_i),
+      .bypass_o(bypass),
       .in_valid_i(in_valid_i),
       .in_ready_o(in_ready_o),
       .in_i(in_i),
-      .lines_i(lines),
-      .r2_max_i(r2_max),
-      .hold_i(hold),
       .slot_ready_i(slot_ready),
       .flush_ready_i(flush_ready),
       .start_o(start),
       .search_o(search),
-      .search_inner_o(search_inner),
-      .search_leaf_o(search_leaf),
       .context_o(search_context),
       .query_o(query),
       .normal_o(search_normal),
@@ -170,54 +142,6 @@ module photon_gatherer #(
       .token_context_o(token_context),
       .token_done_i(token_done),
       .token_r2_max_o(token_r2_max),
-      .empty_done_o(empty_done),
-      .tree_done_i(tree_done[32'(token_context)&(Trees-1)]),
-      .sum_free_i(sum_free),
-      .sum_free_context_i(sum_free_context),
-      .photons_free_i(photons_free),
-      .photons_free_context_i(photons_free_context),
-      .busy_o(busy)
-  );
-
-  // Of counted events there are two of each tree's and list's at most in a cycle.
-  localparam int unsigned StepBits = $clog2(2 * (Trees > Lists ? Trees : Lists) + 1);
-
-  logic leaf_valid, leaf_map, leaf_first;
-  logic [Trees-1:0] finish_valid, finish_ready, finish_stop;
-  logic [Lists-1:0] bound_write;
-  logic [ContextBits-1:0] leaf_context;
-  logic [Trees*TreeContextBits-1:0] finish_context;
-  logic [Lists*ListContextBits-1:0] bound_context;
-  logic [LineBits-1:0] leaf_line;
-  logic [StackBits-1:0] leaf_stack, leaf_steps;
-  logic [Trees*StackBits-1:0] finish_stack;
-  logic [Lists*R2Bits-1:0] bound;
-  logic [$clog2(2*Trees+1)-1:0] nodes, dropped;
-  logic [Trees-1:0] node_wrong;
-  logic [Trees*TreeContextBits-1:0] node_wrong_context;
-  logic [$clog2(2*Lists+1)-1:0] candidates, insertions;
-
-  photon_gatherer_trees #(
-      .Contexts(Contexts),
-      .Trees(Trees),
-      .Lists(Lists),
-      .GlobalLines(GlobalLines),
-      .CausticLines(CausticLines),
-      .NodeWords(NodeWords)
-  ) trees (
-      .clk_i(clk_i),
-      .rst_i(rst_i),
-      .node_write_i(node_write),
-      .node_address_i(node_address),
-      .node_data_i(node_data),
-      .lines_i(lines),
-      .hold_o(hold),
-      .start_i(search),
-      .start_inner_i(search_inner),
-      .start_leaf_i(search_leaf),
-      .start_context_i(search_context),
-      .start_map_i(query.map),
-      .start_position_i(query.position),
       .leaf_valid_o(leaf_valid),
       .leaf_context_o(leaf_context),
       .leaf_map_o(leaf_map),
@@ -235,6 +159,12 @@ module photon_gatherer #(
       .bound_i(bound),
       .done_o(tree_done),
       .done_context_o(tree_done_context),
+      .empty_done_o(empty_done),
+      .sum_free_i(sum_free),
+      .sum_free_context_i(sum_free_context),
+      .photons_free_i(photons_free),
+      .photons_free_context_i(photons_free_context),
+      .busy_o(busy),
       .wrong_o(node_wrong),
       .wrong_context_o(node_wrong_context),
       .nodes_o(nodes),
@@ -248,14 +178,15 @@ module photon_gatherer #(
   logic [ContextBits-1:0] snapshot_context;
   logic [Sums*SumContextBits-1:0] found_context;
   logic [Lists*ListContextBits-1:0] store_context;
-  logic [Sums*CountBits-1:0] found_count;
-  logic [CountBits-1:0] snapshot_count;
+  logic [Sums*photonloom_pkg::CountBits-1:0] found_count;
+  logic [photonloom_pkg::CountBits-1:0] snapshot_count;
   logic [Sums*R2Bits-1:0] found_r2;
   logic [Sums*(IndexBits+1)-1:0] found_insertions;
   logic [Sums*NodeBits-1:0] found_leaves, found_nodes;
   logic [Lists*PlaceBits-1:0] store_place;
   logic [Lists*StoreBits-1:0] store_word;
   logic [K*PlaceBits-1:0] snapshot_places;
+  logic [$clog2(2*Lists+1)-1:0] candidates, insertions;
 
   photon_gatherer_leaves #(
       .Contexts(Contexts),
@@ -377,33 +308,27 @@ module photon_gatherer #(
       .photon_o(photon_o)
   );
 
-  if (Parity != 0) begin : gen_faults
-    photon_gatherer_faults #(
-        .Contexts(Contexts),
-        .Trees(Trees),
-        .Sums(Sums)
-    ) faults (
-        .clk_i(clk_i),
-        .rst_i(rst_i),
-        .start_i(search),
-        .start_context_i(search_context),
-        .node_i(node_wrong),
-        .node_context_i(node_wrong_context),
-        .line_i(line_wrong),
-        .line_context_i(line_wrong_context),
-        .tag_i(tag_wrong),
-        .found_context_i(found_context),
-        .found_faulty_o(found_faulty),
-        .count_o(count_faults_o)
-    );
-  end else begin : gen_no_faults
-    /* verilator lint_off UNUSEDSIGNAL */
-    logic unused;
-    /* verilator lint_on UNUSEDSIGNAL */
-    assign unused = &{1'b0, node_wrong, node_wrong_context, line_wrong, line_wrong_context, tag_wrong};
-    assign found_faulty = '0;
-    assign count_faults_o = '0;
-  end
+  photon_gatherer_faults #(
+      .Contexts(Contexts),
+      .Trees(Trees),
+      .Sums(Sums)
+  ) faults (
+      .clk_i(clk_i),
+      .rst_i(rst_i),
+      .start_i(search),
+      .start_context_i(search_context),
+      .node_i(node_wrong),
+      .node_context_i(node_wrong_context),
+      .line_i(line_wrong),
+      .line_context_i(line_wrong_context),
+      .tag_i(tag_wrong),
+      .found_context_i(found_context),
+      .found_faulty_o(found_faulty),
+      .count_o(count_faults_o)
+  );
+
+  // Of counted events there are two of each tree's and list's at most in a cycle.
+  localparam int unsigned StepBits = $clog2(2 * (Trees > Lists ? Trees : Lists) + 1);
 
   photon_gatherer_counters #(
       .StepBits(StepBits)

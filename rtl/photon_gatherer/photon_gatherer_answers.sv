@@ -98,44 +98,28 @@ module photon_gatherer_answers #(
   localparam int unsigned SumBits = CountBits + RideBits + FluxesBits;
 
   // ---- queries that are done ----
-  // A queue holds the ends of one tree that go to one sum, so that each has one side at each end.
-  localparam int unsigned Queues = Trees > Sums ? Trees : Sums;
-  localparam int unsigned EndContexts = (Contexts + Queues - 1) / Queues;
-  localparam int unsigned EndDepth = EndContexts > 2 ? (1 << $clog2(EndContexts)) : 2;
-  localparam int unsigned EndBits = SumContextBits + 1;  // in an empty map
   logic [Trees-1:0] done;
   logic [Trees*TreeContextBits-1:0] done_context;
-  logic [Queues-1:0] waiting, taken;
-  logic [Queues*EndBits-1:0] oldest;
+  logic [Sums-1:0] end_valid, end_ready, end_empty;
 
-  for (genvar tree = 0; tree < Trees; tree++) begin : gen_done
-    assign done[tree] = tree_done_i[tree] || (empty_done_i && (32'(empty_done_context_i) & (Trees - 1)) == tree);
-    assign done_context[TreeContextBits*tree+:TreeContextBits] =
-        tree_done_i[tree] ? tree_done_context_i[TreeContextBits*tree+:TreeContextBits] :
-        TreeContextBits'(empty_done_context_i >> $clog2(Trees));
-  end
-
-  for (genvar q = 0; q < Queues; q++) begin : gen_queue
-    localparam int unsigned Tree = q % Trees;
-    logic [ContextBits-1:0] context_done;
-    /* verilator lint_off UNUSEDSIGNAL */  // the queue holds every context
-    logic ready;
-    /* verilator lint_on UNUSEDSIGNAL */
-    assign context_done = ContextBits'(32'(done_context[TreeContextBits*Tree+:TreeContextBits]) * Trees + Tree);
-    fifo #(
-        .Width(EndBits),
-        .Depth(EndDepth)
-    ) ends (
-        .clk_i(clk_i),
-        .rst_i(rst_i),
-        .in_valid_i(done[Tree] && (32'(context_done) & (Queues - 1)) == q),
-        .in_ready_o(ready),
-        .in_i({SumContextBits'(context_done >> $clog2(Sums)), !tree_done_i[Tree]}),
-        .out_valid_o(waiting[q]),
-        .out_ready_i(taken[q]),
-        .out_o(oldest[EndBits*q+:EndBits])
-    );
-  end
+  photon_gatherer_ends #(
+      .Contexts(Contexts),
+      .Trees(Trees),
+      .Sums(Sums)
+  ) ends (
+      .clk_i(clk_i),
+      .rst_i(rst_i),
+      .tree_done_i(tree_done_i),
+      .tree_done_context_i(tree_done_context_i),
+      .empty_done_i(empty_done_i),
+      .empty_done_context_i(empty_done_context_i),
+      .done_o(done),
+      .done_context_o(done_context),
+      .out_valid_o(end_valid),
+      .out_ready_i(end_ready),
+      .out_context_o(found_context_o),
+      .out_empty_o(end_empty)
+  );
 
   // ---- sums ----
   logic place_free;
@@ -153,31 +137,14 @@ module photon_gatherer_answers #(
 
   for (genvar s = 0; s < Sums; s++) begin : gen_sum
     localparam int unsigned Choices = Lists / Sums;
-    logic ready, ends, empty;
+    logic ready;
     logic [SumContextBits-1:0] context_done;
     logic [SlotBits:0] done_slot;
     logic [PowerBits-1:0] power;
 
-    // The first queue of the sum's in which one waits.
-    always_comb begin
-      ends = 1'b0;
-      {context_done, empty} = oldest[EndBits*s+:EndBits];
-      for (int unsigned q = Queues; q > 0; q--) begin
-        if (((q - 1) & (Sums - 1)) == s && waiting[q-1]) begin
-          ends = 1'b1;
-          {context_done, empty} = oldest[EndBits*(q-1)+:EndBits];
-        end
-      end
-    end
-    for (genvar q = s; q < Queues; q = q + Sums) begin : gen_taken
-      logic [Queues-1:0] before_it;
-      for (genvar other = 0; other < Queues; other++) begin : gen_before
-        assign before_it[other] = other < q && other % Sums == s && waiting[other];
-      end
-      assign taken[q] = ready && place_free && before_it == '0;
-    end
-    assign sum_take[s] = ends && ready && place_free;
-    assign found_context_o[SumContextBits*s+:SumContextBits] = context_done;
+    assign end_ready[s] = ready && place_free;
+    assign sum_take[s] = end_valid[s] && end_ready[s];
+    assign context_done = found_context_o[SumContextBits*s+:SumContextBits];
     assign take_slot[SlotBits*s+:SlotBits] = done_slot[SlotBits-1:0];
 
     lut_ram #(
@@ -227,8 +194,8 @@ module photon_gatherer_answers #(
           done_slot,
           found_r2_i[R2Bits*s+:R2Bits],
           found_insertions_i[(IndexBits+1)*s+:IndexBits+1],
-          empty ? NodeBits'(0) : found_leaves_i[NodeBits*s+:NodeBits],
-          empty ? NodeBits'(0) : found_nodes_i[NodeBits*s+:NodeBits]
+          end_empty[s] ? NodeBits'(0) : found_leaves_i[NodeBits*s+:NodeBits],
+          end_empty[s] ? NodeBits'(0) : found_nodes_i[NodeBits*s+:NodeBits]
         }),
         .read_o(sum_read[s]),
         .read_context_o(sum_read_context[SumContextBits*s+:SumContextBits]),

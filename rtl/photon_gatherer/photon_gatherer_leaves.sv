@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Searches leaves: from a leaf that is reached, through its line, its photons and the candidates among them, to the
 // lists of their queries and back to the tree. Wires three modules: photon_gatherer_leaf_state keeps what belongs to the
-// leaf meanwhile, photon_gatherer_beats reads the line and measures distances, photon_gatherer_candidates, of which there
-// are Lists, tests sides and holds lists. Where lines are compressed, photon_gatherer_further_lines makes one leaf of several
+// leaf meanwhile, photon_gatherer_beats reads the line and measures distances, photon_gatherer_lists tests sides and holds
+// the lists. Where lines are compressed, photon_gatherer_further_lines makes one leaf of several
 // lines, searched one after the other. Mirrors the leaf step of search_gather in golden/unit/photon_gatherer.cpp.
 //
 // Trees, lists and sums each have their part of the contexts: number n of N has the contexts c with c % N = n, as c / N.
@@ -267,113 +267,57 @@ module photon_gatherer_leaves #(
       .miss_o(miss_o)
   );
 
-  logic [Lists-1:0] token_taken, token_done, snapshot_taken, snapshot_done, candidate, insertion;
-  logic [Lists*CountBits-1:0] counts, snapshot_count;
-  logic [Lists*(IndexBits+1)-1:0] insertions;
-  logic [Lists*K*PlaceBits-1:0] snapshot_places;
-
-  for (genvar l = 0; l < Lists; l++) begin : gen_list
-    localparam int unsigned Sum = l % Sums;
-    photon_gatherer_candidates #(
-        .Contexts(ListContexts),
-        .Lanes(Lanes),
-        .RowBits(RowBits)
-    ) candidates (
-        .clk_i(clk_i),
-        .rst_i(rst_i),
-        .search_i(start_i && (32'(start_context_i) & (Lists - 1)) == l),
-        .search_context_i(ListContextBits'(start_context_i >> $clog2(Lists))),
-        .search_normal_i(start_normal_i),
-        .start_i(token_i && (32'(token_context_i) & (Lists - 1)) == l),
-        .start_taken_o(token_taken[l]),
-        .start_context_i(ListContextBits'(token_context_i >> $clog2(Lists))),
-        .start_r2_max_i(token_r2_max_i),
-        .start_done_o(token_done[l]),
-        .in_valid_i(beat_valid[l]),
-        .in_ready_o(beat_ready[l]),
-        .in_context_i(beat_context[ListContextBits*l+:ListContextBits]),
-        .in_beat_i(beat_number[BeatBits*l+:BeatBits]),
-        .in_row_i(beat_row[RowBits*l+:RowBits]),
-        .in_last_i(beat_last[l]),
-        .in_mask_i(beat_mask[Lanes*l+:Lanes]),
-        .in_d2_i(beat_d2[Lanes*R2Bits*l+:Lanes*R2Bits]),
-        .direction_read_o(direction_read[l]),
-        .directions_i(directions[2*Lanes*DirectionBits*l+:2*Lanes*DirectionBits]),
-        .load_row_o(load_row[RowBits*l+:RowBits]),
-        .loads_i(loads[Lanes*LoadBits*l+:Lanes*LoadBits]),
-        .line_context_o(line_context[ListContextBits*l+:ListContextBits]),
-        .line_i(lines[LineBits*l+:LineBits]),
-        .leaf_done_o(leaf_done[l]),
-        .leaf_done_context_o(leaf_done_context[ListContextBits*l+:ListContextBits]),
-        .bound_write_o(bound_write_o[l]),
-        .bound_context_o(bound_context_o[ListContextBits*l+:ListContextBits]),
-        .bound_o(bound_o[R2Bits*l+:R2Bits]),
-        .found_context_i(ListContextBits'(found_context_i[SumContextBits*Sum+:SumContextBits] >> $clog2(Lists / Sums))),
-        .found_count_o(counts[CountBits*l+:CountBits]),
-        .found_insertions_o(insertions[(IndexBits+1)*l+:IndexBits+1]),
-        .store_read_i(store_read_i[l]),
-        .store_context_i(store_context_i[ListContextBits*l+:ListContextBits]),
-        .store_place_i(store_place_i[PlaceBits*l+:PlaceBits]),
-        .store_word_o(store_word_o[StoreBits*l+:StoreBits]),
-        .snapshot_i(snapshot_i && (32'(snapshot_context_i) & (Lists - 1)) == l),
-        .snapshot_taken_o(snapshot_taken[l]),
-        .snapshot_context_i(ListContextBits'(snapshot_context_i >> $clog2(Lists))),
-        .snapshot_done_o(snapshot_done[l]),
-        .snapshot_count_o(snapshot_count[CountBits*l+:CountBits]),
-        .snapshot_places_o(snapshot_places[K*PlaceBits*l+:K*PlaceBits]),
-        .candidates_o(candidate[l]),
-        .insertions_o(insertion[l])
-    );
-  end
-
-  // ---- one token and one snapshot are under way ----
-  assign token_taken_o = token_taken != '0;
-  assign token_done_o = token_done != '0;
-  assign snapshot_taken_o = snapshot_taken != '0;
-  assign snapshot_done_o = snapshot_done != '0;
-  always_comb begin
-    snapshot_count_o = '0;
-    snapshot_places_o = '0;
-    candidates_o = '0;
-    insertions_o = '0;
-    for (int unsigned l = 0; l < Lists; l++) begin
-      if (Lists == 1 || snapshot_done[l]) begin
-        snapshot_count_o = snapshot_count_o | snapshot_count[CountBits*l+:CountBits];
-        snapshot_places_o = snapshot_places_o | snapshot_places[K*PlaceBits*l+:K*PlaceBits];
-      end
-      candidates_o = candidates_o + StepBits'(candidate[l]);
-      insertions_o = insertions_o + StepBits'(insertion[l]);
-    end
-  end
-
-  // ---- what was found: of the list that has the context ----
-  for (genvar sum = 0; sum < Sums; sum++) begin : gen_found
-    localparam int unsigned Choices = Lists / Sums;
-    logic [SumContextBits-1:0] context_found;
-    assign context_found = found_context_i[SumContextBits*sum+:SumContextBits];
-    photon_gatherer_bounds #(
-        .Contexts(Contexts),
-        .Lists(Lists),
-        .Copies(Sums),
-        .Copy(sum),
-        .R2Bits(R2Bits)
-    ) bounds (
-        .clk_i(clk_i),
-        .write_i(bound_write_o),
-        .write_context_i(bound_context_o),
-        .write_bound_i(bound_o),
-        .read_context_i(context_found),
-        .read_bound_o(found_r2_o[R2Bits*sum+:R2Bits])
-    );
-    always_comb begin
-      found_count_o[CountBits*sum+:CountBits] = counts[CountBits*sum+:CountBits];
-      found_insertions_o[(IndexBits+1)*sum+:IndexBits+1] = insertions[(IndexBits+1)*sum+:IndexBits+1];
-      for (int unsigned i = 1; i < Choices; i++) begin
-        if ((32'(context_found) & (Choices - 1)) == i) begin
-          found_count_o[CountBits*sum+:CountBits] = counts[CountBits*(Sums*i+sum)+:CountBits];
-          found_insertions_o[(IndexBits+1)*sum+:IndexBits+1] = insertions[(IndexBits+1)*(Sums*i+sum)+:IndexBits+1];
-        end
-      end
-    end
-  end
+  photon_gatherer_lists #(
+      .Contexts(Contexts),
+      .Lists(Lists),
+      .Sums(Sums),
+      .Lanes(Lanes),
+      .RowBits(RowBits)
+  ) lists (
+      .clk_i(clk_i),
+      .rst_i(rst_i),
+      .start_i(start_i),
+      .start_context_i(start_context_i),
+      .start_normal_i(start_normal_i),
+      .token_i(token_i),
+      .token_taken_o(token_taken_o),
+      .token_context_i(token_context_i),
+      .token_r2_max_i(token_r2_max_i),
+      .token_done_o(token_done_o),
+      .beat_valid_i(beat_valid),
+      .beat_ready_o(beat_ready),
+      .beat_context_i(beat_context),
+      .beat_number_i(beat_number),
+      .beat_row_i(beat_row),
+      .beat_last_i(beat_last),
+      .beat_mask_i(beat_mask),
+      .beat_d2_i(beat_d2),
+      .direction_read_o(direction_read),
+      .directions_i(directions),
+      .load_row_o(load_row),
+      .loads_i(loads),
+      .line_context_o(line_context),
+      .line_i(lines),
+      .leaf_done_o(leaf_done),
+      .leaf_done_context_o(leaf_done_context),
+      .bound_write_o(bound_write_o),
+      .bound_context_o(bound_context_o),
+      .bound_o(bound_o),
+      .found_context_i(found_context_i),
+      .found_count_o(found_count_o),
+      .found_r2_o(found_r2_o),
+      .found_insertions_o(found_insertions_o),
+      .store_read_i(store_read_i),
+      .store_context_i(store_context_i),
+      .store_place_i(store_place_i),
+      .store_word_o(store_word_o),
+      .snapshot_i(snapshot_i),
+      .snapshot_taken_o(snapshot_taken_o),
+      .snapshot_context_i(snapshot_context_i),
+      .snapshot_done_o(snapshot_done_o),
+      .snapshot_count_o(snapshot_count_o),
+      .snapshot_places_o(snapshot_places_o),
+      .candidates_o(candidates_o),
+      .insertions_o(insertions_o)
+  );
 endmodule
