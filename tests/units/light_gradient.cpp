@@ -7,7 +7,8 @@ using namespace photonloom;
 
 namespace {
 
-// A plate of radiance 1 at height 1, beside the origin.
+// A plate of radiance 1 over the plane z = 0, beside the origin and inclined, so that its own
+// cosine changes along the plane.
 constexpr int kSteps = 200;
 constexpr double kStep = 1.0 / kSteps, kScale = 0x1p50;
 
@@ -27,9 +28,13 @@ DiffuseHit at(const Vec3& position, const Vec3& normal) {
 
 template <class F>
 void for_each_place(F&& f) {
-  for (int i = 0; i < kSteps; ++i)
-    for (int j = 0; j < kSteps; ++j)
-      f(at(Vec3(0.2 + (i + 0.5) * kStep, -0.3 + (j + 0.5) * kStep, 1), Vec3(0, 0, -1)));
+  const Vec3 facing = glm::normalize(Vec3(-0.5, 0.25, -1));
+  for (int i = 0; i < kSteps; ++i) {
+    for (int j = 0; j < kSteps; ++j) {
+      const double across = (i + 0.5) * kStep, along = (j + 0.5) * kStep;
+      f(at(Vec3(0.2 + across, along - 0.3, 1 - 0.5 * across + 0.25 * along), facing));
+    }
+  }
 }
 
 // What a place of the plate brings to x.
