@@ -144,9 +144,9 @@ module cache #(
   logic [PlaceBits-1:0] hit_place_q, hit_place, reader_place_q;
   logic [ClientBits-1:0] hit_client_q, hit_client, reader_client_q;
   logic [Ways-1:0] match, held;
+  logic same_3, same_hit, hit_same_q, reader_same_q;  // the set decided next, that of the hit, the one read: set_3_q
   logic [WayBits-1:0] hit_way, victim;
-  logic found, hits;
-  logic free_q;  // an entry of the misses is free
+  logic found, hits, free_q;  // free: an entry of the misses
   logic [MissBits-1:0] entry_q;
 
   always_comb begin
@@ -154,8 +154,8 @@ module cache #(
     for (int unsigned w = 0; w < Ways; w++) begin
       match[w] = !bypass_i && !tag_odd_3[w] && tags_3_q[TagBits*w+:TagBits] == {1'b1, address_3_q};
       if (match[w]) hit_way = WayBits'(w);
-      held[w] = pending_3_q[w] || (hit_valid_q && hit_place_q == {set_3_q, WayBits'(w)}) ||
-          (reader_valid_q && reader_place_q == {set_3_q, WayBits'(w)});
+      held[w] = pending_3_q[w] || (hit_valid_q && hit_same_q && hit_place_q[0+:WayBits] == WayBits'(w)) ||
+          (reader_valid_q && reader_same_q && reader_place_q[0+:WayBits] == WayBits'(w));
     end
   end
 
@@ -166,8 +166,7 @@ module cache #(
   assign hits = valid_3_q && !stale_3_q && (match & ~pending_3_q) != '0 && hit_room;
   assign allocate = valid_3_q && !stale_3_q && !found && free_q && held != '1 && !line_req_valid_o;
   assign retry = valid_3_q && !hits && !allocate;
-  assign hit_o = hits;
-  assign miss_o = allocate;
+  assign {hit_o, miss_o} = {hits, allocate};
 
   /* verilator lint_off UNUSEDSIGNAL */  // the queue holds every client
   logic queue_ready;
@@ -271,10 +270,8 @@ module cache #(
   // entry can be chosen a cycle ahead.
   logic [Misses-1:0] busy_q, filled_q;
   logic [PlaceBits-1:0] miss_place_q[0:Misses-1];
-  logic serve, any_filled;
-  logic [MissBits-1:0] serve_entry;
-  logic filled;  // the last part of a line is being written
-  logic [MissBits-1:0] fill_entry;
+  logic serve, any_filled, filled;  // filled: the last part of a line is being written
+  logic [MissBits-1:0] serve_entry, fill_entry;
   logic [PlaceBits-1:0] fill_place, serve_place;
   logic [ClientBits-1:0] serve_client;
 
@@ -345,8 +342,13 @@ module cache #(
   assign serve = any_filled && reader_free && ready_i;
   assign hit_take = !any_filled && reader_free && ready_i;
   assign issue_o = serve || (hit_take && (hit_valid_q || hits));
+  assign {same_3, same_hit} = {set_2 == set_3_q, set_2 == hit_place_q[WayBits+:SetBits]};
 
   always_ff @(posedge clk_i) begin
+    // Compared a cycle ahead, since what is held decides which tag is written.
+    hit_same_q <= hit_room ? same_3 : same_hit;
+    reader_same_q <= !reader_free ? set_2 == reader_place_q[WayBits+:SetBits] :
+        any_filled ? set_2 == serve_place[WayBits+:SetBits] : hit_valid_q ? same_hit : same_3;
     if (hit_room) begin
       hit_valid_q <= hits && (hit_valid_q || !hit_take);
       hit_place_q <= {set_3_q, hit_way};

@@ -118,7 +118,7 @@ module photon_gatherer #(
       .Lists(Lists),
       .Sums(Sums),
       .Sets(Sets)
-  ) walks (
+  ) descent (
       .clk_i(clk_i),
       .rst_i(rst_i),
       .cfg_valid_i(cfg_valid_i),
