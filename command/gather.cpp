@@ -78,6 +78,12 @@ Job prepare(const GatherOptions& o) {
     if (!job.file.cube || !all_in()) cube = cube_around(job.file.photons, job.queries);
     plan.origin = {cube.origin.x, cube.origin.y, cube.origin.z};
     plan.extent = cube.extent;
+    if (!(plan.position_unit() >= 1e-150 && plan.extent <= 1e150))
+      throw std::runtime_error(
+          fmt::format("{}: its photons and the queries of {} lie in a cube {} wide, expected "
+                      "1e-140 to 1e150 so "
+                      "that squares stay finite",
+                      o.photons, o.queries, plan.extent));
   }
   MapPlan& map = plan.global;
   map.present = true;

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // photonloom photons and gather as a stranger would check them: from the files alone.
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -200,4 +202,36 @@ TEST_CASE("gather and photons refuse what they cannot do, in one line") {
   CHECK(run("gather --k 0 --photons a --queries b -o c").status == 2);
   CHECK(run("photons " + scene + " --photons 0 -o c").status == 2);
   CHECK(s.entries() == 1);
+}
+
+TEST_CASE("gather refuses points so far apart, or so close, that squares of distances are lost") {
+  const Scratch s;
+  const auto points = [&](const std::string& names, const std::string& low,
+                          const std::string& high) {
+    std::string text = "ply\nformat ascii 1.0\nelement vertex 2\n";
+    std::istringstream words(names);
+    for (std::string name; words >> name;) text += "property double " + name + "\n";
+    return text + "end_header\n" + low + "\n" + high + "\n";
+  };
+  const auto gathers = [&](double width) {
+    const std::string x = fmt::format(" {} 0 0 ", width);
+    write_file(s / "p.ply",
+               points("x y z dx dy dz power_r power_g power_b",
+                      fmt::format(" {} 0 0 0 0 1 1 1 1", -width / 2), x + "0 0 1 1 1 1"));
+    write_file(s / "q.ply", points("x y z nx ny nz", "0 0 0 0 0 1", x + "0 0 1"));
+    return run("gather --k 1 --photons " + s / "p.ply" + " --queries " + s / "q.ply" + " -o " +
+               s / "out");
+  };
+  for (const double width : {1.5e308, 1e151, 1e-150}) {
+    const Outcome o = gathers(width);
+    INFO(width << ": " << o.err);
+    CHECK(o.status == 1);
+    CHECK(o.one_error_line());
+    CHECK_THAT(o.err, ContainsSubstring("so that squares stay finite"));
+  }
+  for (const double width : {1e149, 1e-139}) {
+    const Outcome o = gathers(width);
+    INFO(width << ": " << o.err);
+    CHECK(o.status == 0);
+  }
 }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // libFuzzer target: a PLY file of arbitrary bytes is a table, that is read back as it was when it
-// is written, and perhaps a mesh and photons; or one SceneError.
+// is written, and perhaps a mesh and photons, which are the same when they are written and read
+// again; or one SceneError.
+#include <cmath>
 #include <cstdint>
 #include <cstdlib>
 #include <cstring>
@@ -31,6 +33,19 @@ void expect_same(const photonloom::PlyTable& a, const photonloom::PlyTable& b) {
   }
 }
 
+void expect_same(const photonloom::PhotonFile& a, const photonloom::PhotonFile& b) {
+  if (a.photons.size() != b.photons.size() || a.kind != b.kind || a.seed != b.seed ||
+      a.scene_hash != b.scene_hash || a.paths != b.paths || a.requested != b.requested ||
+      a.cube.has_value() != b.cube.has_value())
+    std::abort();
+  for (size_t i = 0; i < a.photons.size(); ++i) {
+    const photonloom::Photon &p = a.photons[i], &q = b.photons[i];
+    if (p.position != q.position || p.direction != q.direction || p.power != q.power ||
+        p.path != q.path || p.bounce != q.bounce || p.flight != q.flight)
+      std::abort();
+  }
+}
+
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
@@ -55,7 +70,13 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   } catch (const photonloom::SceneError&) {
   }
   try {
-    photonloom::read_photon_file(path);
+    const photonloom::PhotonFile file = photonloom::read_photon_file(path);
+    const std::string copy = (folder.path / "copy.ply").string();
+    photonloom::write_photon_file(file, copy);
+    expect_same(file, photonloom::read_photon_file(copy));
+    const photonloom::Cube cube = photonloom::cube_around(file.photons, {});
+    for (const photonloom::Photon& photon : file.photons)
+      if (std::isfinite(cube.extent) && !photonloom::holds(cube, photon.position)) std::abort();
   } catch (const photonloom::SceneError&) {
   }
   try {
