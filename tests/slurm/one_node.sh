@@ -5,7 +5,7 @@
 # PHOTONLOOM is the program; SLURM_PACKAGES=install lets it install slurm-wlm and munge first.
 set -u
 source=$(cd "$(dirname "$0")/../.." && pwd)
-photonloom=${PHOTONLOOM:-$source/build/photonloom}
+photonloom=$(realpath -m "${PHOTONLOOM:-$source/build/photonloom}")  # the sweeps run in a folder of their own
 skip() { echo "skipped: $*"; exit 77; }
 fail() { echo "FAILED: $*"; exit 1; }
 
