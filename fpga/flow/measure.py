@@ -72,8 +72,10 @@ def table(entries: Sequence[Entry]) -> str:
         fmax = ["–", "–", "–"]
         if f := e.get("fmax_mhz"):
             fmax = [f"{f['median']:.1f}", f"{f['low']:.1f} – {f['high']:.1f}", str(len(e["seeds"]))]
+        missed = ", ".join(f"{c['median']:.1f} of {c['constraint']:g}" for _, c in missed_clocks(e))
+        missed = f" (MISSED: {missed})" if missed else ""
         rows.append([f"`{e['name']}`"] + [f"{e['resources'][r]:,}" for r in resources] + fmax +
-                    [f"{e['constraint_mhz']:g}", f"{full['resource']} {full['used']:,} of {full['of']:,}"])
+                    [f"{e['constraint_mhz']:g}" + missed, f"{full['resource']} {full['used']:,} of {full['of']:,}"])
     if not any(e.get("estimated") for e in entries):
         return markdown(rows, [""] + resources + ["Fmax, MHz", "range", "seeds", "constraint", "fullest"])
     return (markdown(rows, [""] + resources + ["tool's estimate, MHz", "range", "seeds", "asked for", "fullest"]) +

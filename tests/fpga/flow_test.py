@@ -56,11 +56,13 @@ class Seeds(unittest.TestCase):
         self.assertEqual(entry["fmax_mhz"], {"median": 55, "low": 52, "high": 60})
         self.assertTrue(entry["met"])
         self.assertEqual(missed_clocks(entry), [])
+        self.assertIn("| 50 |", table([entry]))
 
     def test_any_clock_can_miss(self) -> None:
         entry = self.entry((60, 120), (52, 99), (55, 98))
         self.assertFalse(entry["met"])
         self.assertEqual([name for name, _ in missed_clocks(entry)], ["sdram"])
+        self.assertIn("| 50 (MISSED: 99.0 of 100) |", table([entry]))
 
     def test_an_estimate_misses_nothing(self) -> None:
         entry = self.entry((60, 99))
