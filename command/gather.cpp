@@ -78,12 +78,10 @@ Job prepare(const GatherOptions& o) {
     if (!job.file.cube || !all_in()) cube = cube_around(job.file.photons, job.queries);
     plan.origin = {cube.origin.x, cube.origin.y, cube.origin.z};
     plan.extent = cube.extent;
-    if (!(plan.position_unit() >= 1e-150 && plan.extent <= 1e150))
+    if (const auto problem = extent_problem(plan))
       throw std::runtime_error(
-          fmt::format("{}: its photons and the queries of {} lie in a cube {} wide, expected "
-                      "1e-140 to 1e150 so "
-                      "that squares stay finite",
-                      o.photons, o.queries, plan.extent));
+          fmt::format("{}: its photons and the queries of {} lie in a cube {} wide; its edge {}",
+                      o.photons, o.queries, plan.extent, problem->what));
   }
   MapPlan& map = plan.global;
   map.present = true;

@@ -237,6 +237,14 @@ std::optional<PlanProblem> cramped_record(const Plan& plan) {
 
 }  // namespace
 
+std::optional<PlanProblem> extent_problem(const Plan& plan) {
+  if (!(plan.extent > 0)) return PlanProblem{"scene.extent", "must be greater than 0"};
+  if (plan.position_unit() < 1e-150 || plan.extent > 1e150)
+    return PlanProblem{"scene.extent",
+                       "must lie between 1e-140 and 1e150 so that squares stay finite"};
+  return std::nullopt;
+}
+
 std::optional<PlanProblem> find_problem(const Plan& plan) {
   std::optional<PlanProblem> problem;
   Plan::visit(plan, [&](const char* section, const char* key, const auto& value, auto smallest,
@@ -251,9 +259,7 @@ std::optional<PlanProblem> find_problem(const Plan& plan) {
   const auto fail = [](const char* line, std::string what) -> std::optional<PlanProblem> {
     return PlanProblem{line, std::move(what)};
   };
-  if (!(plan.extent > 0)) return fail("scene.extent", "must be greater than 0");
-  if (plan.position_unit() < 1e-150 || plan.extent > 1e150)
-    return fail("scene.extent", "must lie between 1e-140 and 1e150 so that squares stay finite");
+  if (auto wrong = extent_problem(plan)) return wrong;
   if (!power_of_two(plan.bucket))
     return fail("photon.bucket", fmt::format("is {}, expected a power of two", plan.bucket));
   if (plan.compressed()) {
