@@ -38,7 +38,7 @@ struct BenchCommand {
   std::vector<std::string> only_cases;
   uint64_t seed = 1, packets = 1;
   int policy = -1;
-  bool list = false, soak = false;
+  bool in_turn = false, list = false, soak = false;
   RigFlags rig;
   bool own_policy = false;
 };
@@ -49,20 +49,23 @@ uint64_t restart_cycle(uint64_t seed, const std::string& unit, const std::string
   return 1 + BenchRandom(seed, fmt::format("{}/{}/restart {}", unit, name, policy)).below(400);
 }
 
-// All cases and policies once, with the command's seed.
+// All cases and policies once, with the command's seed; in turn: each case with one policy.
 void run_cases(const std::string& program, const Bench& bench, const BenchPlan& plan,
                const BenchCommand& command, BenchTotals& totals) {
   const std::string& unit = bench.module;
   // The cluster's photon memory is its own, a kernel has no reset.
   const bool restarts = bench.restarts && command.backend != "hls";
-  for (const BenchCase& c : bench.cases) {
+  for (size_t number = 0; number < bench.cases.size(); ++number) {
+    const BenchCase& c = bench.cases[number];
     if (!command.only_cases.empty() &&
         std::find(command.only_cases.begin(), command.only_cases.end(), c.name) ==
             command.only_cases.end())
       continue;
     const int policies = command.own_policy ? 1 : static_cast<int>(std::size(kPolicies));
+    const int turn = static_cast<int>((number + command.seed) % std::size(kPolicies));
     for (int p = 0; p < policies; ++p) {
       if (command.policy >= 0 && !command.own_policy && p != command.policy) continue;
+      if (command.in_turn && !command.own_policy && p != turn) continue;
       RunOptions options = command.rig.options(unit);
       options.kind = *model_kind(command.backend);
       CompareContext context;
@@ -215,8 +218,12 @@ int bench_main(int argc, char** argv, const Bench& bench) {
          "--backend", command.backend,
          "What runs: " + model_kinds_text() + " (docs/netlist.md, docs/hls.md); default rtl.")
       ->check(CLI::IsMember(model_kind_names()));
-  app.add_option("--policy", command.policy, "Only this entry of the list of policies.")
-      ->check(CLI::Range(0, static_cast<int>(std::size(kPolicies)) - 1));
+  auto* policy =
+      app.add_option("--policy", command.policy, "Only this entry of the list of policies.")
+          ->check(CLI::Range(0, static_cast<int>(std::size(kPolicies)) - 1));
+  app.add_flag("--in-turn", command.in_turn,
+               "Each case with one policy, the next case with the next.")
+      ->excludes(policy);
   app.add_option("--packets", command.packets,
                  "Check at least so many packets per plan: repeats everything with the next seed.");
   app.add_flag("--soak", command.soak,
