@@ -10,6 +10,8 @@
 namespace photonloom {
 namespace {
 
+// How far a curve is continued with its last points' power, times the most rays of them.
+constexpr double kFurther = 1.25;
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
 double asked_rays(const StudyRow& row, const RayKind& kind) {
@@ -45,12 +47,14 @@ RayPart RayCurve::part_of(const RayCurve& base, double rays) const {
   const auto relative = [](const Point& p) { return p.error / p.noise; };
   if (this == &base) return {1, 0, 0};
   if (at->noise > points_.front().noise) return {points_.front().rays / at->rays, 0, -1};
-  if (at->noise < points_.back().noise) return {points_.back().rays / at->rays, 0, 1};
   size_t i = 1;
   while (i + 1 < points_.size() && points_[i].noise > at->noise) ++i;
   const Point &a = points_[i - 1], &b = points_[i];
   const double power = std::log(b.noise / a.noise) / std::log(b.rays / a.rays);
   const double part = a.rays * std::pow(at->noise / a.noise, 1 / power) / at->rays;
+  const double most = points_.back().rays / at->rays;
+  if (at->noise < points_.back().noise && !(power < 0 && part <= kFurther * most))
+    return {most, 0, 1};
   const Point& near =
       std::fabs(std::log(a.noise / at->noise)) < std::fabs(std::log(b.noise / at->noise)) ? a : b;
   return {part, part * std::hypot(relative(near), relative(*at)) / std::fabs(power), 0};

@@ -40,9 +40,10 @@ class RayCurve {
   bool empty() const { return points_.empty(); }
 
   // Rays that this takes to the noise that `base` has with `rays` rays asked for, as a part of the
-  // rays that `base` then casts. Between its points noise is taken as a power of the rays. Where
-  // the noise is beyond its ends, so is the part. The standard error is that of both curves' noise,
-  // taken as independent; camera walks are common, so it is rather smaller.
+  // rays that `base` then casts. Between its points, and for a quarter more rays than the last,
+  // noise is taken as a power of the rays. Where the noise is beyond, so is the part. The standard
+  // error is that of both curves' noise, taken as independent; camera walks are common, so it is
+  // rather smaller.
   RayPart part_of(const RayCurve& base, double rays) const;
 
   // Lines "rays noise error" for gnuplot.

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "command/ray_curves.hpp"
 #include "command/study.hpp"
@@ -13,7 +14,8 @@
 namespace photonloom {
 namespace {
 
-constexpr double kRays = 16;  // of the baseline that others are compared with
+constexpr double kRays = 16;      // of the baseline that others are compared with
+constexpr double kManyRays = 64;  // likewise, where a stratum of the table is a cell or two
 constexpr double kShadowBaseline = 8;
 // Scenes whose indirect light is concentrated: through a doorway, and from a pool's caustics.
 const std::vector<std::string> kConcentrated = {"doorway", "water_pool"};
@@ -44,6 +46,11 @@ std::vector<std::string> names_of(const StudyOutcome& outcome, const std::string
         std::find(names.begin(), names.end(), name(row)) == names.end())
       names.push_back(name(row));
   return names;
+}
+
+// What a goal is judged by: a part that is known as too large only reaches none.
+double judged(const RayPart& part) {
+  return part.beyond > 0 ? std::numeric_limits<double>::infinity() : part.value;
 }
 
 struct RowCurves {
@@ -87,6 +94,12 @@ std::vector<RowCurves> part_table(const StudyOutcome& outcome, const std::string
     page += "\n";
   }
   page += "\n";
+  return rows;
+}
+
+// A plot a scene of the rows of a table, in the study's folder.
+void plot_rows(const StudyOutcome& outcome, const std::string& study, const RayKind& kind,
+               const std::vector<std::string>& scenes, const std::vector<RowCurves>& rows) {
   for (size_t s = 0; s < scenes.size(); ++s) {
     std::vector<RayCurve> curves;
     for (const RowCurves& row : rows) curves.push_back(row.by_scene[s]);
@@ -96,7 +109,6 @@ std::vector<RowCurves> part_table(const StudyOutcome& outcome, const std::string
                     std::string_view(kind.rays) == "rays" ? "" : fmt::format("_{}", kind.rays)),
         fmt::format("{}: noise of {}", scenes[s], kind.name), kind, curves);
   }
-  return rows;
 }
 
 // The measure `ray_means`; adds the goals that |z| of an image stays below 3.
@@ -145,6 +157,7 @@ void compare_passes(const StudyOutcome& outcome, const std::string& study, const
   std::vector<std::string> scenes;
   const std::vector<RowCurves> rows =
       part_table(outcome, study, kind, rays, name, "frame", conclusion.page, scenes);
+  plot_rows(outcome, study, kind, scenes, rows);
   const RowCurves* best = nullptr;
   std::vector<size_t> order;
   for (size_t r = 1; r < rows.size(); ++r) {
@@ -164,7 +177,7 @@ void compare_passes(const StudyOutcome& outcome, const std::string& study, const
       conclusion.goals.push_back(
           {fmt::format("{}, {}: part of the {} of one pass, ± {:.2g}", scenes[order[i]], best->name,
                        kind.name, best->parts[order[i]].error),
-           0.7, best->parts[order[i]].value, false});
+           0.7, judged(best->parts[order[i]]), false});
 }
 
 std::string seeds_text(const StudyOutcome& outcome) {
@@ -174,24 +187,29 @@ std::string seeds_text(const StudyOutcome& outcome) {
   return text;
 }
 
-}  // namespace
-
-Conclusion conclude_sampling(const StudyOutcome& outcome) {
-  Conclusion conclusion;
-  conclusion.page = fmt::format(
+// Rays of each combination for the noise that so many cosine-sampled rays leave; as goals the one
+// setting that comes nearest to its goals in all scenes, and where light is concentrated the best.
+void compare_combinations(const StudyOutcome& outcome, double rays, Conclusion& conclusion) {
+  conclusion.page += fmt::format(
       "Rays for the noise that {:g} cosine-sampled rays leave, as a part of those {:g}; seeds "
       "{}:\n\n",
-      kRays, kRays, seeds_text(outcome));
+      rays, rays, seeds_text(outcome));
   std::vector<std::string> scenes;
   const std::vector<RowCurves> rows =
-      part_table(outcome, "sampling", kGatherRays, kRays, combination, "combine | levels | photons",
+      part_table(outcome, "sampling", kGatherRays, rays, combination, "combine | levels | photons",
                  conclusion.page, scenes);
-  const auto goal_of = [&](size_t scene) {
-    const bool concentrated =
-        std::find(kConcentrated.begin(), kConcentrated.end(), scenes[scene]) != kConcentrated.end();
-    return concentrated ? 0.5 : 1.05;
+  if (rays == kRays) plot_rows(outcome, "sampling", kGatherRays, scenes, rows);
+  const auto concentrated = [&](size_t scene) {
+    return std::find(kConcentrated.begin(), kConcentrated.end(), scenes[scene]) !=
+           kConcentrated.end();
   };
-  // One setting for all scenes: the one whose farthest part from its goal is nearest.
+  const auto goal_of = [&](size_t scene) { return concentrated(scene) ? 0.5 : 1.05; };
+  const auto add_goal = [&](size_t scene, const char* which, const RowCurves& row) {
+    conclusion.goals.push_back(
+        {fmt::format("{}, {:g} rays{}, {}: part of the cosine's rays, ± {:.2g}", scenes[scene],
+                     rays, which, row.name, row.parts[scene].error),
+         goal_of(scene), judged(row.parts[scene]), false});
+  };
   const RowCurves* best = nullptr;
   double least = 0;
   for (size_t r = 1; r < rows.size(); ++r) {
@@ -206,24 +224,22 @@ Conclusion conclude_sampling(const StudyOutcome& outcome) {
       least = farthest;
     }
   }
-  for (size_t s = 0; s < scenes.size(); ++s) {
-    if (best)
-      conclusion.goals.push_back({fmt::format("{}, {}: part of the cosine's rays, ± {:.2g}",
-                                              scenes[s], best->name, best->parts[s].error),
-                                  goal_of(s), best->parts[s].value, false});
-  }
+  if (best)
+    for (size_t s = 0; s < scenes.size(); ++s) add_goal(s, "", *best);
   for (size_t s = 0; s < scenes.size(); ++s) {
     const auto least_of =
         std::min_element(rows.begin(), rows.end(), [&](const RowCurves& a, const RowCurves& b) {
           return a.parts[s].value < b.parts[s].value;
         });
-    if (least_of != rows.end() &&
-        std::find(kConcentrated.begin(), kConcentrated.end(), scenes[s]) != kConcentrated.end())
-      conclusion.goals.push_back(
-          {fmt::format("{}, its own best, {}: part of the cosine's rays, ± {:.2g}", scenes[s],
-                       least_of->name, least_of->parts[s].error),
-           0.5, least_of->parts[s].value, false});
+    if (least_of != rows.end() && concentrated(s)) add_goal(s, ", its own best", *least_of);
   }
+}
+
+}  // namespace
+
+Conclusion conclude_sampling(const StudyOutcome& outcome) {
+  Conclusion conclusion;
+  for (const double rays : {kRays, kManyRays}) compare_combinations(outcome, rays, conclusion);
   means_table(outcome, "sampling_means", combination, "combine | levels | photons", conclusion);
   return conclusion;
 }
