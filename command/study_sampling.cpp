@@ -15,7 +15,7 @@ namespace photonloom {
 namespace {
 
 constexpr double kRays = 16;      // of the baseline that others are compared with
-constexpr double kManyRays = 64;  // likewise, where a stratum of the table is a cell or two
+constexpr double kManyRays = 64;  // likewise, where rare bright rays are met more often
 constexpr double kShadowBaseline = 8;
 // Scenes whose indirect light is concentrated: through a doorway, and from a pool's caustics.
 const std::vector<std::string> kConcentrated = {"doorway", "water_pool"};
@@ -48,9 +48,15 @@ std::vector<std::string> names_of(const StudyOutcome& outcome, const std::string
   return names;
 }
 
-// What a goal is judged by: a part that is known as too large only reaches none.
+// What settings are compared and goals judged by: a part that is known as too large only reaches
+// none.
 double judged(const RayPart& part) {
   return part.beyond > 0 ? std::numeric_limits<double>::infinity() : part.value;
+}
+// Of a goal's figure: "± 0.03", or on which side of it the part lies.
+std::string doubt(const RayPart& part) {
+  if (part.beyond != 0) return part.beyond > 0 ? "more than was measured" : "at most";
+  return fmt::format("± {:.2g}", part.error);
 }
 
 struct RowCurves {
@@ -164,10 +170,11 @@ void compare_passes(const StudyOutcome& outcome, const std::string& study, const
     std::vector<size_t> by_part;
     for (size_t s = 0; s < scenes.size(); ++s)
       if (std::isfinite(rows[r].parts[s].value)) by_part.push_back(s);
-    std::sort(by_part.begin(), by_part.end(),
-              [&](size_t a, size_t b) { return rows[r].parts[a].value < rows[r].parts[b].value; });
+    std::sort(by_part.begin(), by_part.end(), [&](size_t a, size_t b) {
+      return judged(rows[r].parts[a]) < judged(rows[r].parts[b]);
+    });
     if (by_part.size() < 2) continue;
-    if (!best || rows[r].parts[by_part[1]].value < best->parts[order[1]].value) {
+    if (!best || judged(rows[r].parts[by_part[1]]) < judged(best->parts[order[1]])) {
       best = &rows[r];
       order = by_part;
     }
@@ -175,8 +182,8 @@ void compare_passes(const StudyOutcome& outcome, const std::string& study, const
   if (best)
     for (const size_t i : {0, 1})
       conclusion.goals.push_back(
-          {fmt::format("{}, {}: part of the {} of one pass, ± {:.2g}", scenes[order[i]], best->name,
-                       kind.name, best->parts[order[i]].error),
+          {fmt::format("{}, {}: part of the {} of one pass, {}", scenes[order[i]], best->name,
+                       kind.name, doubt(best->parts[order[i]])),
            0.7, judged(best->parts[order[i]]), false});
 }
 
@@ -206,8 +213,8 @@ void compare_combinations(const StudyOutcome& outcome, double rays, Conclusion& 
   const auto goal_of = [&](size_t scene) { return concentrated(scene) ? 0.5 : 1.05; };
   const auto add_goal = [&](size_t scene, const char* which, const RowCurves& row) {
     conclusion.goals.push_back(
-        {fmt::format("{}, {:g} rays{}, {}: part of the cosine's rays, ± {:.2g}", scenes[scene],
-                     rays, which, row.name, row.parts[scene].error),
+        {fmt::format("{}, {:g} rays{}, {}: part of the cosine's rays, {}", scenes[scene], rays,
+                     which, row.name, doubt(row.parts[scene])),
          goal_of(scene), judged(row.parts[scene]), false});
   };
   const RowCurves* best = nullptr;
@@ -217,7 +224,7 @@ void compare_combinations(const StudyOutcome& outcome, double rays, Conclusion& 
     bool everywhere = true;
     for (size_t s = 0; s < scenes.size(); ++s) {
       everywhere = everywhere && std::isfinite(rows[r].parts[s].value);
-      farthest = std::max(farthest, rows[r].parts[s].value / goal_of(s));
+      farthest = std::max(farthest, judged(rows[r].parts[s]) / goal_of(s));
     }
     if (everywhere && (!best || farthest < least)) {
       best = &rows[r];
@@ -229,7 +236,7 @@ void compare_combinations(const StudyOutcome& outcome, double rays, Conclusion& 
   for (size_t s = 0; s < scenes.size(); ++s) {
     const auto least_of =
         std::min_element(rows.begin(), rows.end(), [&](const RowCurves& a, const RowCurves& b) {
-          return a.parts[s].value < b.parts[s].value;
+          return judged(a.parts[s]) < judged(b.parts[s]);
         });
     if (least_of != rows.end() && concentrated(s)) add_goal(s, ", its own best", *least_of);
   }

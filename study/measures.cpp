@@ -547,7 +547,7 @@ const std::vector<Measure>& measures() {
        }},
       {"ray_means",
        "whether final gather rays find the light that cosine-sampled ones find: 64 seeds of rays "
-       "beside 64 times the rays",
+       "beside many times the rays",
        ray_means_columns(), measure_ray_means, ray_means_settings},
       {"gather",
        "cycles and bytes",

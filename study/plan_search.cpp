@@ -141,6 +141,12 @@ std::string lines_text(const LineValues& lines) {
   return text.empty() ? "the default plan" : text;
 }
 
+double usual_margin(std::vector<double> margins) {
+  const auto middle = margins.begin() + static_cast<ptrdiff_t>((margins.size() - 1) / 2);
+  std::nth_element(margins.begin(), middle, margins.end());
+  return *middle;
+}
+
 class PlanSearch::Work {
  public:
   explicit Work(PlanSearchRequest request)
@@ -422,15 +428,12 @@ class PlanSearch::Work {
   double margin_of(const MeasuredError& e) const { return run_bound(e) / e.mean; }
 
   // The largest measured mean with which another run of the whole frame would probably still be
-  // within the limit: as much less as confirmed plans' bounds were more than their means, in the
-  // middle. One of them that met a rare bright path says nothing of the others.
+  // within the limit.
   double limit_of_means() const {
     std::vector<double> margins{margin_of(points_[0].measured.error)};
     for (size_t i = 1; i < points_.size(); ++i)
       if (points_[i].was_confirmed) margins.push_back(margin_of(points_[i].measured.error));
-    const auto middle = margins.begin() + static_cast<ptrdiff_t>((margins.size() - 1) / 2);
-    std::nth_element(margins.begin(), middle, margins.end());
-    return limit_ / *middle;
+    return limit_ / usual_margin(std::move(margins));
   }
 
   bool is_hopeful(const Point& p) {

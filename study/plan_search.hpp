@@ -135,4 +135,9 @@ class PlanSearch {
 // A line as a user writes it: "gather.k = 8, photons = 8192".
 std::string lines_text(const LineValues& lines);
 
+// By how much the bound of a run is more than the mean of the search, from those of confirmed
+// plans: the middle one, the lower of two, since a plan that met a rare bright path says nothing of
+// others.
+double usual_margin(std::vector<double> margins);
+
 }  // namespace photonloom

@@ -38,7 +38,7 @@ struct BenchCommand {
   std::vector<std::string> only_cases;
   uint64_t seed = 1, packets = 1;
   int policy = -1;
-  bool in_turn = false, list = false, soak = false;
+  bool one_policy = false, list = false, soak = false;
   RigFlags rig;
   bool own_policy = false;
 };
@@ -49,23 +49,25 @@ uint64_t restart_cycle(uint64_t seed, const std::string& unit, const std::string
   return 1 + BenchRandom(seed, fmt::format("{}/{}/restart {}", unit, name, policy)).below(400);
 }
 
-// All cases and policies once, with the command's seed; in turn: each case with one policy.
+// All cases and policies once, with the command's seed; or each case with one policy,
+// drawn for the plan, so that over plans a case meets them all.
 void run_cases(const std::string& program, const Bench& bench, const BenchPlan& plan,
                const BenchCommand& command, BenchTotals& totals) {
   const std::string& unit = bench.module;
   // The cluster's photon memory is its own, a kernel has no reset.
   const bool restarts = bench.restarts && command.backend != "hls";
-  for (size_t number = 0; number < bench.cases.size(); ++number) {
-    const BenchCase& c = bench.cases[number];
+  for (const BenchCase& c : bench.cases) {
     if (!command.only_cases.empty() &&
         std::find(command.only_cases.begin(), command.only_cases.end(), c.name) ==
             command.only_cases.end())
       continue;
     const int policies = command.own_policy ? 1 : static_cast<int>(std::size(kPolicies));
-    const int turn = static_cast<int>((number + command.seed) % std::size(kPolicies));
+    const int drawn = static_cast<int>(
+        BenchRandom(command.seed, fmt::format("{}/{}/{}/policy", unit, plan.name, c.name))
+            .below(std::size(kPolicies)));
     for (int p = 0; p < policies; ++p) {
       if (command.policy >= 0 && !command.own_policy && p != command.policy) continue;
-      if (command.in_turn && !command.own_policy && p != turn) continue;
+      if (command.one_policy && !command.own_policy && p != drawn) continue;
       RunOptions options = command.rig.options(unit);
       options.kind = *model_kind(command.backend);
       CompareContext context;
@@ -221,8 +223,8 @@ int bench_main(int argc, char** argv, const Bench& bench) {
   auto* policy =
       app.add_option("--policy", command.policy, "Only this entry of the list of policies.")
           ->check(CLI::Range(0, static_cast<int>(std::size(kPolicies)) - 1));
-  app.add_flag("--in-turn", command.in_turn,
-               "Each case with one policy, the next case with the next.")
+  app.add_flag("--one-policy", command.one_policy,
+               "Each case with one policy, drawn from seed, plan and case.")
       ->excludes(policy);
   app.add_option("--packets", command.packets,
                  "Check at least so many packets per plan: repeats everything with the next seed.");

@@ -4,9 +4,9 @@
 // its netlist, or its CXXRTL model).
 //
 // A bench program: --list; --plan NAME (a name of the bench, or random:N), --case NAME, --seed S,
-// --policy N, --in-turn (a policy a case), --packets N, --soak, --backend NAME, and the rig's
-// flags, which replace the list of policies when --stall* or --latency is given. Exit status 0 when
-// packets were checked and all were equal.
+// --policy N, --one-policy (one drawn for each case), --packets N, --soak, --backend NAME, and the
+// rig's flags, which replace the list of policies when --stall* or --latency is given. Exit status
+// 0 when packets were checked and all were equal.
 #pragma once
 #include <functional>
 #include <string>

@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the search for a plan within an error takes from the plans that it confirmed.
+#include "study/plan_search.hpp"
+
+#include "tests/catch.hpp"
+
+using namespace photonloom;
+
+TEST_CASE("one confirmed plan with a rare bright path does not make others hopeless") {
+  CHECK(usual_margin({1.04}) == 1.04);
+  CHECK(usual_margin({1.04, 2.2}) == 1.04);
+  CHECK(usual_margin({2.2, 1.04, 1.1}) == 1.1);
+}
