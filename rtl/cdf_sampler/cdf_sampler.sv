@@ -4,9 +4,9 @@
 // before the first header. Golden: golden/unit/cdf_sampler.cpp; definition: docs/cdf_sampler.md.
 //
 // Two tables alternate: while one is sampled, a sample a cycle, the next one's photons add up and its prefix sums are
-// made. A table takes max(photons, T - 1) + 4^CellBits + 12 + Delay cycles from its header, T = ceil((2^(CellBits-1) + 1) / 2) and Delay
-// as in cdf_sampler_weights; a sample
-// takes 4 * CellBits + 6 cycles from its waiting request, and comes in order. Requests wait in a FIFO of RequestDepth
+// made. A table takes max(photons, T) + 4^CellBits + 12 + Delay cycles from its header, T = ceil((2^(CellBits-1) + 1) / 2)
+// (0 without the cosine's total) and Delay as in cdf_sampler_weights; a sample takes 4 * CellBits + 6 cycles from its
+// waiting request, and comes in order. Requests wait in a FIFO of RequestDepth
 // while their table is built; where a table has more of them, the next one begins when they have found place. No packet
 // is processed for 4^CellBits cycles after reset.
 module cdf_sampler #(

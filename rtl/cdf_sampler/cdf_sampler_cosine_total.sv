@@ -2,8 +2,8 @@
 // TB, the sum of B(c) = max(0, o(c) . o(n)) J(c) over all cells, in ceil((2^(CellBits-1) + 1) / 2) steps instead of
 // 4^CellBits: the cells whose centres differ in signs only share J, and with a, b, c = |x nx|, |y ny|, |z nz| the eight of
 // them add up to max(2 (a + b + c), 4 max(a, b, c)); the four of a centre on the octahedron's equator to half of that.
-// Step 0 comes 2 cycles after start_i, last_o a cycle before the last step, the total 6 cycles after last_o; start_i begins
-// anew at any time.
+// Step 0 comes 2 cycles after start_i, last_o with the last step, the total 6 cycles after last_o; start_i begins anew at
+// any time.
 module cdf_sampler_cosine_total #(
     parameter int unsigned CellBits = 4,
     parameter int unsigned NormalBits = 8,
@@ -31,8 +31,7 @@ module cdf_sampler_cosine_total #(
   logic [StepBits-1:0] step_q;
   logic start_q, running_q;
   logic [3:0] valid_q;
-  assign last_o = Steps == 1 ||
-      (!start_q && (!running_q || step_q == StepBits'(Steps - 2) || step_q == StepBits'(Steps - 1)));
+  assign last_o = !(start_q || (running_q && step_q != StepBits'(Steps - 1)));
 
   // value * factor by additions and subtractions, the factors being small constants: 15 is 16 - 1.
   function automatic [TermBits-1:0] times(input [NormalBits:0] value, input integer factor);
@@ -132,7 +131,7 @@ module cdf_sampler_cosine_total #(
   end
 
   // Half of the lanes each, both halves into the total a cycle later.
-  logic [TotalBits-1:0] low_sum, high_sum, low_lanes_q, high_lanes_q;
+  logic [TotalBits-1:0] low_sum, high_sum, low_lanes_q, high_lanes_q, total_q;
   always_comb begin
     low_sum  = '0;
     high_sum = '0;
@@ -149,10 +148,11 @@ module cdf_sampler_cosine_total #(
     valid_q <= {valid_q[2:0], running_q};
     low_lanes_q <= low_sum;
     high_lanes_q <= high_sum;
-    if (valid_q[3]) total_o <= total_o + low_lanes_q + high_lanes_q;
+    if (valid_q[3]) total_q <= total_q + low_lanes_q + high_lanes_q;
+    total_o <= total_q;  // on its way from an adder to multipliers for a cycle
     if (start_q) begin
       valid_q <= '0;
-      total_o <= '0;
+      total_q <= '0;
     end
     if (rst_i) begin
       start_q   <= 1'b0;

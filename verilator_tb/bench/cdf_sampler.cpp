@@ -237,6 +237,21 @@ std::vector<StreamCase<SamplerInput>> cases() {
          add_requests(in, plan, random, 2);
          return in;
        }},
+      // Power in the first cell that is read, from photons too few to hide the cosine's total.
+      {"first_cell",
+       [](const Plan& plan, BenchRandom& random) {
+         In in;
+         for (uint64_t t = 0; t < 2 * tables(plan); ++t) {
+           in.push_back(header(plan, random));
+           for (uint64_t i = 0; i < 1 + t % 3; ++i) {
+             in.push_back(photon(plan, random));
+             in.back().direction = {0, 0};
+             in.back().exponent = static_cast<uint32_t>(ones(plan.exponent_bits));
+           }
+           add_requests(in, plan, random, 4);
+         }
+         return in;
+       }},
       {"short_tables",
        [](const Plan& plan, BenchRandom& random) {
          In in;
