@@ -39,6 +39,10 @@ struct Features {
   uint32_t hits = 0;
 };
 
+// (sqrt(5) - 1) / 2, in 2^-64: its first n multiples, modulo 1, leave gaps of three lengths at most
+// for every n (three-gap theorem, Sós 1958).
+constexpr uint64_t kGoldenRatio = 0x9E3779B97F4A7C15;
+
 template <Arithmetic kArithmetic>
 class Renderer {
   static constexpr bool kGolden = LightValues<kArithmetic>::kGolden;
@@ -477,7 +481,8 @@ class Renderer {
     add(totals_[entry], value);
   }
 
-  // One table: header, photons, requests. The rays of a sample are stratified in u.
+  // One table: header, photons, requests. The rays of a sample are stratified in u; those of two
+  // passes, whose number is not known with the first, are points of one Kronecker sequence.
   void request_directions(size_t entry, std::span<const GatherPhoton> photons) {
     const OctCode normal = oct_encode(entries_[entry].x.normal, plan_.normal_bits);
     SamplerInput header{};
@@ -505,9 +510,13 @@ class Renderer {
       SamplerInput request{};
       request.kind = 2;
       request.tag = static_cast<uint32_t>(ray);
-      const UInt128 u =
-          (UInt128{stratum} << plan_.u_bits) + (random.bits(ray, 0) >> (64 - plan_.u_bits));
-      request.u = static_cast<uint64_t>(u / rays);
+      if (plan_.first_rays > 0) {
+        request.u = (random.bits(0, 0) + ray * kGoldenRatio) >> (64 - plan_.u_bits);
+      } else {
+        const UInt128 u =
+            (UInt128{stratum} << plan_.u_bits) + (random.bits(ray, 0) >> (64 - plan_.u_bits));
+        request.u = static_cast<uint64_t>(u / rays);
+      }
       request.v = {static_cast<uint32_t>(random.bits(ray, 1) >> (64 - plan_.v_bits)),
                    static_cast<uint32_t>(random.bits(ray, 2) >> (64 - plan_.v_bits))};
       inputs_.push_back(request);

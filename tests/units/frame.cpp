@@ -9,6 +9,7 @@
 #include <cmath>
 #include <functional>
 #include <map>
+#include <set>
 
 #include "golden/numeric/elementary.hpp"
 #include "golden/pipeline/prepare.hpp"
@@ -464,6 +465,73 @@ class KeepingSampler final : public CdfSampler {
 };
 
 }  // namespace
+
+namespace {
+
+// Keeps u of the requests of each pixel and sample, by ray, as a part of 1.
+class KeepingRequests final : public CdfSampler {
+ public:
+  using Numbers = std::map<std::array<uint32_t, 2>, std::map<uint32_t, double>>;
+  KeepingRequests(const Plan& plan, Numbers& numbers)
+      : golden_(make_golden_cdf_sampler(plan)), bits_(plan.u_bits), numbers_(numbers) {}
+  void process(std::span<const SamplerInput> in, std::vector<Sample>& out) override {
+    for (const SamplerInput& packet : in) {
+      if (packet.kind == 0) table_ = {packet.pixel, packet.sample};
+      if (packet.kind == 2)
+        numbers_[table_][packet.tag] = std::ldexp(static_cast<double>(packet.u), -bits_);
+    }
+    golden_->process(in, out);
+  }
+  Counters counters() const override { return {}; }
+
+ private:
+  std::unique_ptr<CdfSampler> golden_;
+  int bits_;
+  Numbers& numbers_;
+  std::array<uint32_t, 2> table_{};
+};
+
+KeepingRequests::Numbers numbers_of(const PreparedFrame& frame) {
+  KeepingRequests::Numbers numbers;
+  FrameUnits units = make_golden_units(frame.plan);
+  units.cdf_sampler = std::make_unique<KeepingRequests>(frame.plan, numbers);
+  FrameCounts counts;
+  render_frame(frame.input(Arithmetic::kGolden), units, counts);
+  return numbers;
+}
+
+}  // namespace
+
+TEST_CASE("a sample's rays are stratified in u: one a stratum, in two passes both together") {
+  PreparedFrame frame = prepared(room(1, true), adaptive_request());
+  const KeepingRequests::Numbers two_passes = numbers_of(frame);
+  REQUIRE(two_passes.size() > 500);
+  std::set<size_t> counts;
+  double farthest = 0, mean = 0;
+  for (const auto& [sample, numbers] : two_passes) {
+    std::vector<double> sorted;
+    for (const auto& [ray, u] : numbers) {
+      REQUIRE(ray == sorted.size());
+      sorted.push_back(u);
+    }
+    mean += sorted.front() / static_cast<double>(two_passes.size());
+    std::sort(sorted.begin(), sorted.end());
+    const auto n = static_cast<double>(sorted.size());
+    double gap = sorted.front() + 1 - sorted.back();
+    for (size_t i = 1; i < sorted.size(); ++i) gap = std::max(gap, sorted[i] - sorted[i - 1]);
+    farthest = std::max(farthest, gap * n);
+    counts.insert(sorted.size());
+  }
+  CHECK(counts.size() > 3);
+  // The largest of three gaps: 1 + 2 / sqrt(5) of 1 / n at most; of random numbers ln n and more.
+  CHECK(farthest <= 1 + 2 / std::sqrt(5.0) + 1e-6);
+  CHECK(mean == Approx(0.5).margin(4 / std::sqrt(12.0 * static_cast<double>(two_passes.size()))));
+
+  set_plan_line(frame.plan, "frame.first_rays=0");
+  for (const auto& [sample, numbers] : numbers_of(frame))
+    for (const auto& [ray, u] : numbers)
+      REQUIRE(static_cast<size_t>(u * static_cast<double>(numbers.size())) == ray);
+}
 
 TEST_CASE("final gathers come in the order that the plan names") {
   PreparedFrame frame = prepared(room(1, true), small_request());
