@@ -69,6 +69,7 @@ double angle_of(double x, double y) {
 double exp2_exact(double x) {
   if (x < -1080) return 0;
   if (x > 1030) return HUGE_VAL;
+  if (std::isnan(x)) return x;
   const double whole = std::floor(x + 0.5);
   const double y = (x - whole) * kLn2;  // |y| <= 0.347
   double sum = 0, term = 1;
@@ -81,6 +82,7 @@ double exp2_exact(double x) {
 
 double log2_exact(double x) {
   if (x <= 0) return -HUGE_VAL;
+  if (!std::isfinite(x)) return x;
   int exponent;
   double m = std::frexp(x, &exponent);  // [0.5, 1)
   if (m < 0.70710678118654752440) {

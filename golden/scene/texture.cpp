@@ -146,8 +146,11 @@ Bitmap load_bitmap(const std::string& path, const Decoding& decoding) {
   out.texels.reserve(pixels * static_cast<size_t>(out.channels));
   for (size_t i = 0; i < pixels; ++i)
     for (int c = 0; c < out.channels; ++c) {
-      const float value = linear(picture.values[i * static_cast<size_t>(picture.channels) +
-                                                static_cast<size_t>(first + c)]);
+      const float coded =
+          picture
+              .values[i * static_cast<size_t>(picture.channels) + static_cast<size_t>(first + c)];
+      // Decoding takes what is negative to 0, and a large number beyond floats.
+      const float value = std::isfinite(coded) ? linear(coded) : coded;
       if (!std::isfinite(value) || value < 0)
         throw std::runtime_error(fmt::format(
             "{}: texel ({}, {}) is {}, expected finite numbers of at least 0", path,

@@ -78,6 +78,17 @@ TEST_CASE("elementary functions agree with libm") {
   }
 }
 
+TEST_CASE("elementary functions of infinity and of no number are libm's") {
+  const double nan = std::nan("");
+  CHECK(log2_exact(HUGE_VAL) == HUGE_VAL);
+  CHECK(pow_exact(HUGE_VAL, 2.2) == HUGE_VAL);
+  CHECK(pow_exact(HUGE_VAL, -1) == 0);
+  CHECK(exp2_exact(-HUGE_VAL) == 0);
+  CHECK(std::isnan(exp2_exact(nan)));
+  CHECK(std::isnan(log2_exact(nan)));
+  CHECK(std::isnan(pow_exact(nan, 2)));
+}
+
 TEST_CASE("shared exponent: the largest channel keeps its top bit, the error is half a step") {
   for (uint64_t i = 0; i < 20000; ++i) {
     const Random r(3, Phase::kPath, i);
