@@ -142,9 +142,9 @@ std::string lines_text(const LineValues& lines) {
 }
 
 double usual_margin(std::vector<double> margins) {
-  const auto middle = margins.begin() + static_cast<ptrdiff_t>((margins.size() - 1) / 2);
-  std::nth_element(margins.begin(), middle, margins.end());
-  return *middle;
+  const auto quartile = margins.begin() + static_cast<ptrdiff_t>((margins.size() - 1) / 4);
+  std::nth_element(margins.begin(), quartile, margins.end());
+  return *quartile;
 }
 
 class PlanSearch::Work {
