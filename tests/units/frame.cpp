@@ -464,10 +464,6 @@ class KeepingSampler final : public CdfSampler {
   Bins& bins_;
 };
 
-}  // namespace
-
-namespace {
-
 // Keeps u of the requests of each pixel and sample, by ray, as a part of 1.
 class KeepingRequests final : public CdfSampler {
  public:
