@@ -15,7 +15,7 @@ from flow.goals import FastGoals, fast_goals
 from flow.package import describe, digest, generate
 from flow.plans.catalogue import read_catalogue
 from flow.results import median, report_folder
-from flow.routing import Clock, clocks_of, place, routed_name
+from flow.routing import Clock, clocks_of, place, placements, routed_name
 from flow.shell import ROOT, Failure, field, read_json, read_text, read_toml, say, write_json
 from flow.synthesis import Counts, synthesise
 from flow.tables import markdown, replace_between
@@ -44,6 +44,7 @@ class Row(TypedDict):
 
 class Data(TypedDict):
     board: str
+    placer: str
     versions: dict[str, str]
     rows: list[Row]
 
@@ -69,9 +70,9 @@ def cycles_of(rows: Sequence[CycleRow], plan_hash: str, path: Path) -> list[floa
     return [of_plan["ideal"], *(cycles for memory, cycles in of_plan.items() if memory != "ideal")]
 
 
-def routed_before(folder: Path, top: str, seed: int) -> float | None:
+def routed_before(folder: Path, top: str, seed: int, placer: str) -> float | None:
     """MHz of a placement that is there and no older than its netlist."""
-    report, netlist = folder / "build" / f"{routed_name(top, seed, 'heap', None)}.json", folder / "build" / f"{top}.json"
+    report, netlist = folder / "build" / f"{routed_name(top, seed, placer, None)}.json", folder / "build" / f"{top}.json"
     if not report.is_file() or not netlist.is_file() or report.stat().st_mtime < netlist.stat().st_mtime:
         return None
     return slowest(clocks_of(report)[0])
@@ -81,7 +82,8 @@ def slowest(clocks: Mapping[str, Clock]) -> float:
     return min(clock["achieved"] for clock in clocks.values())
 
 
-def measure(name: str, board: Board, tools: Tools, seeds: Sequence[int], cycle_rows: Sequence[CycleRow], route: bool) -> Row:
+def measure(name: str, board: Board, tools: Tools, seeds: Sequence[int], placer: str, cycle_rows: Sequence[CycleRow],
+            route: bool) -> Row:
     """One plan through synthesis and each seed; what is there already is taken."""
     path = FAST / f"{name}.toml"
     said, facts = read_toml(path), describe(path)
@@ -91,14 +93,17 @@ def measure(name: str, board: Board, tools: Tools, seeds: Sequence[int], cycle_r
     top = board.top(UNIT)
     say(f"{name}: synthesis")
     counts = synthesise(folder, board, top, UNIT, tools)
-    mhz = []
-    for seed in seeds:
-        if (before := routed_before(folder, top, seed)) is not None:
-            mhz.append(before)
-        elif route:
-            say(f"{name}: seed {seed}")
-            if (placed := place(folder, top, seed, tools)) is not None:
-                mhz.append(slowest(placed["clocks"]))
+
+    def routed(seed: int, by: str) -> float | None:
+        if (before := routed_before(folder, top, seed, by)) is not None:
+            return before
+        placed = place(folder, top, seed, tools, placer=by)
+        return slowest(placed["clocks"]) if placed else None
+
+    if route:
+        mhz = placements(name, seeds, placer, routed)
+    else:
+        mhz = [before for seed in seeds if (before := routed_before(folder, top, seed, placer)) is not None]
     return {"plan": name, "k": field(said, path, "gather.k", int, "a count"),
             "widths": [field(said, path, f"gatherer.{width}", int, "a count") for width in WIDTHS],
             "contexts": field(said, path, "gatherer.contexts", int, "a count"), "digest": digest(folder, tools.versions),
@@ -162,13 +167,16 @@ def page(data: Data, goals: FastGoals) -> str:
     return (markdown(cells, ["plan", "nodes, lanes, candidates, powers", "contexts", "cycles, ideal memory", "cycles, latency 60",
                              "MHz: least, median (seeds)", "LUT-eq", "DP16KD", "MULT18X18D",
                              "gathers a second for 1,000 LUT-eq", "its goal, at which clock", "goals reached"]) +
-            f"\nMade of `fpga/fast.json` {of}; " + "; ".join(data["versions"].values()) + ".\n")
+            f"\nPlaced by nextpnr's {data['placer']} placer"
+            f"{', a seed with which that does not end by the default one' if data['placer'] != 'heap' else ''}. "
+            f"Made of `fpga/fast.json` {of}; " + "; ".join(data["versions"].values()) + ".\n")
 
 
 def main() -> int:
     p = argparse.ArgumentParser(prog="fpga-fast", description=__doc__)
     p.add_argument("plans", nargs="*", help="measure these again; the others stay as fpga/fast.json has them")
     p.add_argument("--seeds", type=int, help="placements of each (default: those of fpga/goals.toml)")
+    p.add_argument("--placer", choices=("heap", "static"), default="static", help="as of scripts/fpga (default: static)")
     p.add_argument("--no-route", action="store_true", help="take the placements that are there, and make none")
     p.add_argument("--check", action="store_true", help="tell whether docs/photon_gatherer.md is that of fpga/fast.json")
     o = p.parse_args()
@@ -185,14 +193,17 @@ def main() -> int:
     tools = find_tools(board)
     cycle_rows: list[CycleRow] = read_json(CYCLES)[UNIT]
     seeds = range(1, 1 + (o.seeds or goals.seeds))
-    old: dict[str, Row] = {row["plan"]: row for row in read_json(DATA)["rows"]} if o.plans and DATA.is_file() else {}
+    kept: Data | None = read_json(DATA) if o.plans and DATA.is_file() else None
+    if kept and kept["placer"] != o.placer:
+        p.error(f"{DATA} is of the placer {kept['placer']}, expected --placer {kept['placer']} or all plans")
+    old: dict[str, Row] = {row["plan"]: row for row in kept["rows"]} if kept else {}
     rows = []
     for name in names():
         if not o.plans or name in o.plans:
-            rows.append(measure(name, board, tools, seeds, cycle_rows, not o.no_route))
+            rows.append(measure(name, board, tools, seeds, o.placer, cycle_rows, not o.no_route))
         elif name in old:
             rows.append(old[name])
-    data: Data = {"board": board.name, "versions": tools.versions, "rows": rows}
+    data: Data = {"board": board.name, "placer": o.placer, "versions": tools.versions, "rows": rows}
     write_json(DATA, data)
     replace_between(PAGE, "fast", page(data, goals))
     faults = [f"{row['plan']}: {fault}" for row in rows for fault in verdict(row, rows, goals)]

@@ -50,10 +50,11 @@ class Fast(unittest.TestCase):
             cycles_of(rows, "b", Path("j"))
 
     def test_the_page_changes_with_its_data(self) -> None:
-        data: Data = {"board": "b", "versions": {"yosys": "Yosys 1"}, "rows": [row("k8", [80.0], 10.0, 9000), NARROW]}
+        data: Data = {"board": "b", "placer": "static", "versions": {"yosys": "Yosys 1"}, "rows": [row("k8", [80.0], 10.0, 9000), NARROW]}
         text = page(data, GOALS)
         self.assertIn("| `k8` | 2, 8, 2, 2 | 32 | 10.0 | 20.0 | 80.0, 80.0 (1) | 9,000 | 90 | 48 | 888,889 | 1,000,000, from 90.0 MHz | 1 of 3 seeds", text)
         self.assertIn("Yosys 1", text)
+        self.assertIn("nextpnr's static placer, a seed", text)
         data["rows"][0]["digest"] = "other"
         self.assertNotEqual(page(data, GOALS), text)
 
