@@ -150,10 +150,18 @@ struct Widths {
   int gatherers, nodes, candidates, powers, lanes, contexts, cache_lines, lut_words;
 };
 
-// The widest beat of at most 1,024 bits: whole photons that divide a line.
+std::string too_many_wires(const Plan& p) {
+  if (p.gatherers * p.beat_bits <= kEngineWires) return "";
+  return fmt::format("needs beats of {} bits together, and no top with more than {} was routed",
+                     p.gatherers * p.beat_bits, kEngineWires);
+}
+
+// The widest beat of at most 1,024 bits that the wires leave each gatherer: whole photons that
+// divide a line.
 int widest_beat(const Plan& p) {
+  const int most = std::min(1024, kEngineWires / p.gatherers);
   int beat = 8 * p.line_bytes();
-  while (beat > 1024 && beat % 2 == 0 && beat / 2 % (8 * p.photon_bytes) == 0) beat /= 2;
+  while (beat > most && beat % 2 == 0 && beat / 2 % (8 * p.photon_bytes) == 0) beat /= 2;
   return beat;
 }
 
@@ -172,8 +180,9 @@ Plan with(const Plan& plan, const Stream& s, const Widths& w) {
   p.cache_ways = 2;
   p.cache_bytes = w.cache_lines * p.line_bytes();
   p.lut_ram_words = w.lut_words;
-  // Before an SDRAM a part of a line is a beat: more come from no chip at once.
-  p.beat_bits = s.memory == PhotonMemory::kSdram ? 8 * p.photon_bytes * w.lanes : widest_beat(p);
+  // As many photons as lanes at least. Before an SDRAM no more: they come from no chip at once.
+  p.beat_bits = 8 * p.photon_bytes * w.lanes;
+  if (s.memory == PhotonMemory::kBlockRam) p.beat_bits = std::max(p.beat_bits, widest_beat(p));
   return p;
 }
 
@@ -195,6 +204,11 @@ std::vector<Widths> all_widths(const Plan& plan) {
 }
 
 }  // namespace
+
+std::string engine_misfit(const Plan& plan, const BoardDescription& board) {
+  const std::string why = misfit(plan, board, kEngineShare);
+  return why.empty() ? too_many_wires(plan) : why;
+}
 
 EngineCycles engine_cycles(const Plan& plan, const PhotonMap& global, const PhotonMap& caustic,
                            std::span<const GatherQuery> queries, int core_khz, int sdram_khz) {
@@ -261,8 +275,8 @@ EngineSearch fastest_engine(const Plan& plan, const PhotonMap& global, const Pho
   };
   // What was predicted, by what it depends on.
   std::map<std::array<int, 3>, double> asked;
-  std::map<std::array<int, 8>, BoardNeeds> gatherers;
-  std::map<std::array<int, 2>, BoardNeeds> others;
+  std::map<std::array<int, 9>, BoardNeeds> gatherers;
+  std::map<std::array<int, 3>, BoardNeeds> others;
   const auto candidate = [&](size_t stream, const Widths& w) {
     const Stream& at = streams[stream];
     const Plan p = with(plan, at, w);
@@ -270,10 +284,12 @@ EngineSearch fastest_engine(const Plan& plan, const PhotonMap& global, const Pho
     const auto [lines, new_lines] =
         asked.try_emplace({static_cast<int>(at.order), w.gatherers, w.cache_lines});
     if (new_lines) lines->second = lines_asked(p, visits, orders[at.order]);
-    const auto [one, new_gatherer] = gatherers.try_emplace(
-        {sdram, w.nodes, w.candidates, w.powers, w.lanes, w.contexts, w.cache_lines, w.lut_words});
+    const auto [one, new_gatherer] =
+        gatherers.try_emplace({sdram, p.beat_bits, w.nodes, w.candidates, w.powers, w.lanes,
+                               w.contexts, w.cache_lines, w.lut_words});
     if (new_gatherer) one->second = gatherer_needs(p);
-    const auto [rest, new_rest] = others.try_emplace({static_cast<int>(stream), w.lut_words});
+    const auto [rest, new_rest] =
+        others.try_emplace({static_cast<int>(stream), p.beat_bits, w.lut_words});
     if (new_rest) rest->second = other_needs(p);
     return Candidate{stream, w,
                      predict(p, load, lines->second, at.sdram_lines, board.core_khz, sdram_khz),
@@ -291,6 +307,8 @@ EngineSearch fastest_engine(const Plan& plan, const PhotonMap& global, const Pho
     std::string why = misfit(c.needs, board, kEngineShare);
     if (!why.empty()) return why;
     const Plan p = plan_of(c);
+    why = too_many_wires(p);
+    if (!why.empty()) return why;
     if (const auto problem = find_problem(p)) return problem->line + ": " + problem->what;
     return "";
   };
@@ -316,7 +334,7 @@ EngineSearch fastest_engine(const Plan& plan, const PhotonMap& global, const Pho
   found.best = {plan_of(*best), best->cycles};
   derive_plan(found.best.plan);
   found.given = engine_cycles(plan, global, caustic, queries, board.core_khz, sdram_khz);
-  found.misfit = misfit(plan, board, kEngineShare);
+  found.misfit = engine_misfit(plan, board);
 
   // ---- what each line's next values would do, all others as they are ----
   // Values in rising order.
@@ -349,7 +367,11 @@ EngineSearch fastest_engine(const Plan& plan, const PhotonMap& global, const Pho
                   best->widths.cache_lines,
                   lines_asked(found.best.plan, visits, orders[streams[best->stream].order]),
                   load.searches.load.leaves);
-  found.reasons["gatherer.beat_bits"] = "as wide as the photon memory gives them";
+  found.reasons["gatherer.beat_bits"] =
+      found.best.plan.photon_memory == PhotonMemory::kSdram
+          ? "the photons that the lanes take in a cycle"
+          : fmt::format("the widest of which {} gatherers have at most {} bits together",
+                        found.best.plan.gatherers, kEngineWires);
   found.reasons["board.photon_memory"] =
       found.best.plan.photon_memory == PhotonMemory::kSdram
           ? fmt::format("{:.2f} lines a gather come from the SDRAM", best->cycles.memory_lines)

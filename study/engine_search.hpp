@@ -45,6 +45,13 @@ struct EngineSearch {
 // Largest share of a part's logic that is planned for: that of the fullest tops that were routed
 // (docs/headline.md).
 inline constexpr double kEngineShare = 0.55;
+// Most bits of a beat of all gatherers together: of the widest tops that were routed. With 3,072
+// and 4,096 the tools did not end (docs/headline.md).
+inline constexpr int kEngineWires = 1152;
+
+// Why a plan's engine is not one for this board: it does not fit in kEngineShare, or is wider than
+// kEngineWires; empty: it is.
+std::string engine_misfit(const Plan& plan, const BoardDescription& board);
 
 // Every combination of the searched lines is predicted; the fastest that fits is the plan, the
 // smallest of those that are as fast within 1 %. Throws std::runtime_error where none fits, with

@@ -79,7 +79,7 @@ TEST_CASE(
     const EngineSearch found = fastest_engine(load.plan, load.map, {}, load.queries, board);
     const Plan& best = found.best.plan;
     CHECK_FALSE(find_problem(best));
-    CHECK(misfit(best, board, kEngineShare) == "");
+    CHECK(engine_misfit(best, board) == "");
     CHECK(which_packets(best) == which_packets(load.plan));
     if (found.misfit.empty()) CHECK(found.best.cycles.cycles <= found.given.cycles);
     const EngineCycles again =
@@ -108,7 +108,7 @@ TEST_CASE("no engine beside the one for a board is faster and fits") {
     p.contexts = any(i, 5, {8, 16, 32});
     p.cache_bytes = any(i, 6, {16, 32, 64, 128}) * p.line_bytes();
     p.lut_ram_words = any(i, 7, {0, 32, 64});
-    if (find_problem(p) || !misfit(p, board, kEngineShare).empty()) continue;
+    if (find_problem(p) || !engine_misfit(p, board).empty()) continue;
     ++fitting;
     CHECK(engine_cycles(p, load.map, {}, load.queries, board.core_khz, board.sdram->clock_khz)
               .cycles >= found.best.cycles.cycles * 0.99);
