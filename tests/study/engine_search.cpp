@@ -116,6 +116,17 @@ TEST_CASE("no engine beside the one for a board is faster and fits") {
   CHECK(fitting > 20);
 }
 
+TEST_CASE("beats wider together than in any routed top are no engine for a board") {
+  const BoardDescription board = predicted_board("ulx3s-85f");
+  Plan plan = make_load(8192, 8).plan;
+  plan.gatherers = 2;
+  plan.beat_bits = 512;
+  CHECK(engine_misfit(plan, board) == "");
+  plan.beat_bits = 1024;
+  CHECK(engine_misfit(plan, board) ==
+        "needs beats of 2048 bits together, and no top with more than 1152 was routed");
+}
+
 TEST_CASE("a board without room for one gatherer, and a frame without gathers, say so") {
   BoardDescription board = predicted_board("ulx3s-85f");
   const Load load = make_load(8192, 8);
