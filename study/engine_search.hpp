@@ -45,8 +45,8 @@ struct EngineSearch {
 // Largest share of a part's logic that is planned for: that of the fullest tops that were routed
 // (docs/headline.md).
 inline constexpr double kEngineShare = 0.55;
-// Most bits of a beat of all gatherers together: of the widest tops that were routed. With 3,072
-// and 4,096 the tools did not end (docs/headline.md).
+// Most bits of a beat of all gatherers together: of the widest tops that were routed. The
+// tools' end was not waited for with 3,072 and 4,096 (docs/headline.md).
 inline constexpr int kEngineWires = 1152;
 
 // Why a plan's engine is not one for this board: it does not fit in kEngineShare, or is wider than
