@@ -248,7 +248,7 @@ class MadeUp(unittest.TestCase):
                     "clocks": {CORE_CLOCK: {"median": 100, "low": 95, "high": 101, "constraint": 50.0}},
                     "binding": {"resource": "DP16KD", "used": 104, "of": 208},
                     "fits": {"DP16KD": 3, "LUT4": 12, "MULT18X18D": 6}, "cycles_per_gather": 10,
-                    "cost": {"nodes": 12, "leaves": 3.5, "insertions": 16, "bound": 16}, "sdram": None,
+                    "cost": {"nodes": 12, "leaves": 3.5, "insertions": 16, "bound": 16}, "ports_cycles": 4, "sdram": None,
                     "cores": {"photonloom": rate(golden), "nanoflann": rate(library)}, "uart": 4600}
         whole: Any = {**row, **others}
         changed: Row = whole
@@ -257,7 +257,7 @@ class MadeUp(unittest.TestCase):
     def sdram(self, cycles: float = 9.0, reached: float = 105, gain: float = 5, **others: Any) -> Row:
         load: SdramLoad = {"lines": 0.25, "line_bytes": 64, "row_changes": 0.5, "row_change_cycles": 6, "cycles": cycles,
                            "mhz": min(100, reached), "reorder_gain": gain, "reorder_goal": 4}
-        row = self.row(memory="sdram", sdram=load, **others)
+        row = self.row(memory="sdram", ports_cycles=None, sdram=load, **others)
         assert row["clocks"]
         row["clocks"][SDRAM_CLOCK] = {"median": reached, "low": reached, "high": reached, "constraint": 100.0}
         return row
@@ -289,6 +289,13 @@ class Verdicts(MadeUp):
         self.assertEqual(own_bound(self.sdram(cycles=8.1))[1], "SDRAM")
         self.assertEqual(own_bound(self.sdram(cycles=7.9))[1], "gatherers")
 
+    def test_the_ports_of_the_photon_memory_bind_where_they_need_more(self) -> None:
+        self.assertEqual(own_bound(self.row(ports_cycles=8.5)), (100e6 / 8.5, "photon memory"))
+        self.assertEqual(own_bound(self.row(ports_cycles=7.9)), (100e6 / 8, "gatherers"))
+        row = self.row(ports_cycles=8.5)
+        self.assertIn("| 11.76 (photon memory) | 85 % | 12.50 | 11.76 | – |", page.bound_table([(row, self.judge(row))]))
+        self.assertIn("8.50 cycles of its ports: 11.76 Mquery/s. Bound by the photon memory.", page.arithmetic([(row, self.judge(row))]))
+
     def test_a_clock_that_is_missed_fails_the_row(self) -> None:
         v = self.judge(self.sdram(reached=97.06))
         self.assertFalse(v.reached)
@@ -315,7 +322,7 @@ class Verdicts(MadeUp):
 
     def test_both_rooflines_stand_on_the_page(self) -> None:
         row = self.sdram(cycles=11)  # 8 of its 11 cycles are lines
-        self.assertIn("| 9.09 (SDRAM) | 110 % | 12.50 | 9.09 | 12.50 |", page.bound_table([(row, self.judge(row))]))
+        self.assertIn("| 9.09 (SDRAM) | 110 % | 12.50 | – | 9.09 | 12.50 |", page.bound_table([(row, self.judge(row))]))
 
     def test_a_plan_without_a_goal(self) -> None:
         with self.assertRaisesRegex(Failure, r"goals.toml: headline.times_core.block_ram.9 is missing"):
@@ -330,7 +337,8 @@ class Verdicts(MadeUp):
                          "| p | 2 | 100.0 (95.0 – 101.0) | – | 1, 2, 3 | `dddddddddddd` | 4.6 | DP16KD 104 of 208 |")
         self.assertEqual(page.arithmetic([(row, self.judge(row))]),
                          "- `p`, no radius: 12.0 nodes, 3.5 leaves, 16.0 insertions a query: 16.0 cycles of a gatherer; "
-                         "2 x 100.0 MHz: 12.50 Mquery/s.\n")
+                         "2 x 100.0 MHz: 12.50 Mquery/s. Photon memory: 4.00 cycles of its ports: 25.00 Mquery/s. "
+                         "Bound by the gatherers.\n")
 
 
 class Neighbours(MadeUp):
@@ -582,7 +590,7 @@ class Rows(Folder):
     def test_put_together(self) -> None:
         plan = HeadlinePlan("p", self.write("p.toml", "[board]\nreplay_queries = 512\n"))
         own = {"plan": "p", "memory": "sdram", "k": 8, "gatherers": 2, "order": "reordered", "r2_max": 7, "cycles_per_gather": 10,
-               "nodes": 1, "leaves": 2, "insertions": 3, "bound": 4, "memory_lines_per_gather": 0.5, "line_bytes": 64,
+               "nodes": 1, "leaves": 2, "insertions": 3, "bound": 4, "ports_cycles": None, "memory_lines_per_gather": 0.5, "line_bytes": 64,
                "row_changes_per_gather": 0.1, "row_change_cycles": 6, "roofline_cycles": 5, "sdram_mhz": 97}
         simulated = mock.Mock(rows=[own, {**own, "order": "pixels", "reorder_gain": 5, "reorder_goal": 4}])
         top = Top("p", "d", self.work, 50.0, {"baud": 2e6, "down": 1, "up": 1}, 4600)

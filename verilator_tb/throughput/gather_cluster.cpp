@@ -107,6 +107,13 @@ Plan make_plan(const PlanOfBoard& p, const GatherLoad& load) {
   return plan;
 }
 
+// Cycles per gather in which the ports of a photon memory in block RAM (rtl/board/photon_ram.sv)
+// bring so many lines, each port a beat a cycle.
+double ports_cycles(const Plan& plan, double lines) {
+  const int ports = plan.gatherers > 1 ? 2 : 1;
+  return lines * plan.line_bytes() * 8 / plan.beat_bits / ports;
+}
+
 GatherRun measure(const Plan& plan, const PhotonMap& map, const std::vector<GatherQuery>& queries,
                   bool through_buffer, const Options& o) {
   std::vector<GatherQuery> in = queries;
@@ -276,6 +283,7 @@ int run(Options o) {
              {"memory_lines_per_gather", memory_lines},
              {"row_changes_per_gather", row_changes},
              {"row_change_cycles", kRowChange},
+             {"ports_cycles", sdram ? nlohmann::json() : nlohmann::json(ports_cycles(plan, lines))},
              {"memory_busy", m.counted("memory busy") / (m.cycles * n)},
              {"gatherers_cycles", gatherers.cycles},
              {"of_gatherers", gatherers.reached},

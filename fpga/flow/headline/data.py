@@ -54,7 +54,8 @@ class Row(TypedDict):
     shows: what a variant shows, which has no goal of its own, else "". leaf_limit: leaves that a query visits at most, 0 where
     the search is exact. recall: part of the exact k nearest that golden finds, as the libraries found them. lut_eq:
     LUT-equivalents of the whole top. all_cores: golden on the whole machine. digest: of the netlist that was routed. clocks: None where only the core's was recorded. fits: resource of the part ->
-    gatherers of this plan that it has room for. cores: library, or photonloom for golden -> its rate."""
+    gatherers of this plan that it has room for. ports_cycles: of the core, in which the ports of a photon memory in block RAM move a
+    gather's lines; None before an SDRAM, and where it was not recorded. cores: library, or photonloom for golden -> its rate."""
     plan: str
     rejected: str
     shows: str
@@ -78,6 +79,7 @@ class Row(TypedDict):
     fits: dict[str, int]
     cycles_per_gather: float
     cost: Cost
+    ports_cycles: float | None
     sdram: SdramLoad | None
     cores: dict[str, Rate]
     uart: float
@@ -145,7 +147,8 @@ class Data(TypedDict):
 
 
 # What rows and files of earlier forms do not have.
-NO_ROW: dict[str, Any] = {"shows": "", "leaf_limit": None, "recall": None, "lut_eq": None, "all_cores": None}
+NO_ROW: dict[str, Any] = {"shows": "", "leaf_limit": None, "recall": None, "lut_eq": None, "all_cores": None,
+                          "ports_cycles": None}
 NO_FILE: dict[str, Any] = {"replay": None, "images": []}
 
 

@@ -23,7 +23,7 @@ STALE, STALE_PLAN = "Routed with earlier RTL: ", re.compile(r"`(\w+)`")
 GOAL_COLUMNS = ["plan", "k", "radius", "board, Mquery/s", "best library, one core", "golden, one core", "times library",
                 "times golden", "goal", "goal reached"]
 BOUND_COLUMNS = ["plan", "radius", "cycles a gather, all gatherers", "own bound, Mquery/s", "share of this design's own bound",
-                 "by gatherers", "by SDRAM, with row changes", "by SDRAM, without", "the part's bound, Mquery/s",
+                 "by gatherers", "by the photon memory's ports", "by SDRAM, with row changes", "by SDRAM, without", "the part's bound, Mquery/s",
                  "reordering gains"]
 SIZE_COLUMNS = ["plan", "radius", "board, Mquery/s", "golden, all cores, Mquery/s", "threads", "times golden, all cores",
                 "LUT-equivalents of the top", "gathers a second for 1,000 of them"]
@@ -232,6 +232,7 @@ def bound_table(judged: Judged) -> str:
         mhz, load = 1e6 * r["fmax_mhz"]["median"], r["sdram"]
         rows.append([r["plan"], radius_of(r, "none"), f"{r['cycles_per_gather']:.2f}", f"{mega(v.bound)} ({v.bound_by})",
                      f"{100 * v.share:.0f} %", mega(mhz * r["gatherers"] / r["cost"]["bound"]),
+                     mega(mhz / r["ports_cycles"]) if r["ports_cycles"] else "–",
                      mega(mhz / load["cycles"]) if load else "–",
                      mega(mhz / cycles_without_row_changes(load)) if load else "–",
                      f"{mega(v.part[v.part_by])} ({PARTS.get(v.part_by, v.part_by)})", gain_cell(r)])
@@ -268,6 +269,8 @@ def arithmetic(judged: Judged) -> str:
         text = (f"- `{r['plan']}`, {radius_of(r, 'no radius')}: {cost['nodes']:.1f} nodes, {cost['leaves']:.1f} leaves, "
                 f"{cost['insertions']:.1f} insertions a query: {cost['bound']:.1f} cycles of a gatherer; {r['gatherers']} x "
                 f"{fmax:.1f} MHz: {r['gatherers'] * fmax / cost['bound']:.2f} Mquery/s.")
+        if ports := r["ports_cycles"]:
+            text += f" Photon memory: {ports:.2f} cycles of its ports: {fmax / ports:.2f} Mquery/s. Bound by the {v.bound_by}."
         if load := r["sdram"]:
             text += (f" SDRAM: {load['lines']:.3f} lines a query * {load['line_bytes'] // 2} cycles of {load['mhz']:g} MHz, "
                      f"{load['row_changes']:.3f} row changes * {load['row_change_cycles']:g}, refreshes apart: "
@@ -304,6 +307,8 @@ def summary(data: Data, goals: HeadlineGoals, stale: Collection[str]) -> str:
         lines.append(f"Of one core the median alone was recorded: {names(single)}.")
     if old := unrecorded(judged):
         lines.append(f"Golden on all cores, recall and the LUT-equivalents of the top were not recorded: {names(old)}.")
+    if unseen := {r["plan"] for r, _ in judged if r["memory"] == "block_ram" and r["ports_cycles"] is None}:
+        lines.append(f"Cycles of the photon memory's ports were not recorded: {names(unseen)}; their own bound is judged without them.")
     fewest, most = (f(r["replay_queries"] for r, _ in judged) for f in (min, max))
     slowest, fastest = (f(r["uart"] for r, _ in judged) / 1e3 for f in (min, max))
     lines.append("Rates are the engine's, which gets queries as fast as it takes them. A board is fed by its link, "

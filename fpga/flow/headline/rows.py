@@ -57,5 +57,5 @@ def rows_of(plan: HeadlinePlan, top: Top, entry: Entry, simulated: Simulated, co
                     "cycles_per_gather": own["cycles_per_gather"],
                     "cost": {"nodes": own["nodes"], "leaves": own["leaves"], "insertions": own["insertions"],
                              "bound": own["bound"]},
-                    "sdram": sdram_load(own, simulated_row("pixels", radius)), "cores": timed.one, "uart": top.rate})
+                    "ports_cycles": own["ports_cycles"], "sdram": sdram_load(own, simulated_row("pixels", radius)), "cores": timed.one, "uart": top.rate})
     return out

@@ -63,6 +63,8 @@ def cycles_without_row_changes(load: SdramLoad) -> float:
 def own_bound(row: Row) -> tuple[float, str]:
     """The bound that binds, chosen by cycles."""
     cycles = {"gatherers": row["cost"]["bound"] / row["gatherers"]}
+    if row["ports_cycles"]:
+        cycles["photon memory"] = row["ports_cycles"]
     if row["sdram"]:
         cycles["SDRAM"] = row["sdram"]["cycles"]
     by = max(cycles, key=lambda name: cycles[name])
