@@ -28,14 +28,23 @@ class ImageGoals:
 
 
 @dataclass(frozen=True)
+class CoarseGoals:
+    """Of a row in coarser formats: most relMSE against reference arithmetic, and times the rate of the plan's own formats."""
+    relmse: float
+    times: float
+
+
+@dataclass(frozen=True)
 class HeadlineGoals:
     """board: where queries a second are those of its routed top. scene: whose photons and queries are gathered. replay: the
-    plan whose replayer is simulated. images: what is timed of whole images. times: multiples of one core, photon memory -> k as text -> multiple."""
+    plan whose replayer is simulated. images: what is timed of whole images. times: multiples of one core, photon memory -> k as text -> multiple.
+    coarse: of rows in coarser formats."""
     board: str
     scene: Path
     replay: str
     images: ImageGoals
     times: dict[str, dict[str, float]]
+    coarse: CoarseGoals
     path: Path
 
     def times_core(self, memory: str, k: int) -> float:
@@ -80,7 +89,8 @@ def headline_goals(path: Path = GOALS) -> HeadlineGoals:
                         field(said, path, "headline.images.plan", str, "a plan of fpga/headline"), *counts)
     return HeadlineGoals(field(said, path, "headline.board", str, "a board"),
                          ROOT / field(said, path, "headline.scene", str, "a scene below the repository's root"),
-                         field(said, path, "headline.replay", str, "a plan of fpga/headline"), images, times, path)
+                         field(said, path, "headline.replay", str, "a plan of fpga/headline"), images, times,
+                         CoarseGoals(*(field(said, path, f"headline.coarse.{name}", (int, float), "a number") for name in ("relmse", "times"))), path)
 
 
 def fast_goals(path: Path = GOALS) -> FastGoals:

@@ -14,7 +14,7 @@ from unittest import mock
 
 from flow.boards import LUT_EQ, read_board
 from flow.goals import ImageGoals, headline_goals
-from flow.headline import images, netlist, page, replay, tops
+from flow.headline import images, netlist, page, replay, tables, tops
 from flow.headline.command import processor
 from flow.headline.data import Cores, Data, ImageTime, Rate, Replay, Row, SdramLoad, merge, read_data
 from flow.headline.images import ON_A_BOARD, image_time, render_options, time_images
@@ -29,6 +29,7 @@ from flow.results import Entry, add_placements
 from flow.routing import Placement
 from flow.shell import ROOT, Failure
 from flow.tools import Tools
+from made_up_rows import CORE_CLOCK, SDRAM_CLOCK, MadeUp, all_cores, rate
 
 RECORDED = Path(__file__).parent / "recorded"
 SIMULATION = """#!/bin/sh
@@ -53,7 +54,6 @@ BOX = """<scene version="3.0.0">
     <emitter type="area"><rgb name="radiance" value="10"/></emitter></shape>
 </scene>
 """
-CORE_CLOCK, SDRAM_CLOCK = "$glbnet$clk", "$glbnet$clk_sdram"
 
 
 def placement(seed: int, core: float = 100, sdram: float | None = None) -> Placement:
@@ -229,43 +229,6 @@ class Netlists(Folder):
         self.assertEqual(netlist.without_comments("a.sv", text("1")), netlist.without_comments("a.sv", text("2")))
 
 
-def rate(median: float) -> Rate:
-    return {"least": 0.9 * median, "median": median, "most": 1.1 * median, "runs": 7}
-
-
-def all_cores(median: float) -> Cores:
-    return {"threads": 2, "share": 0.987, "rate": rate(median)}
-
-
-class MadeUp(unittest.TestCase):
-    """100 MHz and 10 cycles a gather: 10 Mquery/s; the gatherers' bound is 12.5."""
-
-    def row(self, golden: float = 1e6, library: float = 0.5e6, **others: Any) -> Row:
-        row: Row = {"plan": "p", "rejected": "", "shows": "", "leaf_limit": 0, "recall": 1.0, "lut_eq": 20000,
-                    "all_cores": all_cores(2 * golden), "memory": "block_ram", "k": 8, "within_mean": False, "gatherers": 2,
-                    "replay_queries": 1024, "digest": "d" * 64, "clock_mhz": 50.0, "versions": ["Yosys 1"],
-                    "processor": "a core", "seeds": [1, 2, 3], "fmax_mhz": {"median": 100, "low": 95, "high": 101},
-                    "clocks": {CORE_CLOCK: {"median": 100, "low": 95, "high": 101, "constraint": 50.0}},
-                    "binding": {"resource": "DP16KD", "used": 104, "of": 208},
-                    "fits": {"DP16KD": 3, "LUT4": 12, "MULT18X18D": 6}, "cycles_per_gather": 10,
-                    "cost": {"nodes": 12, "leaves": 3.5, "insertions": 16, "bound": 16}, "ports_cycles": 4, "sdram": None,
-                    "cores": {"photonloom": rate(golden), "nanoflann": rate(library)}, "uart": 4600}
-        whole: Any = {**row, **others}
-        changed: Row = whole
-        return changed
-
-    def sdram(self, cycles: float = 9.0, reached: float = 105, gain: float = 5, **others: Any) -> Row:
-        load: SdramLoad = {"lines": 0.25, "line_bytes": 64, "row_changes": 0.5, "row_change_cycles": 6, "cycles": cycles,
-                           "mhz": min(100, reached), "reorder_gain": gain, "reorder_goal": 4}
-        row = self.row(memory="sdram", ports_cycles=None, sdram=load, **others)
-        assert row["clocks"]
-        row["clocks"][SDRAM_CLOCK] = {"median": reached, "low": reached, "high": reached, "constraint": 100.0}
-        return row
-
-    def judge(self, row: Row) -> Verdict:
-        return judge(row, headline_goals())
-
-
 class Verdicts(MadeUp):
     def test_the_goal_is_of_the_faster_core(self) -> None:
         self.assertEqual(self.judge(self.row(1.25e6)).missed, [])
@@ -277,7 +240,7 @@ class Verdicts(MadeUp):
         v = self.judge(self.row(2e6))  # 5 times one core where the bound is 6.25 times
         self.assertFalse(v.reached)
         self.assertAlmostEqual(v.share, 0.8)
-        self.assertEqual(page.goal_cell(self.row(2e6), v), "no, **missed**: 5.00 of 8")
+        self.assertEqual(tables.goal_cell(self.row(2e6), v), "no, **missed**: 5.00 of 8")
 
     def test_before_an_sdram_queries_a_second_count(self) -> None:
         low = self.judge(self.sdram(cycles=5))  # half of its SDRAM's roofline, and ten times one core
@@ -293,21 +256,21 @@ class Verdicts(MadeUp):
         self.assertEqual(own_bound(self.row(ports_cycles=8.5)), (100e6 / 8.5, "photon memory"))
         self.assertEqual(own_bound(self.row(ports_cycles=7.9)), (100e6 / 8, "gatherers"))
         row = self.row(ports_cycles=8.5)
-        self.assertIn("| 11.76 (photon memory) | 85 % | 12.50 | 11.76 | – |", page.bound_table([(row, self.judge(row))]))
+        self.assertIn("| 11.76 (photon memory) | 85 % | 12.50 | 11.76 | – |", tables.bound_table([(row, self.judge(row))]))
         self.assertIn("8.50 cycles of its ports: 11.76 Mquery/s. Bound by the photon memory.", page.arithmetic([(row, self.judge(row))]))
 
     def test_a_clock_that_is_missed_fails_the_row(self) -> None:
         v = self.judge(self.sdram(reached=97.06))
         self.assertFalse(v.reached)
         self.assertEqual(v.missed, ["clk_sdram reaches 97.1 MHz of 100"])
-        self.assertIn("| clk_sdram 97.1 (97.1 – 97.1) of 100 **missed** |", page.top_table([(self.sdram(reached=97.06), v)]))
+        self.assertIn("| clk_sdram 97.1 (97.1 – 97.1) of 100 **missed** |", tables.top_table([(self.sdram(reached=97.06), v)]))
         slow = self.row(clocks={CORE_CLOCK: {"median": 49, "low": 48, "high": 50, "constraint": 50.0}})
-        self.assertEqual(page.goal_cell(slow, self.judge(slow)), "no, **missed**: clk reaches 49.0 MHz of 50")
+        self.assertEqual(tables.goal_cell(slow, self.judge(slow)), "no, **missed**: clk reaches 49.0 MHz of 50")
 
     def test_a_clock_that_nobody_recorded_is_said(self) -> None:
         row = self.sdram()
         row["clocks"] = None
-        self.assertEqual(page.goal_cell(row, self.judge(row)), "yes, the SDRAM's clock not recorded")
+        self.assertEqual(tables.goal_cell(row, self.judge(row)), "yes, the SDRAM's clock not recorded")
 
     def test_what_reordering_gains_is_judged_apart(self) -> None:
         v = self.judge(self.sdram(gain=3.9))
@@ -322,7 +285,7 @@ class Verdicts(MadeUp):
 
     def test_both_rooflines_stand_on_the_page(self) -> None:
         row = self.sdram(cycles=11)  # 8 of its 11 cycles are lines
-        self.assertIn("| 9.09 (SDRAM) | 110 % | 12.50 | – | 9.09 | 12.50 |", page.bound_table([(row, self.judge(row))]))
+        self.assertIn("| 9.09 (SDRAM) | 110 % | 12.50 | – | 9.09 | 12.50 |", tables.bound_table([(row, self.judge(row))]))
 
     def test_a_plan_without_a_goal(self) -> None:
         with self.assertRaisesRegex(Failure, r"goals.toml: headline.times_core.block_ram.9 is missing"):
@@ -330,10 +293,10 @@ class Verdicts(MadeUp):
 
     def test_a_row_of_the_page(self) -> None:
         row = self.row()
-        self.assertEqual(page.goal_table([(row, self.judge(row))]).splitlines()[2],
+        self.assertEqual(tables.goal_table([(row, self.judge(row))]).splitlines()[2],
                          "| p | 8 | none | 10.00 | 0.50 (0.45 – 0.55) nanoflann | 1.00 (0.90 – 1.10) | 20.00 (18.18 – 22.22) | "
                          "10.00 (9.09 – 11.11) | 8 | yes |")
-        self.assertEqual(page.top_table([(row, self.judge(row))]).splitlines()[2],
+        self.assertEqual(tables.top_table([(row, self.judge(row))]).splitlines()[2],
                          "| p | 2 | 100.0 (95.0 – 101.0) | – | 1, 2, 3 | `dddddddddddd` | 4.6 | DP16KD 104 of 208 |")
         self.assertEqual(page.arithmetic([(row, self.judge(row))]),
                          "- `p`, no radius: 12.0 nodes, 3.5 leaves, 16.0 insertions a query: 16.0 cycles of a gatherer; "
@@ -347,33 +310,33 @@ class Neighbours(MadeUp):
     def test_all_cores_and_size(self) -> None:
         row = self.row()
         self.assertEqual(board_for_size(row, self.judge(row)), 500000)
-        self.assertEqual(page.size_table([(row, self.judge(row))]).splitlines()[2],
+        self.assertEqual(tables.size_table([(row, self.judge(row))]).splitlines()[2],
                          "| p | none | 10.00 | 2.00 (1.80 – 2.20) | 2 | 5.00 (4.55 – 5.56) | 20,000 | 500,000 |")
         self.assertIn("Golden's threads had 99 to 99 % of them", page.share_text([(row, self.judge(row))]))
 
     def test_what_was_not_recorded_is_a_dash(self) -> None:
         row = self.row(lut_eq=None, all_cores=None, recall=None)
-        self.assertEqual(page.size_table([(row, self.judge(row))]).splitlines()[2], "| p | none | 10.00 | – | – | – | – | – |")
-        self.assertEqual(page.recall_cell(row), "–")
+        self.assertEqual(tables.size_table([(row, self.judge(row))]).splitlines()[2], "| p | none | 10.00 | – | – | – | – | – |")
+        self.assertEqual(tables.recall_cell(row), "–")
         self.assertIn("not timed for any row", page.share_text([(row, self.judge(row))]))
 
     def test_a_core_without_a_range_gives_a_multiple_without_one(self) -> None:
-        self.assertEqual(page.times_cell(10e6, {"least": None, "median": 2e6, "most": None, "runs": 7}), "5.00")
+        self.assertEqual(tables.times_cell(10e6, {"least": None, "median": 2e6, "most": None, "runs": 7}), "5.00")
 
     def test_a_variant_has_no_goal_but_its_clocks(self) -> None:
         row = self.row(50e6, shows="something", k=1)
         v = self.judge(row)
-        self.assertEqual((v.goal, v.missed, v.reached, page.goal_cell(row, v)), (None, [], True, "none"))
+        self.assertEqual((v.goal, v.missed, v.reached, tables.goal_cell(row, v)), (None, [], True, "none"))
         slow = self.row(k=1, shows="something", clocks={CORE_CLOCK: {"median": 49, "low": 48, "high": 50, "constraint": 50.0}})
-        self.assertEqual(page.goal_cell(slow, self.judge(slow)), "none, **missed**: clk reaches 49.0 MHz of 50")
+        self.assertEqual(tables.goal_cell(slow, self.judge(slow)), "none, **missed**: clk reaches 49.0 MHz of 50")
 
     def test_a_row_of_a_variant(self) -> None:
         row = self.row(shows="something", leaf_limit=4, recall=0.91234)
-        self.assertEqual(page.variant_table([(row, self.judge(row))]).splitlines()[2],
+        self.assertEqual(tables.variant_table([(row, self.judge(row))]).splitlines()[2],
                          "| p | 8 | none | 4 | 0.9123 | 10.00 | 0.50 (0.45 – 0.55) nanoflann | 1.00 (0.90 – 1.10) | 2.00 (1.80 – 2.20), "
                          "2 threads | 20.00 (18.18 – 22.22) | 10.00 (9.09 – 11.11) | 500,000 |")
         exact = self.row(shows="something", k=1)
-        self.assertIn("| p | 1 | none | no limit | 1.0000 |", page.variant_table([(exact, self.judge(exact))]))
+        self.assertIn("| p | 1 | none | no limit | 1.0000 |", tables.variant_table([(exact, self.judge(exact))]))
 
     def test_a_variant_that_nobody_measured_says_so(self) -> None:
         first = variant_names()[0]
@@ -382,14 +345,14 @@ class Neighbours(MadeUp):
         self.assertNotIn(f"PLAN={first}", page.variants_text([(row, self.judge(row))]))
 
     def test_predecessors_say_what_they_were_measured_against(self) -> None:
-        lines = page.predecessors_table().splitlines()
+        lines = tables.predecessors_table().splitlines()
         self.assertEqual(lines[0], "| source | what it does | its figure | measured against | exact |")
         self.assertGreater(len(lines), 2)
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder, "p.toml")
             path.write_text('[[predecessor]]\nsource = "a"\ndoes = "b"\nfigure = "100 times"\nexact = "yes"\n')
             with self.assertRaisesRegex(Failure, "p.toml: against is missing, expected a text"):
-                page.predecessors_table(path)
+                tables.predecessors_table(path)
 
 
 def rendered(scale: float = 1, pixels: str = "p") -> dict[str, Any]:
@@ -423,11 +386,11 @@ class Images(MadeUp):
 
     def test_with_the_link_and_without(self) -> None:
         row = self.row()
-        self.assertEqual(page.image_cells(self.image(), row, self.judge(row)),
+        self.assertEqual(tables.image_cells(self.image(), row, self.judge(row)),
                          ["a", "5,000,000", "4.00 (2.00 – 8.00)", "1.00 (0.50 – 2.00)", "4.00 (4.00 – 8.00)", "1.00 (1.00 – 2.00)", "0.50",
                           "3.50 (2.00 – 6.50)", "3.50 (3.50 – 6.50)", "1087", "1089.96 (1089.96 – 1092.96)"])
         fast = self.row(uart=20e6)
-        self.assertEqual(page.image_cells(self.image(), fast, self.judge(fast))[-1], "3.50 (3.50 – 6.50)")
+        self.assertEqual(tables.image_cells(self.image(), fast, self.judge(fast))[-1], "3.50 (3.50 – 6.50)")
 
     def text(self, pictures: list[ImageTime], row: Row) -> str:
         return page.images_text(pictures, [(row, self.judge(row))], headline_goals(), {"baud": 2e6, "down": 15.3, "up": 43.6})

@@ -20,13 +20,14 @@ from flow.goals import HeadlineGoals, headline_goals
 from flow.headline.data import DATA, Data, ImageTime, Link, Replay, Row, merge, read_data
 from flow.headline.images import time_images
 from flow.headline.netlist import SHORT, digest_now
-from flow.headline.page import check_page, images_of, radius_of, report, stale_plans, summary, write_page
+from flow.headline.page import check_page, images_of, report, stale_plans, summary, write_page
 from flow.headline.plans import HeadlinePlan, find_plan, find_plans
 from flow.headline.replay import replay
-from flow.headline.rows import rows_of
+from flow.headline.rows import coarse_of, rows_of
 from flow.headline.simulation import Bench, sha256, simulate, time_core
+from flow.headline.tables import radius_of
 from flow.headline.tops import Routing, Top, prepare, route, route_seed
-from flow.headline.verdict import judge
+from flow.headline.verdict import judge, judge_coarse
 from flow.shell import ROOT, Failure, read_json, read_text, say, warn, write_json
 from flow.tools import find_tools, nextpnr_is_slow
 
@@ -167,7 +168,8 @@ def main() -> int:
         simulated = list(pool.map(lambda plan, entry: simulate(plan, entry, bench), plans, entries))
     rows: list[Row] = []
     for plan, top, entry, of_plan in zip(plans, tops, entries, simulated):  # one after the other: a core is timed on a quiet machine
-        rows += rows_of(plan, top, entry, of_plan, time_core(plan, of_plan, bench), routing.tools.versions, processor(), routing.board)
+        rows += rows_of(plan, top, entry, of_plan, time_core(plan, of_plan, bench), routing.tools.versions, processor(), routing.board,
+                        coarse_of(plan, find_plan(plan.finer, work), goals.scene, of_plan.folder) if plan.finer else None)
     played = play(replayed, goals, work, o.clock) if goals.replay in [plan.name for plan in plans] else None
     # The whole page's images are timed with the whole page's rows.
     images = time_images(goals.images, processor()) if not o.plans else []
@@ -175,7 +177,9 @@ def main() -> int:
     text = summary(data, goals, []) + "\n" + report(data, goals) + images_of(data, goals)
     (work / "report.md").write_text(text)
     print("\n" + text)
-    missed = [(row, miss) for row in rows if not row["rejected"] for miss in judge(row, goals).missed]
+    missed = [(row, miss) for row in rows if not row["rejected"] and not row["coarse"] for miss in judge(row, goals).missed]
+    missed += [(row, miss) for row in rows if row["coarse"]
+               for miss in judge_coarse(row, rows + (read_data()["rows"] if DATA.is_file() else []), goals.coarse).missed]
     for row, miss in missed:
         warn(f"{row['plan']}, {radius_of(row, 'no radius')}: {miss}")
     return 1 if missed else 0

@@ -49,16 +49,29 @@ class SdramLoad(TypedDict):
     reorder_goal: float
 
 
+class Coarse(TypedDict):
+    """Of a row in coarser formats: the plan of the headline that it is coarser than, and of both the bytes of a photon in a line
+    and the relMSE of golden arithmetic against reference arithmetic, in that plan's frame of the headline's scene."""
+    finer: str
+    photon_bytes: int
+    relmse: float
+    finer_bytes: int
+    finer_relmse: float
+
+
 class Row(TypedDict):
-    """A plan, without a radius or within the mean r^2 of its queries. rejected: why the plan is none of the headline's, "" where it is one.
-    shows: what a variant shows, which has no goal of its own, else "". leaf_limit: leaves that a query visits at most, 0 where
-    the search is exact. recall: part of the exact k nearest that golden finds, as the libraries found them. lut_eq:
-    LUT-equivalents of the whole top. all_cores: golden on the whole machine. digest: of the netlist that was routed. clocks: None where only the core's was recorded. fits: resource of the part ->
-    gatherers of this plan that it has room for. ports_cycles: of the core, in which the ports of a photon memory in block RAM move a
-    gather's lines; None before an SDRAM, and where it was not recorded. cores: library, or photonloom for golden -> its rate."""
+    """A plan, without a radius or within the mean r^2 of its queries. rejected: why the plan is none of the headline's, "" where
+    it is one. shows: what a variant shows, which has no goal of its own, else "". coarse: of one in coarser formats, judged beside
+    the one that it is coarser than. leaf_limit: leaves that a query visits at most, 0 where the search is exact. recall: part of
+    the exact k nearest that golden finds, as the libraries found them. lut_eq: LUT-equivalents of the whole top. all_cores: golden
+    on the whole machine. digest: of the netlist that was routed. clocks: None where only the core's was recorded. fits: resource
+    of the part -> gatherers of this plan that it has room for. ports_cycles: of the core, in which the ports of a photon memory in
+    block RAM move a gather's lines; None before an SDRAM, and where it was not recorded. cores: library, or photonloom for golden
+    -> its rate."""
     plan: str
     rejected: str
     shows: str
+    coarse: Coarse | None
     leaf_limit: int | None
     recall: float | None
     lut_eq: int | None
@@ -147,7 +160,7 @@ class Data(TypedDict):
 
 
 # What rows and files of earlier forms do not have.
-NO_ROW: dict[str, Any] = {"shows": "", "leaf_limit": None, "recall": None, "lut_eq": None, "all_cores": None,
+NO_ROW: dict[str, Any] = {"shows": "", "coarse": None, "leaf_limit": None, "recall": None, "lut_eq": None, "all_cores": None,
                           "ports_cycles": None}
 NO_FILE: dict[str, Any] = {"replay": None, "images": []}
 
@@ -163,9 +176,9 @@ def merge(rows: Sequence[Row], new: Sequence[Row]) -> list[Row]:
     """Rows in the order of their plans, those of newly measured plans in the place of the old."""
     measured = {row["plan"] for row in new}
     return sorted([row for row in rows if row["plan"] not in measured] + list(new),
-                  key=lambda row: (row["rejected"] != "", row["shows"] != "", row["plan"]))
+                  key=lambda row: (row["rejected"] != "", row["shows"] != "", row["coarse"] is not None, row["plan"]))
 
 
 def of_headline(row: Row) -> bool:
-    """Neither rejected nor a variant: judged by a goal."""
-    return not row["rejected"] and not row["shows"]
+    """Neither rejected nor a variant nor in coarser formats: judged by a multiple of one core."""
+    return not row["rejected"] and not row["shows"] and not row["coarse"]

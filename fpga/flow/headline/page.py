@@ -4,117 +4,18 @@ import re
 from collections.abc import Collection, Sequence
 from pathlib import Path
 
-from flow.goals import HeadlineGoals
-from flow.headline.data import Data, FrameTime, ImageTime, Link, Rate, Replay, Row, Seconds, of_headline
+from flow.goals import CoarseGoals, HeadlineGoals
+from flow.headline.data import Data, ImageTime, Link, Replay, Row, of_headline
 from flow.headline.netlist import SHORT
-from flow.headline.verdict import (GOLDEN, Verdict, board_for_size, clock_name, cycles_without_row_changes, judge,
-                                   slower_than_golden)
-from flow.headline.plans import rejected_names, variant_names, what_shows
-from flow.results import ClockSpread, Spread
-from flow.shell import ROOT, Failure, field, read_text, read_toml
+from flow.headline.plans import coarse_names, rejected_names, variant_names, what_shows
+from flow.headline.tables import (IMAGE_COLUMNS, Judged, bound_table, coarse_table, goal_table, image_cells, mega, part_table,
+                                  predecessors_table, radius_of, sdram_clock_unknown, size_table, top_table, unrecorded, variant_table)
+from flow.headline.verdict import judge, slower_than_golden
+from flow.shell import ROOT, Failure, read_text
 from flow.tables import markdown, replace_between
 
 PAGE = ROOT / "docs" / "headline.md"
-PREDECESSORS = ROOT / "fpga" / "predecessors.toml"
-PARTS = {"DP16KD": "block RAM", "LUT4": "LUTs", "MULT18X18D": "multipliers"}
-Judged = Sequence[tuple[Row, Verdict]]
 STALE, STALE_PLAN = "Routed with earlier RTL: ", re.compile(r"`(\w+)`")
-
-GOAL_COLUMNS = ["plan", "k", "radius", "board, Mquery/s", "best library, one core", "golden, one core", "times library",
-                "times golden", "goal", "goal reached"]
-BOUND_COLUMNS = ["plan", "radius", "cycles a gather, all gatherers", "own bound, Mquery/s", "share of this design's own bound",
-                 "by gatherers", "by the photon memory's ports", "by SDRAM, with row changes", "by SDRAM, without", "the part's bound, Mquery/s",
-                 "reordering gains"]
-SIZE_COLUMNS = ["plan", "radius", "board, Mquery/s", "golden, all cores, Mquery/s", "threads", "times golden, all cores",
-                "LUT-equivalents of the top", "gathers a second for 1,000 of them"]
-VARIANT_COLUMNS = ["plan", "k", "radius", "leaves at most", "recall", "board, Mquery/s", "best library, one core, exact",
-                   "golden, one core, the same search", "golden, all cores", "times library", "times golden",
-                   "gathers a second for 1,000 LUT-equivalents"]
-PREDECESSOR_COLUMNS = {"source": "source", "does": "what it does", "figure": "its figure", "against": "measured against",
-                       "exact": "exact"}
-IMAGE_COLUMNS = ["scene", "gathers", "golden, one core, s", "of these gathers", "golden, all cores, s", "of these gathers",
-                 "gathers of the board, s", "host on one core and board, s", "host on all cores and board, s",
-                 "queries over the link, s", "host on all cores, link and board, s"]
-TOP_COLUMNS = ["plan", "gatherers", "core's clock, MHz", "other clocks, MHz", "seeds", "netlist", "over the UART, kquery/s",
-               "fullest resource of the top"]
-
-
-def radius_of(row: Row, without: str) -> str:
-    return "mean r²" if row["within_mean"] else without
-
-
-def mega(rate: float) -> str:
-    return f"{rate / 1e6:.2f}"
-
-
-def rate_cell(rate: Rate) -> str:
-    """The median, and least and most where they were recorded."""
-    if rate["least"] is None or rate["most"] is None:
-        return mega(rate["median"])
-    return f"{mega(rate['median'])} ({mega(rate['least'])} – {mega(rate['most'])})"
-
-
-def times_cell(board: float, rate: Rate) -> str:
-    """Times a core by its median; the ends come from its most and its least."""
-    text = f"{board / rate['median']:.2f}"
-    if rate["least"] is None or rate["most"] is None:
-        return text
-    return f"{text} ({board / rate['most']:.2f} – {board / rate['least']:.2f})"
-
-
-def size_cell(row: Row, v: Verdict) -> str:
-    rate = board_for_size(row, v)
-    return "–" if rate is None else f"{rate:,.0f}"
-
-
-def clock_cell(clock: Spread, seeds: int) -> str:
-    return f"{clock['median']:.1f}" + (f" ({clock['low']:.1f} – {clock['high']:.1f})" if seeds > 1 else "")
-
-
-def is_core(row: Row, clock: ClockSpread) -> bool:
-    return abs(clock["constraint"] - row["clock_mhz"]) < 0.01
-
-
-def sdram_clock_unknown(row: Row) -> bool:
-    return row["memory"] == "sdram" and row["clocks"] is None
-
-
-def other_clocks(row: Row) -> str:
-    """Every clock but the core's beside its constraint."""
-    if row["clocks"] is None:
-        return "not recorded" if sdram_clock_unknown(row) else "–"
-    cells = [f"{clock_name(net)} {clock_cell(c, len(row['seeds']))} of {c['constraint']:g}" +
-             (" **missed**" if c["median"] < c["constraint"] else "")
-             for net, c in row["clocks"].items() if not is_core(row, c)]
-    return ", ".join(cells) or "–"
-
-
-def goal_cell(row: Row, v: Verdict) -> str:
-    """yes, or no with the figure that misses."""
-    if v.goal is None:
-        return "none" if v.reached else f"none, **missed**: {'; '.join(v.missed_clocks)}"
-    if v.reached:
-        return "yes, the SDRAM's clock not recorded" if sdram_clock_unknown(row) else "yes"
-    misses = [f"{v.times:.2f} of {v.goal:g}"] if v.times < v.goal else []
-    return f"no, **missed**: {'; '.join(misses + v.missed_clocks)}"
-
-
-def goal_table(judged: Judged) -> str:
-    return markdown([[r["plan"], r["k"], radius_of(r, "none"), mega(v.board),
-                      f"{rate_cell(r['cores'][v.library])} {v.library}", rate_cell(r["cores"][GOLDEN]),
-                      times_cell(v.board, r["cores"][v.library]), times_cell(v.board, r["cores"][GOLDEN]),
-                      "–" if v.goal is None else f"{v.goal:g}", goal_cell(r, v)] for r, v in judged], GOAL_COLUMNS)
-
-
-def size_table(judged: Judged) -> str:
-    """The whole machine beside a board, and what a board does for its size."""
-    rows = []
-    for r, v in judged:
-        cores = r["all_cores"]
-        rows.append([r["plan"], radius_of(r, "none"), mega(v.board), rate_cell(cores["rate"]) if cores else "–",
-                     cores["threads"] if cores else "–", times_cell(v.board, cores["rate"]) if cores else "–",
-                     f"{r['lut_eq']:,}" if r["lut_eq"] else "–", size_cell(r, v)])
-    return markdown(rows, SIZE_COLUMNS)
 
 
 def share_text(judged: Judged) -> str:
@@ -124,21 +25,6 @@ def share_text(judged: Judged) -> str:
         return "Golden on all cores was not timed for any row.\n"
     return (f"All cores are timed by the clock on the wall. Golden's threads had {100 * min(shares):.0f} to {100 * max(shares):.0f} % of them; "
             "other programs had the rest.\n")
-
-
-def recall_cell(row: Row) -> str:
-    return "–" if row["recall"] is None else f"{row['recall']:.4f}"
-
-
-def variant_table(judged: Judged) -> str:
-    rows = []
-    for r, v in judged:
-        cores = r["all_cores"]
-        rows.append([r["plan"], r["k"], radius_of(r, "none"), r["leaf_limit"] or "no limit", recall_cell(r), mega(v.board),
-                     f"{rate_cell(r['cores'][v.library])} {v.library}", rate_cell(r["cores"][GOLDEN]),
-                     f"{rate_cell(cores['rate'])}, {cores['threads']} threads" if cores else "–",
-                     times_cell(v.board, r["cores"][v.library]), times_cell(v.board, r["cores"][GOLDEN]), size_cell(r, v)])
-    return markdown(rows, VARIANT_COLUMNS)
 
 
 def variants_text(judged: Judged) -> str:
@@ -156,30 +42,17 @@ def variants_text(judged: Judged) -> str:
     return "\n".join(parts)
 
 
-def predecessors_table(path: Path = PREDECESSORS) -> str:
-    """What others published, and what they measured it against."""
-    said = read_toml(path)
-    entries: list[dict[str, str]] = field(said, path, "predecessor", list, "a list of tables")
-    rows = [[field(entry, path, name, str, "a text") for name in PREDECESSOR_COLUMNS] for entry in entries]
-    return markdown(rows, list(PREDECESSOR_COLUMNS.values()))
-
-
-def seconds_cell(seconds: Seconds) -> str:
-    return f"{seconds['median']:.2f} ({seconds['least']:.2f} – {seconds['most']:.2f})"
-
-
-def image_cells(image: ImageTime, row: Row, v: Verdict) -> list[str]:
-    """Golden's frame, then a board in the place of its gathers; nothing overlaps, but the link and the board's work on it."""
-    def golden(time: FrameTime) -> list[str]:
-        return [seconds_cell(time["frame"]), seconds_cell(time["gathers"])]
-
-    def with_board(host: Seconds, board: float) -> str:
-        return seconds_cell({"least": host["least"] + board, "median": host["median"] + board, "most": host["most"] + board})
-
-    engine, link = image["queries"] / v.board, image["queries"] / row["uart"]
-    hosts = image["one"]["host"], image["all"]["host"]
-    return [image["scene"], f"{image['queries']:,}", *golden(image["one"]), *golden(image["all"]), f"{engine:.2f}",
-            with_board(hosts[0], engine), with_board(hosts[1], engine), f"{link:.0f}", with_board(hosts[1], max(link, engine))]
+def coarse_text(judged: Judged, rows: Sequence[Row], goals: CoarseGoals) -> str:
+    """The rows in coarser formats, beside those in the plan's own."""
+    parts = ["An SDRAM moves fewer bytes where a photon has fewer. A photon's slot is a whole number of bytes, and a line a multiple of 16. In "
+             f"brackets stand the figures of the same plan in the default formats. The formats may cost a relMSE of at most {goals.relmse:.0e}: golden "
+             "arithmetic against reference arithmetic, in the plan's frame of the headline's scene, with its k and all of its photons.\n"]
+    measured = {r["plan"] for r, _ in judged}
+    parts += [f"`{name}`: not measured; `make headline PLAN={name} HEADLINE_FLAGS=--page` does.\n"
+              for name in coarse_names() if name not in measured]
+    if judged:
+        parts += [coarse_table(judged, rows, goals), top_table(judged)]
+    return "\n".join(parts)
 
 
 def images_text(images: Sequence[ImageTime], judged: Judged, goals: HeadlineGoals, link: Link) -> str:
@@ -211,54 +84,6 @@ def images_text(images: Sequence[ImageTime], judged: Judged, goals: HeadlineGoal
         parts.append(f"Over the UART the link binds: it brings a query in {1e6 / row['uart']:.0f} µs, the engine answers one in "
                      f"{1e6 / v.board:.2f} µs. The columns without it are for a link that keeps up.\n")
     return "\n".join(parts)
-
-
-def unrecorded(judged: Judged) -> set[str]:
-    """Plans whose rows lack what earlier forms of the data did not have."""
-    return {r["plan"] for r, _ in judged if r["all_cores"] is None or r["lut_eq"] is None or r["recall"] is None}
-
-
-def gain_cell(row: Row) -> str:
-    load = row["sdram"]
-    if not load:
-        return "–"
-    return f"{load['reorder_gain']:.1f} (goal {load['reorder_goal']:g})" + (
-        " **missed**" if load["reorder_gain"] < load["reorder_goal"] else "")
-
-
-def bound_table(judged: Judged) -> str:
-    rows = []
-    for r, v in judged:
-        mhz, load = 1e6 * r["fmax_mhz"]["median"], r["sdram"]
-        rows.append([r["plan"], radius_of(r, "none"), f"{r['cycles_per_gather']:.2f}", f"{mega(v.bound)} ({v.bound_by})",
-                     f"{100 * v.share:.0f} %", mega(mhz * r["gatherers"] / r["cost"]["bound"]),
-                     mega(mhz / r["ports_cycles"]) if r["ports_cycles"] else "–",
-                     mega(mhz / load["cycles"]) if load else "–",
-                     mega(mhz / cycles_without_row_changes(load)) if load else "–",
-                     f"{mega(v.part[v.part_by])} ({PARTS.get(v.part_by, v.part_by)})", gain_cell(r)])
-    return markdown(rows, BOUND_COLUMNS)
-
-
-def part_table(judged: Judged) -> str:
-    """What each resource of the part would allow."""
-    names = list(dict.fromkeys(name for _, v in judged for name in v.part))
-
-    def cell(row: Row, v: Verdict, name: str) -> str:
-        if name not in v.part:
-            return "–"
-        return mega(v.part[name]) + (f" ({row['fits'][name]})" if name in row["fits"] else "")
-
-    return markdown([[r["plan"], radius_of(r, "none")] + [cell(r, v, name) for name in names] for r, v in judged],
-                    ["plan", "radius"] + [PARTS.get(name, name) for name in names])
-
-
-def top_table(judged: Judged) -> str:
-    """One line a plan."""
-    tops = {r["plan"]: r for r, _ in judged}
-    return markdown([[r["plan"], r["gatherers"], clock_cell(r["fmax_mhz"], len(r["seeds"])), other_clocks(r),
-                      ", ".join(map(str, r["seeds"])), f"`{r['digest'][:SHORT]}`", f"{r['uart'] / 1e3:.1f}",
-                      f"{r['binding']['resource']} {r['binding']['used']:,} of {r['binding']['of']:,}"]
-                     for r in tops.values()], TOP_COLUMNS)
 
 
 def arithmetic(judged: Judged) -> str:
@@ -340,11 +165,13 @@ def report(data: Data, goals: HeadlineGoals) -> str:
     judged = judged_of([r for r in data["rows"] if of_headline(r)], goals)
     variants = judged_of([r for r in data["rows"] if r["shows"]], goals)
     rejected = judged_of([r for r in data["rows"] if r["rejected"]], goals)
+    coarse = judged_of([r for r in data["rows"] if r["coarse"]], goals)
     link = data["link"]
     parts = ["One core of: " + "; ".join(dict.fromkeys(r["processor"] for r, _ in judged)) + ". " +
              "; ".join(dict.fromkeys(v for r, _ in judged for v in r["versions"])) + ".\n",
              goal_table(judged), "## All cores, and for its size\n", size_table(judged), share_text(judged),
-             "## One neighbour, and few leaves\n", variants_text(variants), "## Others' figures\n",
+             "## One neighbour, and few leaves\n", variants_text(variants), "## Fewer bytes a photon\n", coarse_text(coarse, data["rows"], goals.coarse),
+             "## Others' figures\n",
              "Multiples below are of what stands beside them, so none can be set against another or against ours. Each is from an abstract, "
              "a catalogue or a vendor's page; none of the hardware is open.\n", predecessors_table(), "## A board's replayer\n", replay_text(data["replay"], judged), "## What bounds a row\n",
              bound_table(judged), "The part's bounds, Mquery/s, and how many gatherers each resource has room for:\n",
@@ -355,7 +182,7 @@ def report(data: Data, goals: HeadlineGoals) -> str:
                                       f"not measured; `make headline PLAN={name} HEADLINE_FLAGS=--page` does.") + "\n")
     if rejected:
         parts += [goal_table(rejected), bound_table(rejected), top_table(rejected)]
-    parts += ["## Arithmetic of the bounds\n", arithmetic([*judged, *variants, *rejected]),
+    parts += ["## Arithmetic of the bounds\n", arithmetic([*judged, *variants, *coarse, *rejected]),
               f"UART: {link['baud']:.0f} baud, {link['down']:.1f} bytes a query down, {link['up']:.1f} up.\n"]
     return "\n" + "\n".join(parts) + "\n"
 

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The plans of the headline: files of fpga/headline, and of fpga/headline.toml those that were rejected and the variants that
-show something else."""
+"""The plans of the headline: files of fpga/headline, and of fpga/headline.toml those that were rejected, the variants that
+show something else, and those in coarser formats."""
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,19 +14,29 @@ VARIANTS = ROOT / "fpga" / "headline.toml"
 
 @dataclass(frozen=True)
 class HeadlinePlan:
-    """rejected: why it is none of the headline's; "" for one of them. shows: what a variant shows, "" for others."""
+    """rejected: why it is none of the headline's; "" for one of them. shows: what a variant shows, "" for others. finer: the plan
+    of the headline of which it is one in coarser formats, "" for others."""
     name: str
     path: Path
     rejected: str = ""
     shows: str = ""
+    finer: str = ""
+
+
+def names_of(kind: str, variants: Path) -> list[str]:
+    return list(field(read_toml(variants), variants, kind, dict, "a table of plans"))
 
 
 def rejected_names(variants: Path = VARIANTS) -> list[str]:
-    return list(field(read_toml(variants), variants, "rejected", dict, "a table of plans"))
+    return names_of("rejected", variants)
 
 
 def variant_names(variants: Path = VARIANTS) -> list[str]:
-    return list(field(read_toml(variants), variants, "variant", dict, "a table of plans"))
+    return names_of("variant", variants)
+
+
+def coarse_names(variants: Path = VARIANTS) -> list[str]:
+    return names_of("coarse", variants)
 
 
 def what_shows(name: str, variants: Path = VARIANTS) -> str:
@@ -34,11 +44,15 @@ def what_shows(name: str, variants: Path = VARIANTS) -> str:
     return said
 
 
+def base_of(kind: str, name: str, variants: Path) -> str:
+    said: str = field(read_toml(variants), variants, f"{kind}.{name}.base", str, "a plan of fpga/headline")
+    return said
+
+
 def changed_plan(kind: str, name: str, work: Path, variants: Path) -> Path:
     """Writes the plan into `work`: its base with lines that change."""
-    said, key = read_toml(variants), f"{kind}.{name}"
-    base = field(said, variants, f"{key}.base", str, "a plan of fpga/headline")
-    settings = field(said, variants, f"{key}.set", list, "a list of strings")
+    base = base_of(kind, name, variants)
+    settings = field(read_toml(variants), variants, f"{kind}.{name}.set", list, "a list of strings")
     path = work / "plans" / f"{name}.toml"
     path.parent.mkdir(parents=True, exist_ok=True)
     run([PHOTONLOOM, "plan", str(FOLDER / f"{base}.toml"), "-o", str(path)] + set_options(settings))
@@ -54,6 +68,10 @@ def variant_plan(name: str, work: Path, variants: Path = VARIANTS) -> HeadlinePl
     return HeadlinePlan(name, changed_plan("variant", name, work, variants), shows=what_shows(name, variants))
 
 
+def coarse_plan(name: str, work: Path, variants: Path = VARIANTS) -> HeadlinePlan:
+    return HeadlinePlan(name, changed_plan("coarse", name, work, variants), finer=base_of("coarse", name, variants))
+
+
 def find_plan(name: str, work: Path) -> HeadlinePlan:
     """A plan of the headline, a rejected one, a variant, or one of a file of its own."""
     path = FOLDER / f"{name}.toml"
@@ -63,9 +81,11 @@ def find_plan(name: str, work: Path) -> HeadlinePlan:
         return rejected_plan(name, work)
     if name in variant_names():
         return variant_plan(name, work)
+    if name in coarse_names():
+        return coarse_plan(name, work)
     path = Path(name)
     if not path.is_file():
-        known = [p.stem for p in sorted(FOLDER.glob("*.toml"))] + rejected_names() + variant_names()
+        known = [p.stem for p in sorted(FOLDER.glob("*.toml"))] + rejected_names() + variant_names() + coarse_names()
         raise Failure(f"{name}: there is no such plan, expected a file or one of {', '.join(known)}")
     return HeadlinePlan(path.stem, path, "" if path.resolve().parent == FOLDER else f"not in {FOLDER.relative_to(ROOT)}")
 

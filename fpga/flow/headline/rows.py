@@ -1,10 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """The rows of a plan, without a radius and within one: what was routed, simulated and timed, put together."""
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
 from flow.boards import LUT_EQ, Board
-from flow.headline.data import Row, SdramLoad
+from flow.headline.data import Coarse, Row, SdramLoad
+from flow.headline.formats import formats_relmse
 from flow.headline.plans import HeadlinePlan
 from flow.headline.simulation import Simulated, Timed
 from flow.headline.tops import Top
@@ -35,8 +37,19 @@ def sdram_load(own: Mapping[str, Any], plain: Mapping[str, Any] | None) -> Sdram
             "cycles": own["roofline_cycles"], "mhz": own["sdram_mhz"], "reorder_gain": plain["reorder_gain"], "reorder_goal": plain["reorder_goal"]}
 
 
+def photon_bytes(plan: HeadlinePlan) -> int:
+    count: int = field(read_toml(plan.path), plan.path, "photon.photon_bytes", int, "a number of bytes")
+    return count
+
+
+def coarse_of(plan: HeadlinePlan, finer: HeadlinePlan, scene: Path, folder: Path) -> Coarse:
+    """What the formats of a plan cost, and those of the plan that it is coarser than."""
+    return {"finer": finer.name, "photon_bytes": photon_bytes(plan), "relmse": formats_relmse(plan.path, scene, folder),
+            "finer_bytes": photon_bytes(finer), "finer_relmse": formats_relmse(finer.path, scene, folder)}
+
+
 def rows_of(plan: HeadlinePlan, top: Top, entry: Entry, simulated: Simulated, cores: Mapping[int | None, Timed],
-            versions: Mapping[str, str], processor: str, board: Board) -> list[Row]:
+            versions: Mapping[str, str], processor: str, board: Board, coarse: Coarse | None = None) -> list[Row]:
     """The rows of one plan."""
     def simulated_row(order: str, radius: int | None) -> dict[str, Any] | None:
         return next((r for r in simulated.rows if r["order"] == order and r["r2_max"] == radius), None)
@@ -47,7 +60,8 @@ def rows_of(plan: HeadlinePlan, top: Top, entry: Entry, simulated: Simulated, co
         own = simulated_row("reordered", radius)
         if not own:
             raise Failure(f"{plan.name}: the simulation has no reordered row with r2_max {radius}")
-        out.append({"plan": plan.name, "rejected": plan.rejected, "shows": plan.shows, "leaf_limit": timed.leaf_limit,
+        out.append({"plan": plan.name, "rejected": plan.rejected, "shows": plan.shows, "coarse": coarse,
+                    "leaf_limit": timed.leaf_limit,
                     "recall": timed.recall, "lut_eq": entry["resources"][LUT_EQ], "all_cores": timed.all_cores,
                     "memory": own["memory"], "k": own["k"],
                     "within_mean": radius is not None, "gatherers": own["gatherers"], "replay_queries": replay, "digest": top.digest,

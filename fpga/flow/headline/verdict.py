@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Whether a row reaches its goal, its stated multiple of one core, and apart from that what bounds it."""
+from collections.abc import Sequence
 from dataclasses import dataclass
 
-from flow.goals import HeadlineGoals
+from flow.goals import CoarseGoals, HeadlineGoals
 from flow.headline.data import Row, SdramLoad
 
 GOLDEN = "photonloom"
@@ -80,11 +81,41 @@ def part_bounds(row: Row) -> dict[str, float]:
     return bounds
 
 
+def rate(row: Row) -> float:
+    """Queries a second of the board."""
+    return 1e6 * row["fmax_mhz"]["median"] / row["cycles_per_gather"]
+
+
+@dataclass(frozen=True)
+class CoarseVerdict:
+    """times: the rate over that of the row in the plan's own formats; None where that one was not measured. missed: why the
+    row fails."""
+    times: float | None
+    missed: list[str]
+
+
+def finer_row(row: Row, rows: Sequence[Row]) -> Row | None:
+    """The row that one in coarser formats is judged beside."""
+    return next((r for r in rows if row["coarse"] and r["plan"] == row["coarse"]["finer"] and r["within_mean"] == row["within_mean"]),
+                None)
+
+
+def judge_coarse(row: Row, rows: Sequence[Row], goals: CoarseGoals) -> CoarseVerdict:
+    coarse, finer, missed = row["coarse"], finer_row(row, rows), []
+    assert coarse
+    times = rate(row) / rate(finer) if finer else None
+    if coarse["relmse"] > goals.relmse:
+        missed.append(f"relMSE {coarse['relmse']:.1e}, at most {goals.relmse:.0e}")
+    if times is not None and times < goals.times:
+        missed.append(f"{times:.2f} times the rate of {coarse['finer']}, goal {goals.times:g}")
+    return CoarseVerdict(times, missed + clocks_missed(row))
+
+
 def judge(row: Row, goals: HeadlineGoals) -> Verdict:
-    board = 1e6 * row["fmax_mhz"]["median"] / row["cycles_per_gather"]
+    board = rate(row)
     library = max((name for name in row["cores"] if name != GOLDEN), key=lambda name: row["cores"][name]["median"])
     times = board / max(row["cores"][name]["median"] for name in (GOLDEN, library))
-    goal = None if row["shows"] else goals.times_core(row["memory"], row["k"])
+    goal = None if row["shows"] or row["coarse"] else goals.times_core(row["memory"], row["k"])
     clocks = clocks_missed(row)
     bound, by = own_bound(row)
     missed = [f"{times:.2f} times one core, goal {goal:g}"] if goal is not None and times < goal else []

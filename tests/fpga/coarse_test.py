@@ -1,0 +1,101 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Rows in coarser formats: what they are judged by, what the page says of them, and what their formats cost."""
+import tempfile
+import unittest
+from pathlib import Path
+from typing import Any
+
+from flow.goals import CoarseGoals, headline_goals
+from flow.headline import page, tables
+from flow.headline.data import Coarse, Row, of_headline
+from flow.headline.formats import formats_relmse
+from flow.headline.plans import HeadlinePlan, coarse_names, coarse_plan, find_plan
+from flow.headline.rows import photon_bytes
+from flow.headline.verdict import clocks_missed, judge_coarse
+from flow.shell import ROOT, Failure
+from made_up_rows import CORE_CLOCK, MadeUp
+
+GOALS = CoarseGoals(relmse=1e-4, times=1.25)
+
+
+class Coarser(MadeUp):
+    def coarse(self, relmse: float = 2e-5, **others: Any) -> Row:
+        """Twelve million queries a second, unless others say so."""
+        formats: Coarse = {"finer": "p", "photon_bytes": 8, "relmse": relmse, "finer_bytes": 12, "finer_relmse": 1e-7}
+        return self.sdram(plan="p_coarse", coarse=formats, **{"cycles_per_gather": 8, **others})
+
+    def test_it_is_judged_beside_the_row_of_its_radius(self) -> None:
+        rows = [self.sdram(), self.sdram(within_mean=True, cycles_per_gather=9)]
+        open_row, near = (judge_coarse(self.coarse(within_mean=within), rows, GOALS) for within in (False, True))
+        self.assertEqual((open_row.times, open_row.missed), (1.25, []))
+        self.assertEqual(near.missed, ["1.12 times the rate of p, goal 1.25"])
+        self.assertAlmostEqual(near.times or 0, 9 / 8)
+
+    def test_formats_that_cost_too_much_fail_however_quick_they_are(self) -> None:
+        self.assertEqual(judge_coarse(self.coarse(1e-4), [self.sdram()], GOALS).missed, [])
+        self.assertEqual(judge_coarse(self.coarse(1.01e-4, cycles_per_gather=1), [self.sdram()], GOALS).missed,
+                         ["relMSE 1.0e-04, at most 1e-04"])
+
+    def test_a_missed_clock_fails_it(self) -> None:
+        slow = self.coarse(clocks={CORE_CLOCK: {"median": 49, "low": 48, "high": 50, "constraint": 50.0}})
+        self.assertEqual(judge_coarse(slow, [self.sdram()], GOALS).missed, clocks_missed(slow))
+        self.assertNotEqual(clocks_missed(slow), [])
+
+    def test_without_the_other_row_nothing_is_said_to_be_reached(self) -> None:
+        alone = judge_coarse(self.coarse(), [], GOALS)
+        self.assertEqual((alone.times, alone.missed), (None, []))
+        row = self.coarse()
+        self.assertIn("| – | 1.25 | – |", tables.coarse_table([(row, self.judge(row))], [], GOALS))
+
+    def test_it_is_none_of_the_headlines_rows_and_has_no_goal_of_a_core(self) -> None:
+        row = self.coarse()
+        self.assertFalse(of_headline(row))
+        self.assertIsNone(self.judge(row).goal)
+
+    def test_the_page_has_both_plans_figures(self) -> None:
+        row = self.coarse()
+        text = page.coarse_text([(row, self.judge(row))], [self.sdram(), row], GOALS)
+        self.assertIn("| p_coarse | none | 8 (12) | 2.0e-05 (1.0e-07) | 12.50 (10.00) | 1.25 | 1.25 | yes |", text)
+        self.assertIn("may cost a relMSE of at most 1e-04", text)
+        for name in coarse_names():
+            self.assertIn(f"`{name}`: not measured", text)
+
+    def test_goals_are_read(self) -> None:
+        goals = headline_goals().coarse
+        self.assertEqual((goals.relmse, goals.times), (1e-4, 1.25))
+
+
+class Plans(unittest.TestCase):
+    def setUp(self) -> None:
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.work = Path(folder.name)
+
+    def test_each_names_a_plan_of_the_headline_with_fewer_bytes(self) -> None:
+        for name in coarse_names():
+            plan = find_plan(name, self.work)
+            self.assertTrue(plan.finer and not plan.rejected and not plan.shows)
+            self.assertLess(photon_bytes(plan), photon_bytes(find_plan(plan.finer, self.work)))
+
+    def test_a_base_that_is_missing_names_file_and_field(self) -> None:
+        variants = self.work / "headline.toml"
+        variants.write_text("[coarse.a]\nset = []\n")
+        with self.assertRaisesRegex(Failure, "headline.toml: coarse.a.base"):
+            coarse_plan("a", self.work, variants)
+
+    def test_relmse_is_that_of_golden_beside_reference(self) -> None:
+        """Positions of 11 bits cost more than those of 16, and those cost something."""
+        plans = [find_plan(coarse_names()[0], self.work), find_plan(find_plan(coarse_names()[0], self.work).finer, self.work)]
+        small = [self.small(plan) for plan in plans]
+        coarse, fine = (formats_relmse(path, ROOT / "scenes" / "cornell.xml", self.work) for path in small)
+        self.assertGreater(fine, 0)
+        self.assertGreater(coarse, 10 * fine)
+
+    def small(self, plan: HeadlinePlan) -> Path:
+        text = plan.path.read_text()
+        for line, value in (("width = 48", "width = 8"), ("height = 48", "height = 8")):
+            self.assertIn(line, text)
+            text = text.replace(line, value)
+        path = self.work / f"small_{plan.name}.toml"
+        path.write_text(text)
+        return path
