@@ -74,8 +74,8 @@ constexpr PlanOfBoard kPlans[] = {
     {"block_ram_k8", PhotonMemory::kBlockRam, 16384, 8, 4, 8, 2, 256, 512, 512, 48, 64, 1024},
     {"block_ram_k16", PhotonMemory::kBlockRam, 16384, 16, 2, 16, 4, 256, 512, 512, 48, 32, 1024},
     {"block_ram_k50", PhotonMemory::kBlockRam, 16384, 50, 2, 8, 4, 256, 512, 512, 48, 32, 1024},
-    {"sdram_k8", PhotonMemory::kSdram, 65536, 8, 3, 8, 4, 256, 10992, 1024, 96, 64, 512},
-    {"sdram_k16", PhotonMemory::kSdram, 65536, 16, 3, 8, 4, 256, 7152, 512, 48, 64, 1024},
+    {"sdram_k8", PhotonMemory::kSdram, 65536, 8, 3, 8, 4, 256, 10992, 1024, 48, 64, 512},
+    {"sdram_k16", PhotonMemory::kSdram, 65536, 16, 3, 8, 4, 256, 10224, 512, 48, 64, 1024},
     {"sdram_k50", PhotonMemory::kSdram, 65536, 50, 2, 16, 4, 2048, 12272, 512, 96, 128, 1024},
 };
 
