@@ -207,6 +207,18 @@ std::vector<GatherCase> gather_cases() {
                      photons(plan, random, s.caustic.size())};
          return s;
        }},
+      {"part_of_cache",
+       [](const Plan& plan, BenchRandom& random) {
+         GatherStimulus s = stimulus(plan, random, 60, 30);
+         s.leaf_cache = (uint64_t{1} << random.below(4)) - 1;
+         return s;
+       }},
+      {"no_cache",
+       [](const Plan& plan, BenchRandom& random) {
+         GatherStimulus s = stimulus(plan, random, 60, 30);
+         s.leaf_cache = kFetchAnew | ((uint64_t{1} << random.below(4)) - 1);
+         return s;
+       }},
   };
 }
 

@@ -11,12 +11,16 @@
 
 namespace photonloom {
 
+constexpr uint64_t kFetchAnew = uint64_t{1} << 63;  // of leaf_cache: no line is found in the cache
+
 struct GatherStimulus {
   std::vector<PackedPhoton> global, caustic;
   std::vector<GatherQuery> queries;
   std::optional<std::array<uint64_t, 2>> r2_max;  // of the maps, instead of the plan's
   // Then these are loaded instead, while the unit keeps running, and the same queries come again.
   std::optional<std::array<std::vector<PackedPhoton>, 2>> reload;
+  // How much of its cache the unit uses, as docs/photon_gatherer.md has it at 0x800004.
+  std::optional<uint64_t> leaf_cache;
 };
 
 struct GatherCase {

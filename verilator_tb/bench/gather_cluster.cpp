@@ -107,6 +107,7 @@ void run_case(const ClusterCase& c, const Plan& bench_plan, const RunOptions& op
   const auto order = make_golden_reorder_buffer(plan);
   // The SDRAM's clock from less than half the core's frequency to three times as much.
   RunOptions with_clock = options;
+  with_clock.leaf_cache = in.leaf_cache;
   with_clock.photon_pause = c.photon_pause;
   with_clock.sdram_period = 0.33 + static_cast<double>(random.below(2000)) / 1000;
   const auto rtl = make_rtl_gather_engine(plan, with_clock, c.reordered);

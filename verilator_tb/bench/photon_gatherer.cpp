@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The photon gatherer's bench: plans at the ends of every parameter.
+#include <fmt/core.h>
+
 #include "verilator_tb/bench/bench.hpp"
 #include "verilator_tb/bench/gather_cases.hpp"
 
@@ -120,7 +122,9 @@ void run_case(const GatherCase& c, const Plan& bench_plan, const RunOptions& opt
   const PhotonMap global = build_photon_map(in.global, plan);
   const PhotonMap caustic = build_photon_map(in.caustic, plan);
   const auto golden = make_golden_photon_gatherer(plan);
-  const auto rtl = make_rtl_photon_gatherer(plan, options);
+  RunOptions with_cache = options;
+  with_cache.leaf_cache = in.leaf_cache;
+  const auto rtl = make_rtl_photon_gatherer(plan, with_cache);
   const auto both = compare_units(plan, context, *golden, *rtl);
   both->load(global, caustic);
   std::vector<GatherResult> results;
@@ -138,7 +142,14 @@ void run_case(const GatherCase& c, const Plan& bench_plan, const RunOptions& opt
     ask();
   }
   rtl->finish();
-  check_counters(context.unit, golden->counters(), rtl->counters(), rtl->cycles());
+  const Counters counted = rtl->counters();
+  check_counters(context.unit, golden->counters(), counted, rtl->cycles());
+  if (const auto hits = counted.find("cache hits");
+      in.leaf_cache.value_or(0) >= kFetchAnew && hits != counted.end() && hits->second)
+    throw std::runtime_error(
+        fmt::format("unit {}: {} lines were found in the cache, expected none with bit 63 of "
+                    "0x800004",
+                    context.unit, hits->second));
   totals.compared += both->compared();
   totals.cycles += rtl->cycles();
 }

@@ -2,8 +2,10 @@
 // What gathers under a clock, one photon_gatherer or a board's engine of several: all but where the
 // photon lines are, and in which order results are due.
 #pragma once
+#include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "golden/unit/photon_gatherer_image.hpp"
@@ -11,6 +13,8 @@
 #include "verilator_tb/unit/clocked_unit.hpp"
 
 namespace photonloom {
+
+constexpr uint32_t kLeafCacheWord = 0x800004;  // docs/photon_gatherer.md
 
 class GathererUnit : public ClockedPhotonGatherer {
  public:
@@ -21,12 +25,15 @@ class GathererUnit : public ClockedPhotonGatherer {
         rig_(plan, unit, options),
         unit_(unit),
         silence_(silence),
+        leaf_cache_(options.leaf_cache),
         in_(rig_, plan, "in"),
         results_(rig_, plan, "result"),
         photons_(rig_, plan, "photon") {}
 
   void load(const PhotonMap& global, const PhotonMap& caustic) final {
-    load_lines(photon_gatherer_image(plan_, global, caustic));
+    PhotonGathererImage image = photon_gatherer_image(plan_, global, caustic);
+    if (leaf_cache_) image.cfg.push_back({kLeafCacheWord, *leaf_cache_});
+    load_lines(std::move(image));
     load_cycles_ = rig_.cycles();
   }
 
@@ -106,6 +113,7 @@ class GathererUnit : public ClockedPhotonGatherer {
  private:
   std::string unit_;
   int silence_;
+  std::optional<uint64_t> leaf_cache_;  // of each gatherer
   PacketSource<GatherQuery> in_;
   PacketTaker<GatherResult> results_;
   PacketTaker<GatherPhoton> photons_;
