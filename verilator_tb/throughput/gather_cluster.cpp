@@ -55,15 +55,16 @@ struct Options {
 
 // What the command line's plans are: a memory and a k each, with as many gatherers as nextpnr finds
 // wires and block RAM for. Where the map lies in block RAM, the beats of all gatherers together
-// have 1,024 bits, for the wires; shallow memories of more than 32 words are block RAM too: it
-// costs none of the wires that LUT RAM does. With k = 8 there are more and narrower gatherers,
-// since a leaf matters less to them than a node, and their smaller memories are LUT RAM. Before an
-// SDRAM the pool is what block RAM is best spent on: each sweep over it takes every line once or
-// twice, however many queries it serves. A pool of 16 places less than its memories have words
-// wastes none of them. sdram_k8's has fewer: with all of them it reads so few lines that it waits
-// for the gatherers. Where a query visits many leaves, 16 contexts hide what a leaf takes from
-// there if leaves are few and large, and if the gatherer's own cache, in block RAM, has most of
-// them.
+// have 1,024 to 1,536 bits, for the wires; shallow memories of more than 32 words are block RAM
+// too: it costs none of the wires that LUT RAM does. With k = 8 there are more and narrower
+// gatherers, since a leaf matters less to them than a node, and their smaller memories are LUT RAM.
+// With k = 16 a pool of 2,032 stands in for half of the leaf caches, whose rows are LUT RAM then.
+// Before an SDRAM the pool is what block RAM is best spent on: each sweep over it takes every line
+// once or twice, however many queries it serves. A pool of 16 places less than its memories have
+// words wastes none of them. sdram_k8's has fewer: with all of them it reads so few lines that it
+// waits for the gatherers. Where a query visits many leaves, 16 contexts hide what a leaf takes
+// from there if leaves are few and large, and if the gatherer's own cache, in block RAM, has most
+// of them.
 struct PlanOfBoard {
   const char* name;
   PhotonMemory memory;
@@ -72,7 +73,7 @@ struct PlanOfBoard {
 };
 constexpr PlanOfBoard kPlans[] = {
     {"block_ram_k8", PhotonMemory::kBlockRam, 16384, 8, 4, 8, 2, 256, 512, 512, 48, 64, 1024},
-    {"block_ram_k16", PhotonMemory::kBlockRam, 16384, 16, 2, 16, 4, 256, 512, 512, 48, 32, 1024},
+    {"block_ram_k16", PhotonMemory::kBlockRam, 16384, 16, 3, 16, 4, 128, 2032, 512, 48, 32, 512},
     {"block_ram_k50", PhotonMemory::kBlockRam, 16384, 50, 2, 8, 4, 256, 512, 512, 48, 32, 1024},
     {"sdram_k8", PhotonMemory::kSdram, 65536, 8, 3, 8, 4, 256, 10992, 1024, 48, 64, 512},
     {"sdram_k16", PhotonMemory::kSdram, 65536, 16, 3, 8, 4, 256, 10224, 512, 48, 64, 1024},
