@@ -8,6 +8,8 @@
 #include <string>
 
 #include "golden/numeric/output_file.hpp"
+#include "golden/packet/layout.hpp"
+#include "rtl/generate/sources.hpp"
 #include "tests/catch.hpp"
 #include "verilator_tb/unit/backends.hpp"
 #include "verilator_tb/unit/compare_units.hpp"
@@ -79,6 +81,50 @@ RunOptions options(const std::string& stall) {
   o.stall_in = o.stall_out = StallPolicy::parse(stall);
   o.watchdog = 2000;
   return o;
+}
+
+// A unit that is a queue of four.
+constexpr const char* kQueue = R"(// SPDX-License-Identifier: Apache-2.0
+module reorder_buffer (
+    input  logic clk_i,  // clock
+    input  logic rst_i,  // reset
+    input  logic in_valid_i,
+    output logic in_ready_o,
+    input  photonloom_pkg::gather_query_t in_i,  // packets
+    output logic out_valid_o,
+    input  logic out_ready_i,
+    output photonloom_pkg::gather_query_t out_o
+);
+  fifo #(.Width($bits(in_i)), .Depth(4)) four (
+      .clk_i(clk_i), .rst_i(rst_i), .in_valid_i(in_valid_i), .in_ready_o(in_ready_o), .in_i(in_i),
+      .out_valid_o(out_valid_o), .out_ready_i(out_ready_i), .out_o(out_o)
+  );
+endmodule
+)";
+
+// How full the queue of four gets when its output stalls so.
+std::vector<QueueFill> fills(const std::string& stall_out, bool watch) {
+  const std::string dir = "rig_test_queue";
+  for (const char* module : {"reorder_buffer", "common"})
+    std::filesystem::create_directories(dir + "/" + module);
+  write_file(dir + "/reorder_buffer/reorder_buffer.sv", kQueue);
+  for (const std::string name : {"fifo", "lut_ram"})
+    write_file(dir + "/common/" + name + ".sv",
+               read_file(default_rtl_dir() + "/common/" + name + ".sv"));
+  RunOptions o;
+  o.rtl_dir = dir;
+  o.work_dir = "rig_test_work";
+  o.stall_out = StallPolicy::parse(stall_out);
+  o.watch_queues = watch;
+  Rig rig(plan(), "reorder_buffer", o);
+  const int bits = PacketLayout::of<GatherQuery>(plan()).bits();
+  Source& in = rig.add_source("in", bits);
+  Taker& out = rig.add_taker("out", bits);
+  rig.reset();
+  const std::vector<uint32_t> packet(static_cast<size_t>(bits + 31) / 32, 5);
+  for (int i = 0; i < 100; ++i) in.push(packet.data());
+  rig.run_until([&] { return out.waiting() == 100; });
+  return rig.queue_fills();
 }
 
 // Golden for this plan: the packets themselves.
@@ -178,6 +224,26 @@ TEST_CASE("initial register values follow their seed and cannot be seen") {
     rtl->process(packets(kNone), out);
     CHECK(out == packets(kNone));
   }
+}
+
+TEST_CASE("how full a queue gets is counted where that is asked for") {
+  CHECK(fills("none", false).empty());
+  const std::vector<QueueFill> flowing = fills("none", true), held = fills("bernoulli:0.5", true);
+  REQUIRE(flowing.size() == 1);
+  REQUIRE(held.size() == 1);
+  CHECK(flowing[0].name.ends_with(".four"));
+  CHECK(flowing[0].depth == 4);
+  CHECK(flowing[0].most == 1);
+  CHECK(flowing[0].full == 0);
+  CHECK(flowing[0].cycles > 100);
+  CHECK(held[0].most == 4);
+  CHECK(held[0].full > 10);
+  CHECK(held[0].full < held[0].cycles);
+  RunOptions o = options("none");
+  o.kind = ModelKind::kCxxrtl;
+  o.watch_queues = true;
+  CHECK_THROWS_WITH(make_rtl_reorder_buffer(plan(), o),
+                    ContainsSubstring("a model of kind cxxrtl has no open queues, expected rtl"));
 }
 
 TEST_CASE("a bad policy and RTL that does not elaborate are clear errors") {

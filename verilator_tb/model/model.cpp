@@ -4,6 +4,7 @@
 #include <dlfcn.h>
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <iterator>
 #include <stdexcept>
@@ -82,10 +83,11 @@ std::string find_or_build(const Plan& plan, const ModelSource& source) {
   in.parameters = source.parameters;
   in.waveform = source.waveform;
   in.open_memories = source.open_memories;
-  if (in.open_memories && source.kind != ModelKind::kRtl)
-    throw std::runtime_error(fmt::format("a model of kind {} has no open memories, expected {}",
-                                         model_kind_name(source.kind),
-                                         model_kind_name(ModelKind::kRtl)));
+  in.open_queues = source.open_queues;
+  if ((in.open_memories || in.open_queues) && source.kind != ModelKind::kRtl)
+    throw std::runtime_error(
+        fmt::format("a model of kind {} has no open {}, expected {}", model_kind_name(source.kind),
+                    in.open_memories ? "memories" : "queues", model_kind_name(ModelKind::kRtl)));
   in.yosys = source.yosys;
   in.netlist = source.netlist;
   const Builder& builder = kBuilders[static_cast<size_t>(source.kind)];
@@ -100,6 +102,7 @@ std::string find_or_build(const Plan& plan, const ModelSource& source) {
   for (const std::string& file : files) key = text_hash(read_file(rtl + "/" + file), key);
   key = text_hash(source.waveform ? "waveform" : "", key);
   if (source.open_memories) key = text_hash("open memories", key);
+  if (source.open_queues) key = text_hash("open queues", key);
   for (const std::string& p : source.parameters) key = text_hash(p, key);
 
   std::error_code ignored;
@@ -145,7 +148,7 @@ struct Model::Abi {
     unsigned long bytes;
   };
   struct Memory {
-    const char* name;
+    const char *name, *variable;
     void* data;
     unsigned long words, bits;
   };
@@ -190,8 +193,29 @@ Model::Model(const std::string& library, uint64_t initial_seed) : abi_(std::make
                           : bytes <= 4 ? 4
                           : bytes <= 8 ? 8
                                        : (bytes + 3) / 4 * 4;
-    memories_.push_back({m->name, static_cast<uint8_t*>(m->data), m->words, m->bits, stride});
+    const auto data = static_cast<uint8_t*>(m->data);
+    const std::string variable = m->variable;
+    if (variable == "memory") {
+      memories_.push_back({m->name, data, m->words, m->bits, stride});
+      continue;
+    }
+    auto queue = std::find_if(queues_.begin(), queues_.end(),
+                              [&](const ModelQueue& q) { return q.name == m->name; });
+    if (queue == queues_.end()) {
+      queues_.push_back({m->name, nullptr, nullptr, size_t{1} << (m->bits - 1)});
+      queue = queues_.end() - 1;
+    }
+    (variable == "head_q" ? queue->head : queue->tail) = data;
   }
+}
+
+size_t ModelQueue::fill() const {
+  const auto pointer = [&](const uint8_t* data) {
+    size_t value = data[0];
+    if (depth >= 256) value |= size_t{data[1]} << 8;
+    return value;
+  };
+  return (pointer(tail) - pointer(head)) & (2 * depth - 1);
 }
 
 Model::~Model() {

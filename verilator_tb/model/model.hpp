@@ -43,6 +43,7 @@ struct ModelSource {
   // Of kNetlist: a Verilog netlist of the unit, instead of synthesizing one.
   std::string netlist = {};
   bool open_memories = false;  // of kRtl: block RAM can be read and written from outside
+  bool open_queues = false;    // of kRtl: the fill of queues can be read
 };
 
 // A library cannot be made: what() says what is missing or what the tool said.
@@ -76,6 +77,15 @@ struct ModelMemory {
   size_t words = 0, bits = 0, stride = 0;  // bits of a word, bytes from one to the next
 };
 
+// A FIFO in the model, or the slots in which the gatherer's results wait: both count in pointers of
+// one bit more than an address.
+struct ModelQueue {
+  std::string name;  // as of ModelMemory
+  const uint8_t *head = nullptr, *tail = nullptr;
+  size_t depth = 0;
+  size_t fill() const;
+};
+
 // One instance of a loaded model, with its own initial register values.
 class Model {
  public:
@@ -90,6 +100,8 @@ class Model {
   bool has_port(const std::string& name) const;
   // Its block RAMs, by name; of a model with open memories.
   const std::vector<ModelMemory>& memories() const { return memories_; }
+  // Its queues, by name; of a model with open queues.
+  const std::vector<ModelQueue>& queues() const { return queues_; }
 
   // Settles the model. A failed assertion or $fatal in the RTL throws.
   void eval();
@@ -103,6 +115,7 @@ class Model {
   std::unique_ptr<Abi> abi_;
   std::vector<ModelPort> ports_;
   std::vector<ModelMemory> memories_;
+  std::vector<ModelQueue> queues_;
 };
 
 }  // namespace photonloom

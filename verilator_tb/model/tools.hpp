@@ -48,7 +48,7 @@ struct ModelInput {
   std::vector<ModulePort> ports;
   std::vector<std::string> parameters;  // "Name=value"
   bool waveform = false;
-  bool open_memories = false;
+  bool open_memories = false, open_queues = false;
   std::string yosys;    // the command
   std::string netlist;  // a netlist that is there already; empty: it is synthesized
 };

@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include "golden/numeric/output_file.hpp"
+#include "golden/plan/units.hpp"
 #include "verilator_tb/model/tools.hpp"
 
 namespace photonloom::model_tools {
@@ -28,7 +29,7 @@ constexpr const char* kVerilatorShim = R"shim(// Generated.
 #if VM_TRACE
 #include "verilated_fst_c.h"
 #endif
-#if OPEN_MEMORIES
+#if OPENED
 #include "verilated_syms.h"
 #endif
 #include <cstdlib>
@@ -44,7 +45,7 @@ constexpr const char* kVerilatorShim = R"shim(// Generated.
 #endif
 namespace {
 struct Port { const char* name; int output; void* data; unsigned long bytes; };
-struct Memory { const char* name; void* data; unsigned long words, bits; };
+struct Memory { const char* name; const char* variable; void* data; unsigned long words, bits; };
 struct Instance {
   VerilatedContext context;
   Vmodel* model = nullptr;
@@ -99,18 +100,18 @@ EXPORT void* model_create(int seed, int waveform) {
   unsigned n = 0;
 @PORTS@
   i->ports[n] = Port{nullptr, 0, nullptr, 0};
-#if OPEN_MEMORIES
+#if OPENED
   for (const auto& scope : *i->context.scopeNameMap()) {
     if (!scope.second->varsp()) continue;
     for (const auto& entry : *scope.second->varsp()) {
       const VerilatedVar& v = entry.second;
-      i->memories.push_back(Memory{scope.first, v.datap(),
-                                   static_cast<unsigned long>(v.unpacked().elements()),
+      i->memories.push_back(Memory{scope.first, entry.first, v.datap(),
+                                   static_cast<unsigned long>(v.udims() ? v.unpacked().elements() : 1),
                                    static_cast<unsigned long>(v.packed().elements())});
     }
   }
 #endif
-  i->memories.push_back(Memory{nullptr, nullptr, 0, 0});
+  i->memories.push_back(Memory{nullptr, nullptr, nullptr, 0, 0});
   return i;
 }
 EXPORT void model_destroy(void* p) {
@@ -186,6 +187,16 @@ constexpr const char* kOpenMemories =
     "`verilator_config\n"
     "public_flat_rw -module \"block_ram\" -var \"memory\"\n"
     "public_flat_rw -module \"block_ram_two_reads\" -var \"memory\"\n";
+
+// What Model::queues() lists: FIFOs, and the slots of the gatherer's results.
+std::string open_queues() {
+  std::string text = "`verilator_config\n";
+  for (const std::string& module :
+       {std::string("fifo"), unit_name<PhotonGatherer> + std::string("_results")})
+    for (const char* pointer : {"head_q", "tail_q"})
+      text += fmt::format("public_flat_rd -module \"{}\" -var \"{}\"\n", module, pointer);
+  return text;
+}
 
 // Wider signals are not watched: bundles of others, and memories, which are at their ports.
 constexpr const char* kVerilatorCoverage =
@@ -282,7 +293,7 @@ void verilate(const ModelInput& in, const std::vector<std::string>& files,
   const bool resets = std::any_of(in.ports.begin(), in.ports.end(),
                                   [](const ModulePort& p) { return p.name == "rst_i"; });
   shim = replace_all(shim, "@RESET@", resets ? "i->model->rst_i" : "false");
-  shim = "#define OPEN_MEMORIES " + std::string(in.open_memories ? "1" : "0") + "\n" + shim;
+  shim = fmt::format("#define OPENED {}\n", in.open_memories || in.open_queues ? 1 : 0) + shim;
   shim = replace_all(shim, "@NAME@", fs::path(in.base).filename().string());
   write_file(in.dir + "/obj/shim.cpp", replace_all(shim, "@UNIT@", in.unit));
 
@@ -317,6 +328,10 @@ void build_verilator(const ModelInput& in) {
   if (in.open_memories) {
     write_file(in.dir + "/open_memories.vlt", kOpenMemories);
     files.insert(files.begin(), "open_memories.vlt");
+  }
+  if (in.open_queues) {
+    write_file(in.dir + "/open_queues.vlt", open_queues());
+    files.insert(files.begin(), "open_queues.vlt");
   }
   verilate(in, files, flags);
 }

@@ -314,15 +314,17 @@ std::string LineMemory::state() const {
 Rig::Rig(const Plan& plan, const std::string& unit, const RunOptions& options)
     : unit_(unit),
       options_(options),
-      model_(build_model(plan, {unit, options.rtl_dir, options.work_dir, !options.waveform.empty(),
-                                options.parameters, options.kind, options.yosys, options.netlist,
-                                options.faults && !options.faults->memories.empty()}),
+      model_(build_model(
+                 plan, {unit, options.rtl_dir, options.work_dir, !options.waveform.empty(),
+                        options.parameters, options.kind, options.yosys, options.netlist,
+                        options.faults && !options.faults->memories.empty(), options.watch_queues}),
              options.seed * 0x9e3779b97f4a7c15ull + options.initial_seed),
       fault_random_(options.seed, unit + ".faults") {
   clock_ = model_.port("clk_i").data;
   reset_ = model_.port("rst_i").data;
   for (const ModelPort& p : model_.ports())
     if (!p.output) std::memset(p.data, 0, p.bytes);
+  for (const ModelQueue& q : model_.queues()) queue_fills_.push_back({q.name, q.depth, 0, 0, 0});
 }
 
 Source& Rig::add_source(const std::string& name, int bits) {
@@ -465,6 +467,13 @@ void Rig::cycle() {
   if (recording) model_.dump(2 * cycle_ + 1);
   for (auto& s : sources_) s->after_edge();
   ++cycle_;
+  for (size_t i = 0; !*reset_ && i < queue_fills_.size(); ++i) {
+    QueueFill& f = queue_fills_[i];
+    const size_t fill = model_.queues()[i].fill();
+    f.most = std::max(f.most, fill);
+    f.full += fill == f.depth;
+    ++f.cycles;
+  }
 }
 
 void Rig::run_until(const std::function<bool()>& done) {

@@ -18,6 +18,7 @@
 
 #include "golden/plan/plan.hpp"
 #include "verilator_tb/model/model.hpp"
+#include "verilator_tb/rig/clocked.hpp"
 #include "verilator_tb/rig/stall.hpp"
 
 namespace photonloom {
@@ -59,6 +60,7 @@ struct RunOptions {
   std::string netlist;          // of kNetlist: simulated instead of synthesizing one
   std::string waveform;         // file; empty: none
   uint64_t waveform_from = 0, waveform_to = ~0ull;  // cycles
+  bool watch_queues = false;                        // count how full each queue of the RTL gets
   bool timeline = false;           // keep the cycle in which each packet went in and out
   std::shared_ptr<Faults> faults;  // none unless a test has some
 };
@@ -210,6 +212,8 @@ class Rig {
   // watchdog's cycles.
   void run_until(const std::function<bool()>& done);
   uint64_t cycles() const { return cycle_; }
+  // Where RunOptions::watch_queues asks for it.
+  const std::vector<QueueFill>& queue_fills() const { return queue_fills_; }
 
  private:
   std::string unit_;
@@ -232,6 +236,7 @@ class Rig {
   uint64_t quiet_ = 0;
   bool waveform_open_ = false;
   bool restarted_ = false;
+  std::vector<QueueFill> queue_fills_;  // as model_.queues()
 };
 
 }  // namespace photonloom

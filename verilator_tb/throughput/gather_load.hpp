@@ -175,9 +175,10 @@ inline std::vector<GatherResult> golden_gathers(const Plan& plan, const PhotonMa
 struct GatherRun {
   size_t queries = 0;
   GatherCost cost;
-  double cycles = 0;             // of a gather, fill and drain included
-  double cycles_per_second = 0;  // of the simulation
-  Counters counters, before;     // after the queries, and before them
+  double cycles = 0;              // of a gather, fill and drain included
+  double cycles_per_second = 0;   // of the simulation
+  Counters counters, before;      // after the queries, and before them
+  std::vector<QueueFill> queues;  // where RunOptions::watch_queues asks for them
 
   double counted(const char* name) const {
     return static_cast<double>(counters.at(name) - before.at(name));
@@ -216,6 +217,7 @@ inline GatherRun run_gathers(ClockedPhotonGatherer& rtl, const Plan& plan, const
   run.cycles = cycles / static_cast<double>(queries);
   run.cycles_per_second = cycles / seconds;
   run.counters = rtl.counters();
+  run.queues = rtl.queue_fills();
   return run;
 }
 

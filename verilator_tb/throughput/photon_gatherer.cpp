@@ -56,6 +56,7 @@ GatherRun measure(const Plan& plan, const PhotonMap& map, const std::vector<Gath
   options.seed = o.load.seed;
   options.work_dir = o.load.work;
   options.latency = ideal ? 1 : 60;
+  options.watch_queues = true;
   if (ideal) options.parameters = {fmt::format("LineBeatBits={}", 8 * plan.line_bytes())};
   const auto rtl = make_rtl_photon_gatherer(plan, options);
   return run_gathers(*rtl, plan, map, queries, queries, queries.size());
@@ -137,6 +138,12 @@ void measure_both(const Plan& plan, const PhotonMap& map, const std::vector<Gath
                 {"goal_cycles", goal.cycles ? nlohmann::json(*goal.cycles) : nlohmann::json()},
                 {"cycles_per_second", m.cycles_per_second},
                 {"counters", m.counters}});
+    for (const QueueFill& q : m.queues)
+      row["queues"].push_back({{"name", q.name},
+                               {"depth", q.depth},
+                               {"most", q.most},
+                               {"full", q.full},
+                               {"cycles", q.cycles}});
     rows.push_back(row);
   }
 }

@@ -75,6 +75,7 @@ class GathererUnit : public ClockedPhotonGatherer {
     return c;
   }
   uint64_t cycles() const final { return rig_.cycles(); }
+  std::vector<QueueFill> queue_fills() const final { return rig_.queue_fills(); }
   std::span<const uint64_t> in_cycles() const final { return in_cycles_; }
   std::span<const uint64_t> out_cycles(int stream) const final {
     return stream == 0 ? result_cycles_ : photon_cycles_;
