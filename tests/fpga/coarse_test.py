@@ -11,7 +11,7 @@ from flow.headline.data import Coarse, Row, of_headline
 from flow.headline.formats import formats_relmse
 from flow.headline.plans import HeadlinePlan, coarse_names, coarse_plan, find_plan
 from flow.headline.rows import photon_bytes
-from flow.headline.verdict import clocks_missed, judge_coarse
+from flow.headline.verdict import judge_coarse
 from flow.shell import ROOT, Failure
 from made_up_rows import CORE_CLOCK, MadeUp
 
@@ -38,8 +38,12 @@ class Coarser(MadeUp):
 
     def test_a_missed_clock_fails_it(self) -> None:
         slow = self.coarse(clocks={CORE_CLOCK: {"median": 49, "low": 48, "high": 50, "constraint": 50.0}})
-        self.assertEqual(judge_coarse(slow, [self.sdram()], GOALS).missed, clocks_missed(slow))
-        self.assertNotEqual(clocks_missed(slow), [])
+        self.assertEqual(self.judge(slow).missed, ["clk reaches 49.0 MHz of 50"])
+        self.assertIn("| no, **missed**: clk reaches 49.0 MHz of 50 |", tables.coarse_table([(slow, self.judge(slow))], [self.sdram()], GOALS))
+
+    def test_reordering_that_gains_too_little_fails_it(self) -> None:
+        row = self.coarse(gain=3)
+        self.assertIn("| no, **missed**: reordering gains 3.00, goal 4 |", tables.coarse_table([(row, self.judge(row))], [self.sdram()], GOALS))
 
     def test_without_the_other_row_nothing_is_said_to_be_reached(self) -> None:
         alone = judge_coarse(self.coarse(), [], GOALS)
@@ -58,7 +62,8 @@ class Coarser(MadeUp):
         self.assertIn("| p_coarse | none | 8 (12) | 2.0e-05 (1.0e-07) | 12.50 (10.00) | 1.25 | 1.25 | yes |", text)
         self.assertIn("may cost a relMSE of at most 1e-04", text)
         for name in coarse_names():
-            self.assertIn(f"`{name}`: not measured", text)
+            self.assertIn(f"; not measured, `make headline PLAN={name} HEADLINE_FLAGS=--page` does.", text)
+            self.assertIn("with `photon.position_bits=", text)
 
     def test_goals_are_read(self) -> None:
         goals = headline_goals().coarse

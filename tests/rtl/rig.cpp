@@ -20,7 +20,8 @@ namespace {
 
 enum Fault : uint32_t { kNone, kFlip, kDrop, kDouble, kWithdraw, kAlter, kStick, kAssert };
 
-constexpr const char* kUnit = R"(// SPDX-License-Identifier: Apache-2.0
+// What both units below have of a module's head.
+const std::string kPorts = R"(// SPDX-License-Identifier: Apache-2.0
 module reorder_buffer (
     input  logic clk_i,  // clock
     input  logic rst_i,  // reset
@@ -29,7 +30,9 @@ module reorder_buffer (
     input  photonloom_pkg::gather_query_t in_i,  // packets
     output logic out_valid_o,
     input  logic out_ready_i,
-    output photonloom_pkg::gather_query_t out_o,
+    output photonloom_pkg::gather_query_t out_o)";
+
+const std::string kUnit = kPorts + R"(,
     output logic [31:0] count_packets_o  // packets taken
 );
   logic full_q, twice_q, seen_q;
@@ -84,16 +87,7 @@ RunOptions options(const std::string& stall) {
 }
 
 // A unit that is a queue of four.
-constexpr const char* kQueue = R"(// SPDX-License-Identifier: Apache-2.0
-module reorder_buffer (
-    input  logic clk_i,  // clock
-    input  logic rst_i,  // reset
-    input  logic in_valid_i,
-    output logic in_ready_o,
-    input  photonloom_pkg::gather_query_t in_i,  // packets
-    output logic out_valid_o,
-    input  logic out_ready_i,
-    output photonloom_pkg::gather_query_t out_o
+const std::string kQueue = kPorts + R"(
 );
   fifo #(.Width($bits(in_i)), .Depth(4)) four (
       .clk_i(clk_i), .rst_i(rst_i), .in_valid_i(in_valid_i), .in_ready_o(in_ready_o), .in_i(in_i),

@@ -207,6 +207,12 @@ Model::Model(const std::string& library, uint64_t initial_seed) : abi_(std::make
     }
     (variable == "head_q" ? queue->head : queue->tail) = data;
   }
+  for (const ModelQueue& q : queues_)
+    if (!q.head || !q.tail)
+      throw std::runtime_error(
+          fmt::format("model library: queue {} has no {}, expected both "
+                      "head_q and tail_q",
+                      q.name, q.head ? "tail_q" : "head_q"));
 }
 
 size_t ModelQueue::fill() const {

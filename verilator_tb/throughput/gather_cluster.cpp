@@ -58,7 +58,8 @@ struct Options {
 // have 1,024 to 1,536 bits, for the wires; shallow memories of more than 32 words are block RAM
 // too: it costs none of the wires that LUT RAM does. With k = 8 there are more and narrower
 // gatherers, since a leaf matters less to them than a node, and their smaller memories are LUT RAM.
-// With k = 16 a pool of 2,032 stands in for half of the leaf caches, whose rows are LUT RAM then.
+// With k = 16 a pool of 2,032 stands in for half of the leaf caches, whose rows are LUT RAM then;
+// its 1,536 bits have not been routed yet.
 // Before an SDRAM the pool is what block RAM is best spent on: each sweep over it takes every line
 // once or twice, however many queries it serves. A pool of 16 places less than its memories have
 // words wastes none of them. sdram_k8's has fewer: with all of them it reads so few lines that it

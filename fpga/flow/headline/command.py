@@ -177,7 +177,7 @@ def main() -> int:
     text = summary(data, goals, []) + "\n" + report(data, goals) + images_of(data, goals)
     (work / "report.md").write_text(text)
     print("\n" + text)
-    missed = [(row, miss) for row in rows if not row["rejected"] and not row["coarse"] for miss in judge(row, goals).missed]
+    missed = [(row, miss) for row in rows if not row["rejected"] for miss in judge(row, goals).missed]
     missed += [(row, miss) for row in rows if row["coarse"]
                for miss in judge_coarse(row, rows + (read_data()["rows"] if DATA.is_file() else []), goals.coarse).missed]
     for row, miss in missed:

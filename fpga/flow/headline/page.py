@@ -7,7 +7,7 @@ from pathlib import Path
 from flow.goals import CoarseGoals, HeadlineGoals
 from flow.headline.data import Data, ImageTime, Link, Replay, Row, of_headline
 from flow.headline.netlist import SHORT
-from flow.headline.plans import coarse_names, rejected_names, variant_names, what_shows
+from flow.headline.plans import base_of, changes_of, coarse_names, rejected_names, variant_names, what_shows
 from flow.headline.tables import (IMAGE_COLUMNS, Judged, bound_table, coarse_table, goal_table, image_cells, mega, part_table,
                                   predecessors_table, radius_of, sdram_clock_unknown, size_table, top_table, unrecorded, variant_table)
 from flow.headline.verdict import judge, slower_than_golden
@@ -45,11 +45,12 @@ def variants_text(judged: Judged) -> str:
 def coarse_text(judged: Judged, rows: Sequence[Row], goals: CoarseGoals) -> str:
     """The rows in coarser formats, beside those in the plan's own."""
     parts = ["An SDRAM moves fewer bytes where a photon has fewer. A photon's slot is a whole number of bytes, and a line a multiple of 16. In "
-             f"brackets stand the figures of the same plan in the default formats. The formats may cost a relMSE of at most {goals.relmse:.0e}: golden "
+             f"brackets stand the figures of the plan beside which it stands, in the default formats. The formats may cost a relMSE of at most {goals.relmse:.0e}: golden "
              "arithmetic against reference arithmetic, in the plan's frame of the headline's scene, with its k and all of its photons.\n"]
     measured = {r["plan"] for r, _ in judged}
-    parts += [f"`{name}`: not measured; `make headline PLAN={name} HEADLINE_FLAGS=--page` does.\n"
-              for name in coarse_names() if name not in measured]
+    for name in coarse_names():
+        parts.append(f"`{name}` is `{base_of('coarse', name)}` with {', '.join(f'`{line}`' for line in changes_of('coarse', name))}" +
+                     (".\n" if name in measured else f"; not measured, `make headline PLAN={name} HEADLINE_FLAGS=--page` does.\n"))
     if judged:
         parts += [coarse_table(judged, rows, goals), top_table(judged)]
     return "\n".join(parts)

@@ -44,15 +44,21 @@ def what_shows(name: str, variants: Path = VARIANTS) -> str:
     return said
 
 
-def base_of(kind: str, name: str, variants: Path) -> str:
+def base_of(kind: str, name: str, variants: Path = VARIANTS) -> str:
     said: str = field(read_toml(variants), variants, f"{kind}.{name}.base", str, "a plan of fpga/headline")
+    return said
+
+
+def changes_of(kind: str, name: str, variants: Path = VARIANTS) -> list[str]:
+    """The lines in which a plan differs from its base, as options of photonloom have them."""
+    said: list[str] = field(read_toml(variants), variants, f"{kind}.{name}.set", list, "a list of strings")
     return said
 
 
 def changed_plan(kind: str, name: str, work: Path, variants: Path) -> Path:
     """Writes the plan into `work`: its base with lines that change."""
     base = base_of(kind, name, variants)
-    settings = field(read_toml(variants), variants, f"{kind}.{name}.set", list, "a list of strings")
+    settings = changes_of(kind, name, variants)
     path = work / "plans" / f"{name}.toml"
     path.parent.mkdir(parents=True, exist_ok=True)
     run([PHOTONLOOM, "plan", str(FOLDER / f"{base}.toml"), "-o", str(path)] + set_options(settings))

@@ -133,7 +133,8 @@ def coarse_table(judged: Judged, rows: Sequence[Row], goals: CoarseGoals) -> str
     for r, v in judged:
         c, beside, finer = r["coarse"], judge_coarse(r, rows, goals), finer_row(r, rows)
         assert c
-        reached = "no, **missed**: " + "; ".join(beside.missed) if beside.missed else "yes" if beside.times else "–"
+        missed = [*beside.missed, *v.missed]
+        reached = "no, **missed**: " + "; ".join(missed) if missed else "yes" if beside.times else "–"
         lines.append([r["plan"], radius_of(r, "none"), f"{c['photon_bytes']} ({c['finer_bytes']})",
                       f"{c['relmse']:.1e} ({c['finer_relmse']:.1e})", mega(v.board) + (f" ({mega(rate(finer))})" if finer else ""),
                       f"{beside.times:.2f}" if beside.times else "–", f"{goals.times:g}", reached])
