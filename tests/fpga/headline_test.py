@@ -458,7 +458,7 @@ class Page(MadeUp):
         page.check_page(self.data, headline_goals(), {**digests, **today}, self.path)
 
     def test_it_opens_with_how_many_rows_reach_their_goal(self) -> None:
-        self.assertEqual(self.text().splitlines()[1], "**1 of 2 rows reach their goal (`p`); 1 are slower than one core of golden.**")
+        self.assertEqual(self.text().splitlines()[1], "**1 of 2 rows reach their goal (`p`); 1 is slower than one core of golden.**")
 
     def test_it_says_who_feeds_a_board(self) -> None:
         self.data["rows"][1]["replay_queries"] = 512

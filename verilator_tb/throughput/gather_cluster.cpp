@@ -55,30 +55,31 @@ struct Options {
 
 // What the command line's plans are: a memory and a k each, with as many gatherers as nextpnr finds
 // wires and block RAM for. Where the map lies in block RAM, the beats of all gatherers together
-// have 1,024 to 1,536 bits, for the wires; shallow memories of more than 32 words are block RAM
+// have 1,024 to 2,048 bits, for the wires; shallow memories of more than 32 words are block RAM
 // too: it costs none of the wires that LUT RAM does. With k = 8 there are more and narrower
 // gatherers, since a leaf matters less to them than a node, and their smaller memories are LUT RAM.
-// With k = 16 a pool of 2,032 stands in for half of the leaf caches, whose rows are LUT RAM then;
-// its 1,536 bits have not been routed yet.
-// Before an SDRAM the pool is what block RAM is best spent on: each sweep over it takes every line
-// once or twice, however many queries it serves. A pool of 16 places less than its memories have
-// words wastes none of them. sdram_k8's has fewer: with all of them it reads so few lines that it
-// waits for the gatherers. Where a query visits many leaves, 16 contexts hide what a leaf takes
-// from there if leaves are few and large, and if the gatherer's own cache, in block RAM, has most
-// of them.
+// With k = 16 and 50 a beat is 8 photons: of 4 the photon memory would be pairs of block RAMs,
+// which nextpnr's static placer does not get off each other (docs/headline.md). The rows of their
+// leaf caches are LUT RAM then, and the pool has the block RAM. Before an SDRAM the pool is what
+// block RAM is best spent on: each sweep over it takes every line once or twice, however many
+// queries it serves. A pool of 16 places less than its memories have words wastes none of them.
+// sdram_k8's has fewer: with all of them it reads so few lines that it waits for the gatherers.
+// Where a query visits many leaves, 16 contexts hide what a leaf takes from there if leaves are few
+// and large, and if the gatherer's own cache, in block RAM, has most of them.
 struct PlanOfBoard {
   const char* name;
   PhotonMemory memory;
   uint64_t photons;
-  int k, gatherers, bucket, lanes, leaf_photons, pool, bins, cache_kb, lut_ram_words, replay;
+  int k, gatherers, bucket, lanes, beat_photons, leaf_photons, pool, bins, cache_kb, lut_ram_words,
+      replay;
 };
 constexpr PlanOfBoard kPlans[] = {
-    {"block_ram_k8", PhotonMemory::kBlockRam, 16384, 8, 4, 8, 2, 256, 512, 512, 48, 64, 1024},
-    {"block_ram_k16", PhotonMemory::kBlockRam, 16384, 16, 3, 16, 4, 128, 2032, 512, 48, 32, 512},
-    {"block_ram_k50", PhotonMemory::kBlockRam, 16384, 50, 2, 8, 4, 256, 512, 512, 48, 32, 1024},
-    {"sdram_k8", PhotonMemory::kSdram, 65536, 8, 3, 8, 4, 256, 10992, 1024, 48, 64, 512},
-    {"sdram_k16", PhotonMemory::kSdram, 65536, 16, 3, 8, 4, 256, 10224, 512, 48, 64, 1024},
-    {"sdram_k50", PhotonMemory::kSdram, 65536, 50, 2, 16, 4, 2048, 12272, 512, 96, 128, 1024},
+    {"block_ram_k8", PhotonMemory::kBlockRam, 16384, 8, 4, 8, 2, 2, 256, 512, 512, 48, 64, 1024},
+    {"block_ram_k16", PhotonMemory::kBlockRam, 16384, 16, 2, 16, 4, 8, 256, 2032, 512, 48, 32, 512},
+    {"block_ram_k50", PhotonMemory::kBlockRam, 16384, 50, 2, 8, 4, 8, 256, 2032, 512, 48, 32, 512},
+    {"sdram_k8", PhotonMemory::kSdram, 65536, 8, 3, 8, 4, 4, 256, 10992, 1024, 48, 64, 512},
+    {"sdram_k16", PhotonMemory::kSdram, 65536, 16, 3, 8, 4, 4, 256, 10224, 512, 48, 64, 1024},
+    {"sdram_k50", PhotonMemory::kSdram, 65536, 50, 2, 16, 4, 4, 2048, 10224, 512, 24, 32, 512},
 };
 
 // The photons of a plan; a path that would overfill the map is cut.
@@ -100,7 +101,7 @@ Plan make_plan(const PlanOfBoard& p, const GatherLoad& load) {
   plan.gatherers = p.gatherers;
   plan.photon_bytes = p.memory == PhotonMemory::kSdram ? 12 : 16;
   plan.lanes = p.lanes;
-  plan.beat_bits = p.lanes * 8 * plan.photon_bytes;
+  plan.beat_bits = p.beat_photons * 8 * plan.photon_bytes;
   plan.cache_bytes = p.leaf_photons * plan.photon_bytes;
   plan.board_cache_bytes = p.cache_kb * 1024;
   plan.lut_ram_words = p.lut_ram_words;

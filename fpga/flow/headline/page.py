@@ -119,8 +119,9 @@ def summary(data: Data, goals: HeadlineGoals, stale: Collection[str]) -> str:
     if not judged:
         return "No row is of a plan of `fpga/headline`."
     reached = [r["plan"] for r, v in judged if v.reached]
+    slower = sum(slower_than_golden(r, v) for r, v in judged)
     lines = [f"**{len(reached)} of {len(judged)} rows reach their goal" + (f" ({names(set(reached))})" if reached else "") +
-             f"; {sum(slower_than_golden(r, v) for r, v in judged)} are slower than one core of golden.**"]
+             f"; {slower} {'is' if slower == 1 else 'are'} slower than one core of golden.**"]
     if stale:
         lines.append(f"{STALE}{names(stale)}. Their figures are not those of the RTL beside this page; "
                      "`make headline PLAN=NAME HEADLINE_FLAGS=--page` measures a plan again.")
