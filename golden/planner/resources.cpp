@@ -42,6 +42,8 @@ uint64_t power_of_two(int n) { return uint64_t{1} << clog2(static_cast<uint64_t>
 
 int load_bits(const Plan& p) { return p.photon_bits() - 3 * p.position_bits; }
 
+// A block RAM as so many words of `width` bits, which are written in lanes of nine bits where they
+// are wider.
 struct Shape {
   int width;
   uint64_t depth;
@@ -50,11 +52,14 @@ struct Shape {
 constexpr Shape kTwoReads[] = {{1, 16384}, {2, 8192}, {4, 4096}, {9, 2048}, {18, 1024}};
 constexpr Shape kOneRead[] = {{1, 16384}, {2, 8192}, {4, 4096}, {9, 2048}, {18, 1024}, {36, 512}};
 
+// Lanes of words that lie one behind another share blocks: 2,816 words of 73 bits are three times
+// nine lanes, in 14 blocks of two lanes and not in three times five.
 int fewest(std::span<const Shape> shapes, int width, uint64_t depth) {
   int best = 0;
   for (const Shape& s : shapes) {
-    const int n =
-        (width + s.width - 1) / s.width * static_cast<int>((depth + s.depth - 1) / s.depth);
+    const int lane = std::min(s.width, 9), lanes_in_a_block = s.width / lane;
+    const int lanes = (width + lane - 1) / lane * static_cast<int>((depth + s.depth - 1) / s.depth);
+    const int n = (lanes + lanes_in_a_block - 1) / lanes_in_a_block;
     if (best == 0 || n < best) best = n;
   }
   return best;

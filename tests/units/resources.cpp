@@ -21,6 +21,21 @@ TEST_CASE("block RAMs of a memory, in the best shape") {
   CHECK(block_rams(96, 16384) == 88);  // 11 x 8 of 9 bits x 2048
 }
 
+TEST_CASE("words of a memory that is no power of two deep share block RAMs, as synthesized") {
+  CHECK(block_rams(73, 2816) == 14);
+  CHECK(block_rams(73, 2100) == 12);
+  CHECK(block_rams(73, 5120) == 23);
+  CHECK(block_rams(19, 1300) == 3);
+  CHECK(block_rams(19, 3072) == 5);
+  CHECK(block_rams(29, 5000) == 10);
+  CHECK(block_rams(37, 1025) == 4);
+  CHECK(block_rams(37, 3000) == 8);
+  CHECK(block_rams(40, 600) == 3);
+  CHECK(block_rams(46, 7168) == 21);
+  CHECK(block_rams(5, 7000) == 3);
+  CHECK(block_rams(5, 9000) == 5);
+}
+
 TEST_CASE("every term has a coefficient, every prediction an error below 15 %") {
   Plan plan;
   plan.global = {.present = true, .photons = 65536};
