@@ -50,8 +50,8 @@ def static_rounds(log: str) -> int:
 
 
 def watch_static(command: Sequence[str], log: Path, placer_log: Path) -> bool:
-    """Runs a placement by nextpnr's static placer. False where it does not come to an end: it has been seen to go round with
-    the same overlap of block RAMs for ever."""
+    """Runs a placement by nextpnr's static placer. False where it does not come to an end: it goes round with the same
+    overlap of block RAMs for ever, which tops whose photon memory is stored in pairs of blocks were seen to do (docs/headline.md)."""
     with open(log, "w") as out:
         running = subprocess.Popen(command, stdout=out, stderr=subprocess.STDOUT, start_new_session=True)
         try:

@@ -462,7 +462,7 @@ class Page(MadeUp):
 
     def test_it_says_who_feeds_a_board(self) -> None:
         self.data["rows"][1]["replay_queries"] = 512
-        self.assertIn("A board is fed by its link, 4.6 to 4.6 thousand queries a second, or by a replayer of 512 to 1,024 queries.",
+        self.assertIn("A board is fed by its link, 4.6 thousand queries a second, or by a replayer of 512 to 1,024 queries.",
                       self.text())
 
     def test_few_seeds_and_unknown_clocks_are_said(self) -> None:

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What is written of the headline's rows: docs/headline.md between its marks, from fpga/headline.json and fpga/goals.toml."""
 import re
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from pathlib import Path
 
 from flow.goals import CoarseGoals, HeadlineGoals
@@ -136,12 +136,18 @@ def summary(data: Data, goals: HeadlineGoals, stale: Collection[str]) -> str:
         lines.append(f"Golden on all cores, recall and the LUT-equivalents of the top were not recorded: {names(old)}.")
     if unseen := {r["plan"] for r, _ in judged if r["memory"] == "block_ram" and r["ports_cycles"] is None}:
         lines.append(f"Cycles of the photon memory's ports were not recorded: {names(unseen)}; their own bound is judged without them.")
-    fewest, most = (f(r["replay_queries"] for r, _ in judged) for f in (min, max))
-    slowest, fastest = (f(r["uart"] for r, _ in judged) / 1e3 for f in (min, max))
+    replayed = span(f"{r['replay_queries']:,}" for r, _ in sorted(judged, key=lambda j: j[0]["replay_queries"]))
+    sent = span(f"{r['uart'] / 1e3:.1f}" for r, _ in sorted(judged, key=lambda j: j[0]["uart"]))
     lines.append("Rates are the engine's, which gets queries as fast as it takes them. A board is fed by its link, "
-                 f"{slowest:.1f} to {fastest:.1f} thousand queries a second, or by a replayer of {fewest:,} to {most:,} queries. "
+                 f"{sent} thousand queries a second, or by a replayer of {replayed} queries. "
                  "Cycles are simulated and clocks are routed; nothing was run on a board.")
     return "\n\n".join(lines)
+
+
+def span(ascending: Iterable[str]) -> str:
+    """Least to most as written, or the one figure."""
+    figures = list(ascending)
+    return figures[0] if figures[0] == figures[-1] else f"{figures[0]} to {figures[-1]}"
 
 
 def replay_text(replay: Replay | None, judged: Judged) -> str:
