@@ -161,6 +161,21 @@ std::vector<GatherCase> gather_cases() {
          }
          return s;
        }},
+      // One in three of the light's side, so that leaves have gaps between the photons that count
+      // while the nearest shrink the bound behind which others wait.
+      {"both_sides",
+       [](const Plan& plan, BenchRandom& random) {
+         GatherStimulus s = stimulus(plan, random, ~0ull, ~0ull);
+         const auto code = [](double z, int bits) { return oct_encode(Vec3(0, 0, z), bits); };
+         for (auto* map : {&s.global, &s.caustic})
+           for (PackedPhoton& p : *map)
+             p.direction = code(random.below(3) == 0 ? 1 : -1, plan.direction_bits);
+         for (GatherQuery& q : s.queries) {
+           const OctCode up = code(1, plan.normal_bits);
+           q.normal = {up.u, up.v};
+         }
+         return s;
+       }},
       {"all_want_photons",
        [](const Plan& plan, BenchRandom& random) {
          GatherStimulus s = stimulus(plan, random, ~0ull, ~0ull);

@@ -91,6 +91,13 @@ std::vector<BenchPlan> plans() {
     p.contexts = 2;
     p.lanes = 1;
   });
+  add("long_leaves", [](Plan& p) {
+    p.k = 2;
+    p.bucket = 32;
+    p.contexts = 2;
+    p.cache_ways = 1;
+    p.cache_bytes = 4 * p.line_bytes();
+  });
   add("compressed", [](Plan& p) {  // most leaves take several lines
     p.bucket = 16;
     p.photon_bytes = 9;
