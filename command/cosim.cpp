@@ -220,7 +220,10 @@ void cosim(const CosimOptions& o) {
   o.threads.apply();
   const std::string stem = std::filesystem::path(request.scene_file).stem().string();
   const std::string output = o.output.empty() ? o.rig.results_dir() + "/" + stem : o.output;
-  OutputFolder folder(output, "summary.json");
+  OutputFolder folder(output, {"summary.json",
+                               "\"plan_hash\"",
+                               {"*.exr", "*.png", "*.html", "*.fst", "*.vcd", "packets.json",
+                                "plan.toml", "timeline.json"}});
 
   ConsoleProgress progress;
   PreparedFrame frame = prepare_frame(request, Arithmetic::kReference, &progress);

@@ -121,7 +121,11 @@ void generate(const GenerateOptions& o) {
     warn_of_block_ram(source, request.plan, read_board(o.board, o.boards));
   if (o.hls)
     for (auto& [name, text] : write_kernel_package(request.plan)) files["hls/" + name] = text;
-  OutputFolder folder(o.output, "package.json");
+  OutputFolder folder(o.output,
+                      {"package.json",
+                       "\"clock_khz\"",
+                       {"Makefile", "README.md", "board", "build", "files.f", "hls", "images",
+                        "photonloom.core", "photonloom.lock", "plan.toml", "rtl"}});
   for (const auto& [name, text] : files) {
     const std::filesystem::path path = std::filesystem::path(folder.temporary()) / name;
     std::filesystem::create_directories(path.parent_path());

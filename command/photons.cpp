@@ -24,6 +24,7 @@ struct PhotonsOptions {
 };
 
 void photons(const PhotonsOptions& o) {
+  refuse_to_replace_input(o.output, o.scene.path());
   o.threads.apply();
   ConsoleProgress progress;
   World world(o.scene.load());

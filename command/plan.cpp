@@ -157,6 +157,7 @@ void plan_a_board(const FrameRequest& request, const PlanOptions& o) {
 
 void plan(const PlanOptions& o) {
   const FrameRequest request = o.frame.request();
+  if (!is_plan(request.scene_file)) refuse_to_replace_input(o.output, request.scene_file);
   if (o.for_error.wanted())
     return o.for_error.run(request, o.output, o.json, o.threads.threads(),
                            [&](const Plan& plan) { describe(plan, o.output, o); });

@@ -56,7 +56,7 @@ Image photon_map(const RenderOptions& o, const FrameRequest& request, ConsolePro
   std::optional<OutputFolder> folder;
   std::optional<PacketRecorder> recorder;
   if (!o.record.empty()) {
-    folder.emplace(o.record, "plan.toml");
+    folder.emplace(o.record, OutputFolderKind{"gather_query.jsonl", "", {"plan.toml", "*.jsonl"}});
     recorder.emplace(frame.plan, folder->temporary());
     units = recorder->wrap(std::move(units));
   }
@@ -133,6 +133,15 @@ void render(const RenderOptions& o) {
   if (path && (!request.plan_file.empty() || !o.record.empty()))
     throw UsageError(fmt::format("{}: has no meaning with --integrator {}",
                                  o.record.empty() ? "--plan" : "--record", o.integrator));
+  // What would be read, or shows in no path traced image, is refused; what only counts photons is
+  // told, for scripts change the integrator alone.
+  if (path)
+    for (const auto& [option, given] : {std::pair{"--set", !request.set.empty()},
+                                        {"--load-photons", !request.load_photons.empty()},
+                                        {"--load-caustics", !request.load_caustics.empty()}})
+      if (given)
+        throw UsageError(
+            fmt::format("{}: has no meaning with --integrator {}", option, o.integrator));
   require_suffix("--output", o.output, ".exr");
   if (path)
     for (const std::string& option : o.frame.photon_options())

@@ -6,6 +6,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
@@ -48,6 +49,29 @@ std::string resolved(const std::string& path) {
   std::error_code ignored;
   const std::filesystem::path target = std::filesystem::weakly_canonical(path, ignored);
   return std::filesystem::is_symlink(path, ignored) && !target.empty() ? target.string() : path;
+}
+
+bool is_of(const OutputFolderKind& kind, const std::string& name) {
+  return name == kind.mark ||
+         std::any_of(kind.own.begin(), kind.own.end(), [&](const std::string& own) {
+           return own.starts_with("*") ? name.ends_with(own.substr(1)) : name == own;
+         });
+}
+
+// What speaks against replacing a folder as one of this kind; empty: nothing.
+std::string foreign(const std::string& path, const OutputFolderKind& kind) {
+  std::error_code error;
+  if (std::filesystem::is_empty(path, error)) return "";
+  if (!std::filesystem::is_regular_file(path + "/" + kind.mark, error))
+    return fmt::format("it holds files but no {}", kind.mark);
+  if (read_file(path + "/" + kind.mark).find(kind.proof) == std::string::npos)
+    return fmt::format("its {} is another one", kind.mark);
+  std::vector<std::string> others;
+  for (const auto& entry : std::filesystem::directory_iterator(path, error))
+    if (const std::string name = entry.path().filename().string(); !is_of(kind, name))
+      others.push_back(name);
+  if (others.empty()) return "";
+  return fmt::format("it also holds {}", *std::min_element(others.begin(), others.end()));
 }
 
 }  // namespace
@@ -118,7 +142,19 @@ void OutputFile::commit() {
   temporary_.clear();
 }
 
-OutputFolder::OutputFolder(std::string path, const std::string& mark) : path_(std::move(path)) {
+OutputFolder::OutputFolder(std::string path, const OutputFolderKind& kind)
+    : OutputFolder([&] {
+        std::error_code error;
+        if (!path.empty() && std::filesystem::is_directory(path, error))
+          if (const std::string why = foreign(path, kind); !why.empty())
+            throw std::runtime_error(fmt::format(
+                "{}: is not replaced: {}, expected a new folder, an empty one, or one that was "
+                "written by the same command",
+                path, why));
+        return path;
+      }()) {}
+
+OutputFolder::OutputFolder(std::string path) : path_(std::move(path)) {
   while (path_.size() > 1 && path_.back() == '/') path_.pop_back();
   if (path_.empty()) throw std::runtime_error("the name of an output folder is empty");
   std::error_code error;
@@ -133,12 +169,6 @@ OutputFolder::OutputFolder(std::string path, const std::string& mark) : path_(st
                                  "beside or below");
       if (here == here.parent_path()) break;
     }
-    if (!mark.empty() && !std::filesystem::is_empty(path_, error) &&
-        !std::filesystem::exists(path_ + "/" + mark, error))
-      throw std::runtime_error(fmt::format(
-          "{}: is not replaced: it holds files but no {}, expected a new folder, an empty one, or "
-          "one that was written by the same command",
-          path_, mark));
   }
   const std::lock_guard lock(unfinished_mutex);
   path_ = resolved(path_);
@@ -167,6 +197,14 @@ void OutputFolder::commit() {
   unfinished().erase(temporary_);
   temporary_.clear();
   if (existed) std::filesystem::remove_all(old, error);
+}
+
+void refuse_to_replace_input(const std::string& output, const std::string& input) {
+  std::error_code error;
+  if (std::filesystem::is_regular_file(output, error) &&
+      std::filesystem::equivalent(output, input, error))
+    throw std::runtime_error(output +
+                             ": is the input, which would be lost; expected another file to write");
 }
 
 void write_file(const std::string& path, std::string_view bytes) {

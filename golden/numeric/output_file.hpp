@@ -5,6 +5,7 @@
 #pragma once
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace photonloom {
 
@@ -32,13 +33,21 @@ class OutputFile {
   int descriptor_ = -1;
 };
 
+// By what a folder is known that a command wrote before: a file, what its text holds, and all that
+// may lie beside it, names or "*.ending".
+struct OutputFolderKind {
+  std::string mark, proof;
+  std::vector<std::string> own;
+};
+
 // A folder filled at temporary() and put in the place of `path` by commit(). A folder that was
-// there before is replaced if it is empty or holds the file `mark`, by which an older one of the
-// same kind is known (none: whatever it holds). Anything else is an error, and so is a folder in
-// which the program runs.
+// there before is replaced if it is empty or of this kind and holds nothing else, so that no file
+// of a user is lost; without a kind, whatever it holds. Anything else is an error, and so is a
+// folder in which the program runs.
 class OutputFolder {
  public:
-  explicit OutputFolder(std::string path, const std::string& mark = "");
+  explicit OutputFolder(std::string path);
+  OutputFolder(std::string path, const OutputFolderKind& kind);
   ~OutputFolder();
   OutputFolder(const OutputFolder&) = delete;
   OutputFolder& operator=(const OutputFolder&) = delete;
@@ -49,6 +58,9 @@ class OutputFolder {
  private:
   std::string path_, temporary_;
 };
+
+// Throws where an output would replace the file that it is made of.
+void refuse_to_replace_input(const std::string& output, const std::string& input);
 
 void write_file(const std::string& path, std::string_view bytes);
 

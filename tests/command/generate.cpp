@@ -433,6 +433,10 @@ TEST_CASE("generate leaves folders alone that are no packages") {
         std::string::npos);
   CHECK(read_file(hw + "/notes.txt") == "mine");
   std::filesystem::remove(hw + "/notes.txt");
+  write_file(hw + "/package.json", R"({"name": "somebody's"})");
+  CHECK(run(fmt::format("generate {} -o {}", plan, hw)).err.find("package.json is another one") !=
+        std::string::npos);
+  std::filesystem::remove(hw + "/package.json");
   for (int i = 0; i < 2; ++i) CHECK(run(fmt::format("generate {} -o {}", plan, hw)).status == 0);
 }
 

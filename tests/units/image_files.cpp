@@ -155,21 +155,40 @@ TEST_CASE("a folder that somebody else filled is not replaced") {
   const Folder folder;
   const std::string dir = folder / "dir";
   const auto make = [&] {
-    OutputFolder out(dir, "mark");
-    write_file(out.temporary() + "/mark", "new");
+    OutputFolder out(dir, {"mark", "written by", {"rtl", "*.exr"}});
+    write_file(out.temporary() + "/mark", "written by a test");
     out.commit();
+  };
+  const auto refused = [&](const std::string& why) {
+    return dir + ": is not replaced: " + why +
+           ", expected a new folder, an empty one, or one that was written by the same command";
   };
   fs::create_directory(dir);
   make();  // empty
+  fs::create_directory(dir + "/rtl");
+  write_file(dir + "/image.exr", "");
   make();  // its own
-  fs::remove(dir + "/mark");
-  write_file(dir + "/precious", "kept");
-  REQUIRE(message(make) ==
-          dir +
-              ": is not replaced: it holds files but no mark, expected a new folder, an empty one, "
-              "or one that was written by the same command");
-  REQUIRE(read_file(dir + "/precious") == "kept");
   REQUIRE(folder.files() == 1);
+  write_file(dir + "/precious", "kept");
+  REQUIRE(message(make) == refused("it also holds precious"));
+  fs::remove(dir + "/mark");
+  REQUIRE(message(make) == refused("it holds files but no mark"));
+  fs::remove(dir + "/precious");
+  write_file(dir + "/mark", "of another program");
+  REQUIRE(message(make) == refused("its mark is another one"));
+  REQUIRE(read_file(dir + "/mark") == "of another program");
+  REQUIRE(folder.files() == 1);
+}
+
+TEST_CASE("an input is not replaced by what is made of it") {
+  const Folder folder;
+  const std::string input = folder / "in.xml";
+  write_file(input, "a scene");
+  fs::create_symlink(input, folder / "link.xml");
+  refuse_to_replace_input(folder / "out.ply", input);
+  for (const std::string& output : {input, folder / "link.xml", folder / "./in.xml"})
+    CHECK(message([&] { refuse_to_replace_input(output, input); }) ==
+          output + ": is the input, which would be lost; expected another file to write");
 }
 
 TEST_CASE("the folder in which the program runs is not replaced") {
