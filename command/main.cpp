@@ -4,7 +4,10 @@
 #include <tbb/info.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <charconv>
+#include <cstdio>
+#include <cstring>
 #include <exception>
 #include <filesystem>
 #include <memory>
@@ -153,11 +156,23 @@ int run(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   photonloom::handle_interrupts();
+  const auto output_lost = [](int reason) {
+    fmt::print(stderr, "photonloom: standard output: cannot be written: {}\n",
+               std::strerror(reason));
+    return 1;
+  };
   try {
-    return photonloom::run(argc, argv);
+    const int status = photonloom::run(argc, argv);
+    // What a full disk or a closed stream swallowed shows here at the latest.
+    if (std::fflush(stdout) != 0 || std::ferror(stdout)) return output_lost(errno);
+    return status;
   } catch (const photonloom::UsageError& error) {
     fmt::print(stderr, "photonloom: {}\n", error.what());
     return 2;
+  } catch (const std::system_error& error) {
+    if (std::ferror(stdout)) return output_lost(error.code().value());
+    fmt::print(stderr, "photonloom: {}\n", error.what());
+    return 1;
   } catch (const std::bad_alloc&) {
     fmt::print(stderr, "photonloom: not enough memory\n");
     return 1;

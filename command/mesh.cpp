@@ -29,10 +29,16 @@ void add_mesh(CLI::App& app) {
       ->check(CLI::IsMember({"atrium", "ring", "water", "planks", "bricks", "sky"}));
   command
       ->add_option("--triangles", o->triangles,
-                   "At most this many triangles (default 20000; ring 2048)")
+                   "At most this many triangles of a mesh (default 20000; ring 2048; the atrium "
+                   "has at least 2000)")
       ->check(CLI::Range(100, 10000000));
   command->add_option("-o,--output", o->output, "PLY, PNG or EXR file to write")->required();
   command->callback([o] {
+    const bool mesh_asked = o->name == "atrium" || o->name == "ring" || o->name == "water";
+    require_suffix("-o", o->output, mesh_asked ? ".ply" : o->name == "sky" ? ".exr" : ".png");
+    if (!mesh_asked && o->triangles)
+      throw UsageError(
+          fmt::format("--triangles: {} is a picture, expected atrium, ring or water", o->name));
     const int triangles = o->triangles ? o->triangles : o->name == "ring" ? 2048 : 20000;
     Mesh mesh;
     using Write = void (*)(const std::string&);

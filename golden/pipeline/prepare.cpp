@@ -55,17 +55,19 @@ Plan plan_from_file(const FrameRequest& request) {
   return plan;
 }
 
-// A plan from a file must fit the scene that it is used for.
+// A plan from a file must fit the scene that it is used for, and so must lines that are set by
+// hand.
 void check_plan_fits(const PreparedFrame& frame, const std::string& file) {
   const Plan& plan = frame.plan;
   const World& world = *frame.world;
   for (int axis = 0; axis < 3; ++axis) {
     const double lower = plan.origin[static_cast<size_t>(axis)];
     if (world.lower()[axis] < lower || world.upper()[axis] > lower + plan.extent)
-      throw PlanError(fmt::format(
-          "{}: the cube of scene.origin and scene.extent does not hold the scene; expected a plan "
-          "made for it",
-          file));
+      throw PlanError(
+          fmt::format("{}: the cube of scene.origin and scene.extent does not hold the scene, "
+                      "which goes from {} "
+                      "to {} in {}; expected a plan made for it",
+                      file, world.lower()[axis], world.upper()[axis], "xyz"[axis]));
   }
   for (const bool is_caustic : {false, true}) {
     const PhotonPass& pass = is_caustic ? frame.caustic_pass : frame.global_pass;
@@ -192,6 +194,7 @@ PreparedFrame prepare_frame(std::unique_ptr<World> world, const FrameRequest& re
 
   if (from_file) {
     check_plan_fits(frame, request.plan_file);
+    if (!only_plan) check_plan_makes_an_image(frame.plan, request.plan_file);
   } else {
     PlannedFrame planned =
         make_plan(*frame.world, plan_request, frame.global_pass, frame.caustic_pass);
@@ -199,7 +202,10 @@ PreparedFrame prepare_frame(std::unique_ptr<World> world, const FrameRequest& re
     frame.reasons = std::move(planned.reasons);
     for (const std::string& w : planned.warnings)
       frame.warnings.push_back(request.scene_file + ": " + w);
+    if (!request.set.empty()) check_plan_fits(frame, "plan");
   }
+  if (const std::string coarse = why_pixels_are_coarse(frame.plan, *frame.world); !coarse.empty())
+    frame.warnings.push_back((from_file ? request.plan_file : "plan") + ": " + coarse);
   if (only_plan) return frame;
 
   const ProgressPhase phase(progress, "photon maps",

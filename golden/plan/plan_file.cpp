@@ -245,6 +245,20 @@ std::optional<PlanProblem> extent_problem(const Plan& plan) {
   return std::nullopt;
 }
 
+std::optional<PlanProblem> channel_problem(const Plan& plan) {
+  if (plan.channels != 1 && plan.channels != 3)
+    return PlanProblem{"photon.channels", fmt::format("is {}, expected 1 or 3", plan.channels)};
+  for (const double color : plan.channel_color) {
+    if (color < 0) return PlanProblem{"photon.channel_color", "must not be negative"};
+    if (plan.channels > 1 && color != 1)
+      return PlanProblem{"photon.channel_color",
+                         fmt::format("must be [1.0, 1.0, 1.0] with {} channels", plan.channels)};
+  }
+  if (std::ranges::max(plan.channel_color) == 0)
+    return PlanProblem{"photon.channel_color", "is black, expected one part above 0"};
+  return std::nullopt;
+}
+
 std::optional<PlanProblem> find_problem(const Plan& plan) {
   std::optional<PlanProblem> problem;
   Plan::visit(plan, [&](const char* section, const char* key, const auto& value, auto smallest,
@@ -277,14 +291,7 @@ std::optional<PlanProblem> find_problem(const Plan& plan) {
                 fmt::format("is {}, so a line of {} photons has {} bytes, expected a multiple of "
                             "the 16 bytes of a memory beat",
                             plan.photon_bytes, plan.bucket, plan.line_bytes()));
-  for (int c = 0; c < 3; ++c) {
-    const double color = plan.channel_color[static_cast<size_t>(c)];
-    if (color < 0) return fail("photon.channel_color", "must not be negative");
-    if (plan.channels > 1 && color != 1)
-      return fail("photon.channel_color",
-                  fmt::format("must be [1.0, 1.0, 1.0] with {} channels", plan.channels));
-  }
-  if (plan.channels == 2) return fail("photon.channels", "is 2, expected 1 or 3");
+  if (auto wrong = channel_problem(plan)) return wrong;
   for (const bool is_caustic : {false, true}) {
     const MapPlan& m = plan.map(is_caustic);
     const char* section = is_caustic ? "caustic" : "global";

@@ -29,8 +29,10 @@ struct PlanProblem {
 // The first line that is out of its range or does not go with the others; nothing for a plan that
 // can be built. A plan that passes cannot overflow any width: docs/plan.md says why.
 std::optional<PlanProblem> find_problem(const Plan& plan);
-// The same of the cube's edge alone, where the rest of a plan is not yet known.
+// The same of the cube's edge alone, and of channels and their colour alone, where the rest of a
+// plan is not yet known.
 std::optional<PlanProblem> extent_problem(const Plan& plan);
+std::optional<PlanProblem> channel_problem(const Plan& plan);
 
 // Throws PlanError with the first problem.
 void check_plan(const Plan& plan);

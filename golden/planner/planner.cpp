@@ -156,14 +156,21 @@ double power_at_surfaces(const World& world) {
   return max_component(sum);
 }
 
+// W/(m^2 sr), of surfaces that this power falls on.
+double mean_radiance(const World& world, double power) {
+  const double area = world.diffuse_area() > 0 ? world.diffuse_area() : world.surface_area();
+  return std::max(power / (kPi * std::max(area, 1e-290)), 1e-290);
+}
+
+// Bits of a pixel's fraction that 2^-24 of the light of all lamps takes.
+int least_fraction_bits(const World& world) {
+  return 24 - exponent_above(mean_radiance(world, max_component(world.emitted_power())));
+}
+
 // Formats of the pixel: F from the mean radiance of a room of this surface and power, I from a
 // bound on every contribution.
 void choose_pixel(Plan& plan, const World& world, const PlanRequest& request, PlanReasons& why) {
-  const double area = world.diffuse_area() > 0 ? world.diffuse_area() : world.surface_area();
-  const auto mean_of = [&](double power) {
-    return std::max(power / (kPi * std::max(area, 1e-290)), 1e-290);
-  };
-  const double mean = mean_of(power_at_surfaces(world));
+  const double mean = mean_radiance(world, power_at_surfaces(world));
   const double inverse_area = 1 / (kPi * plan.position_unit() * plan.position_unit());
   // 1/pdf of a final gather direction is at most W/w of its cell <= 2^(probability + 2a), times the
   // cell's solid angle <= 4 / 2^2a * sqrt(27).
@@ -203,11 +210,11 @@ void choose_pixel(Plan& plan, const World& world, const PlanRequest& request, Pl
   plan.fraction_bits = 0;
   const int sum = plan.pixel_sum_bits() - plan.integer_bits;
   // A frame is refused only if it is coarse beside all light that is emitted: photons carry that.
-  const double most = mean_of(max_component(world.emitted_power()));
+  const double most = mean_radiance(world, max_component(world.emitted_power()));
   const int fine =
       request.format_error ? std::clamp(ceil_log2(1 / *request.format_error) + 31, 32, 48) : 40;
   const int room = plan.cache_present ? 120 : 128;  // of a pixel; find_problem says why
-  const int wanted = fine - exponent_above(mean), least = 24 - exponent_above(most);
+  const int wanted = fine - exponent_above(mean), least = least_fraction_bits(world);
   plan.fraction_bits = std::clamp(std::min(wanted, room - sum - plan.integer_bits), -64, 96);
   if (most < 0x1p-84)
     throw PlanError(fmt::format(
@@ -261,6 +268,22 @@ MapsNeeded maps_needed(const World& world, int gather_rays) {
                           : needed.caustic ? "mirrors or glass throw light on diffuse surfaces"
                                            : "no surface is a mirror or glass";
   return needed;
+}
+
+void check_plan_makes_an_image(const Plan& plan, const std::string& name) {
+  if (plan.k == 1 && (plan.global.present || plan.caustic.present))
+    throw PlanError(name +
+                    ": gather.k is 1, and where it finds a photon its estimate is (k-1)/k = 0; "
+                    "expected k of at least 2 for an image");
+}
+
+std::string why_pixels_are_coarse(const Plan& plan, const World& world) {
+  const int least = std::min(least_fraction_bits(world), 96);
+  if (plan.fraction_bits >= least) return "";
+  return fmt::format(
+      "pixel.fraction_bits is {}: a pixel's steps are above 2^-24 of what all lamps give, and "
+      "light is lost in them; expected at least {}",
+      plan.fraction_bits, least);
 }
 
 double default_radius(double share, int k, double area, uint64_t photons) {
@@ -339,6 +362,8 @@ PlannedFrame make_plan(const World& world, const PlanRequest& request, const Pho
   why["gather.reciprocal_bits"] = why["pixel.weight_bits"] =
       "default, far finer than a mantissa; --format-error chooses";
   set_by_hand();
+  if (const auto problem = channel_problem(plan))
+    throw PlanError(fmt::format("plan: {} {}", problem->line, problem->what));
   choose_maps(plan, world, request, global, caustic, why);
   if (request.format_error) {
     double smallest = plan.extent;
@@ -461,12 +486,7 @@ PlannedFrame make_plan(const World& world, const PlanRequest& request, const Pho
                     wanted + 3, plan.position_bits));
   derive_plan(plan);
   check_plan(plan);
-  if (plan.k == 1 && (plan.global.present || plan.caustic.present) &&
-      (!request.radius || *request.radius == 0))
-    throw PlanError(
-        "plan: gather.k is 1, and where it finds a photon its estimate is (k-1)/k = 0; expected k "
-        "of at least 2 for an "
-        "image");
+  check_plan_makes_an_image(plan, "plan");
   return result;
 }
 

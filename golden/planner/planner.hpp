@@ -47,6 +47,13 @@ struct PlannedFrame {
   std::vector<std::string> warnings;
 };
 
+// Throws PlanError where gathers of a plan give no light: (k - 1) / k is 0 for k = 1. `name` is the
+// plan's.
+void check_plan_makes_an_image(const Plan& plan, const std::string& name);
+
+// A sentence where a pixel's steps are coarser than any plan has them that is derived; "" else.
+std::string why_pixels_are_coarse(const Plan& plan, const World& world);
+
 // The plan for rendering these photons. Throws PlanError, with the reason, where there is none.
 PlannedFrame make_plan(const World& world, const PlanRequest& request, const PhotonPass& global,
                        const PhotonPass& caustic);

@@ -87,10 +87,26 @@ TEST_CASE("mesh: writes whole files only") {
   const Scratch scratch;
   CHECK(run("mesh atrium --triangles 5000 -o '" + scratch / "a.ply" + "'").status == 0);
   CHECK(scratch.entries() == 1);
+  const Outcome picture = run("mesh planks -o '" + scratch / "b.exr" + "'");
+  CHECK(picture.status == 2);
+  CHECK(picture.err.find("expected a name that ends in .png") != std::string::npos);
+  CHECK(run("mesh sky --triangles 500 -o '" + scratch / "b.exr" + "'").status == 2);
   const Outcome few = run("mesh atrium --triangles 100 -o '" + scratch / "b.ply" + "'");
   CHECK(few.status == 1);
   CHECK(few.one_error_line());
   CHECK(run("mesh ring -o '" + scratch / "none/b.ply" + "'").status == 1);
   CHECK(run("mesh sponza -o '" + scratch / "b.ply" + "'").status == 2);
   CHECK(scratch.entries() == 1);
+}
+
+TEST_CASE("output that is lost on a full disk is an error") {
+  const Scratch scratch;
+  for (const char* arguments : {"units", "units --json", "--help"}) {
+    INFO(arguments);
+    const std::string command = "'" + environment("PHOTONLOOM") + "' " + arguments +
+                                " >/dev/full 2>'" + scratch / "err" + "'";
+    CHECK(WEXITSTATUS(std::system(command.c_str())) == 1);
+    CHECK(read_file(scratch / "err") ==
+          "photonloom: standard output: cannot be written: No space left on device\n");
+  }
 }

@@ -119,6 +119,12 @@ TEST_CASE("loaded photon maps and a plan from a file give the same bytes") {
         1, {"c.ply", "no surface is a mirror or glass"});
   fails("render" + box() + "--plan" + quoted(plan) + "-o" + quoted(scratch / "x.exr"), 1,
         {"plan.toml", "does not hold the scene"});
+  // Nor do lines that are set by hand.
+  for (const std::string line : {"scene.extent=0.01", "scene.origin=[900,0,0]"})
+    fails("render" + balls() + "--photons 100 --set " + line + " -o" + quoted(scratch / "x.exr"), 1,
+          {"plan: ", "does not hold the scene", "expected a plan made for it"});
+  fails("render" + balls() + "--photons 100 --set photon.channels=1 -o" + quoted(scratch / "x.exr"),
+        1, {"plan: photon.channels is 1", "other colours"});
   fails("render" + balls() + "--plan" + quoted(plan) + "--k 5 -o" + quoted(scratch / "x.exr"), 2,
         {"--k", "--plan"});
 }
@@ -251,6 +257,10 @@ TEST_CASE("what cannot be is one clear error, and nothing is left behind") {
   fails("render" + box() + "-o" + quoted(scratch / "x.png"), 2, {".exr"});
   fails("render" + box() + "--k 1 --photons 100" + out, 1, {"gather.k is 1"});
   fails("render" + box() + "--k 1 --radius 0 --photons 100" + out, 1, {"gather.k is 1"});
+  fails("render" + box() + "--k 1 --radius 1 --photons 100" + out, 1, {"gather.k is 1"});
+  fails("render" + box() + "--photons 100 --set photon.channels=1 --set " +
+            quoted("photon.channel_color=[0,0,0]") + out,
+        1, {"photon.channel_color is black"});
   fails("render" + box() + "--photons 100 --set gather.k=999" + out, 1, {"gather.k", "1 to 256"});
   fails("render" + box() + "--photons 100 --set gather.colour=1" + out, 1,
         {"no line gather.colour"});

@@ -690,14 +690,14 @@ TEST_CASE("only what the scene needs is planned") {
   CHECK(channel_mean(rendered(two), "direct.R") > 0);
 }
 
-TEST_CASE("k = 1 makes an image with a radius and is refused without") {
+TEST_CASE("k = 1 is refused, with a radius too: a result with its one photon counts (k - 1) / k") {
   FrameRequest request = small_request();
   request.k = 1;
   CHECK_THROWS_AS(prepared(room(1, false), request), PlanError);
-  request.radius = 0.1;
-  CHECK_NOTHROW(prepared(room(1, false), request));
-  request.radius = 0;
-  CHECK_THROWS_AS(prepared(room(1, false), request), PlanError);
+  for (const double radius : {0.1, 0.0}) {
+    request.radius = radius;
+    CHECK_THROWS_AS(prepared(room(1, false), request), PlanError);
+  }
 }
 
 namespace {
