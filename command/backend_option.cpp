@@ -52,6 +52,10 @@ std::optional<Backend> parse_backend(const std::string& text) {
   return std::nullopt;
 }
 
+std::string waveform_of(const Backend& backend) {
+  return backend.kind.model ? waveform_extension(*backend.kind.model) : "";
+}
+
 void BoardFlags::add_to(CLI::App& command) {
   command
       .add_option("--board-wait", wait_,

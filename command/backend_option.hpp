@@ -54,6 +54,8 @@ struct Backend {
   BackendKind kind;
   std::string device;  // of a board
 };
+// The extension of the waveforms that it writes; empty: it writes none.
+std::string waveform_of(const Backend& backend);
 // Nothing for a text that is no backend. Throws UsageError for a DEVICE that is none.
 std::optional<Backend> parse_backend(const std::string& text);
 

@@ -12,6 +12,8 @@
 #include <utility>
 #include <vector>
 
+#include "verilator_tb/rig/number_options.hpp"
+
 namespace photonloom {
 
 struct UsageError : std::runtime_error {
@@ -45,12 +47,5 @@ class ThreadsOption {
 
 // Throws UsageError unless `path`, given by `option`, ends in `suffix`: the format that is written.
 void require_suffix(const std::string& option, const std::string& path, const std::string& suffix);
-
-// A number from `low` to `high`. Unlike CLI::Range, which asks whether it is less or more, this
-// refuses nan.
-CLI::Validator number_range(double low, double high);
-
-// --seed S for a subcommand: a decimal integer below 2^64; anything else is refused, not wrapped.
-CLI::Option* add_seed_option(CLI::App& command, uint64_t& seed, const std::string& description);
 
 }  // namespace photonloom

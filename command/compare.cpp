@@ -88,9 +88,6 @@ void write_heat(const std::vector<double>& values, int width, int height, const 
 
 void compare(const CompareOptions& o) {
   if (!o.error_map.empty()) require_suffix("--error-map", o.error_map, ".png");
-  for (const MetricLimit& limit : o.limits)
-    if (limit.given && std::isnan(*limit.given))
-      throw UsageError(fmt::format("{}: nan, expected a number", limit.option));
   const Image a = read_exr(o.a), b = read_exr(o.b);
   if (a.width != b.width || a.height != b.height)
     throw std::runtime_error(fmt::format("{} is {}x{}, but {} is {}x{}: expected the same size",
@@ -141,6 +138,7 @@ void add_compare(CLI::App& app) {
     c->add_option(limit.option, limit.given,
                   fmt::format("Fail unless {} is {} this", limit.what,
                               limit.at_least ? "at least" : "at most"))
+        ->check(number_value("a number"))
         ->type_name("X");
   c->callback([o] { compare(*o); });
 }

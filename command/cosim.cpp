@@ -3,9 +3,7 @@
 #include <fmt/core.h>
 
 #include <filesystem>
-#include <fstream>
 #include <functional>
-#include <iterator>
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -13,6 +11,7 @@
 #include <set>
 
 #include "command/backend_option.hpp"
+#include "command/command_line.hpp"
 #include "command/console.hpp"
 #include "command/frame_options.hpp"
 #include "golden/image/sheet.hpp"
@@ -90,22 +89,6 @@ std::string hardware_name(const Hardware& hardware) {
   for (const auto& [unit, backend] : hardware)
     if (backend.kind.name != hardware.begin()->second.kind.name) return "hardware";
   return hardware.begin()->second.kind.name;
-}
-
-// This program's command line as a shell takes it.
-std::string command_line() {
-  std::ifstream in("/proc/self/cmdline", std::ios::binary);
-  const std::string all{std::istreambuf_iterator<char>(in), {}};
-  std::string text;
-  for (size_t at = 0; at < all.size();) {
-    const std::string word = all.substr(at, all.find('\0', at) - at);
-    at += word.size() + 1;
-    const bool plain = word.find_first_not_of(
-                           "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"
-                           "0123456789_-+=:,./") == std::string::npos;
-    text += (text.empty() ? "" : " ") + (plain && !word.empty() ? word : "'" + word + "'");
-  }
-  return text;
 }
 
 // What a unit did, for the table and the summary.
@@ -211,8 +194,7 @@ void cosim(const CosimOptions& o) {
   std::set<std::string> units_with_waves;
   size_t netlists = 0;
   for (const auto& [unit, backend] : hardware) {
-    if (backend.kind.model && !waveform_extension(*backend.kind.model).empty())
-      units_with_waves.insert(unit);
+    if (!waveform_of(backend).empty()) units_with_waves.insert(unit);
     netlists += backend.kind.model == ModelKind::kNetlist;
   }
   o.rig.check_netlist(netlists);
@@ -232,6 +214,10 @@ void cosim(const CosimOptions& o) {
     std::erase_if(hardware, [&](const auto& unit) {
       return !find_unit(unit.first).lacks(frame.plan).empty();
     });
+  if (!o.rig.wave_unit().empty())
+    if (const std::string lacks = find_unit(o.rig.wave_unit()).lacks(frame.plan); !lacks.empty())
+      throw std::runtime_error(fmt::format("--wave-unit {}: gets no packet, the plan has no {}",
+                                           o.rig.wave_unit(), lacks));
   if (hardware.empty())
     throw std::runtime_error("the plan of this scene has no unit that could be hardware");
   for (const auto& [unit, backend] : hardware)  // a wrong board is refused before long work
@@ -250,7 +236,7 @@ void cosim(const CosimOptions& o) {
   Timeline timeline(o.timeline);
   CompareContext context;
   context.plan = plan_hash_text(frame.plan);
-  context.rerun = command_line();
+  context.rerun = command_line(RigFlags::waveform_options());
   context.keep_going = o.keep_going;
   context.timeline = &timeline;
   FrameUnits units = make_golden_units(frame.plan);
@@ -269,7 +255,7 @@ void cosim(const CosimOptions& o) {
         RunOptions run = o.rig.options(context.unit);
         run.timeline = o.timeline > 0;
         context.backend = backend.kind.name;
-        context.waveform = backend.kind.model ? waveform_extension(*backend.kind.model) : "";
+        context.waveform = waveform_of(backend);
         if (backend.kind.model) tools.merge(tool_versions(*backend.kind.model, run.yosys));
         context.seed = run.seed;
         sides.push_back(compare_in_frame(units.of(unit), frame.plan, context,
@@ -281,12 +267,9 @@ void cosim(const CosimOptions& o) {
     hardware_image = render_frame(frame.input(Arithmetic::kGolden), units, counts, &progress);
     for (const Side& side : sides) reports.push_back(side.report());
   } catch (const RigError& error) {
-    const std::string extension = waveform_extension(*hardware.at(error.unit).kind.model);
-    if (extension.empty())
-      throw std::runtime_error(fmt::format("{}\n  again:\n    {}", error.what(), context.rerun));
-    throw std::runtime_error(
-        fmt::format("{}\n  again, with a waveform:\n    {} --wave {}.{} --wave-unit {}",
-                    error.what(), context.rerun, error.unit, extension, error.unit));
+    context.unit = error.unit;
+    context.waveform = waveform_of(hardware.at(error.unit));
+    throw std::runtime_error(fmt::format("{}\n{}", error.what(), again_text(context, error.cycle)));
   }
 
   describe_frame(reference_image, frame, request, "reference");
@@ -313,7 +296,7 @@ void cosim(const CosimOptions& o) {
   std::string idle;
   Json summary;
   summary["scene"] = request.scene_file;
-  summary["command"] = context.rerun;
+  summary["command"] = command_line();
   summary["plan_hash"] = context.plan;
   summary["program"] = PHOTONLOOM_VERSION;
   summary["tools"] = tools;
@@ -375,6 +358,8 @@ void cosim(const CosimOptions& o) {
   if (differences) throw CheckFailed(fmt::format("{} packets differ from golden", differences));
   if (bypassed) throw CheckFailed(fmt::format("{} packets bypassed the hardware", bypassed));
   if (!same) throw CheckFailed(fmt::format("the image of {} is not the golden image", name));
+  for (const UnitReport& u : reports)
+    if (units_with_waves.count(u.unit)) o.rig.check_cycles_came(u.unit, u.count("cycles"));
 }
 
 void add_cosim(CLI::App& app) {

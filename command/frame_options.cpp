@@ -5,9 +5,9 @@
 
 #include <algorithm>
 #include <charconv>
-#include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <set>
 
 namespace photonloom {
 namespace {
@@ -52,6 +52,20 @@ std::pair<int, int> parse_size(const std::string& text) {
   return {width, height};
 }
 
+CLI::Validator radius_number() {
+  return number_value("a finite number of scene units, 0 for none",
+                      [](double radius) { return radius >= 0; });
+}
+
+void refuse_lines_set_twice(const std::vector<std::string>& lines) {
+  std::set<std::string> seen;
+  for (const std::string& line : lines) {
+    const std::string name = line.substr(0, line.find('='));
+    if (!seen.insert(name).second)
+      throw UsageError(fmt::format("--set {}: {} is set twice", line, name));
+  }
+}
+
 void FrameOptions::add_to(CLI::App& c) {
   command_ = &c;
   scene_.add_to(c);
@@ -87,9 +101,12 @@ void FrameOptions::add_to(CLI::App& c) {
   c.add_option("--radius", request_.radius,
                "Maximum gather radius of both maps in scene units, 0 for none (default: a formula "
                "of k, photons and surface area, docs/plan.md)")
+      ->check(radius_number())
       ->type_name("R");
   c.add_option("--format-error", request_.format_error,
                "Relative error that the number formats may add; chooses their widths")
+      ->check(number_value("a number between 0 and 1",
+                           [](double error) { return error > 0 && error < 1; }))
       ->type_name("E");
   add_seed_option(c, request_.seed, "Of all randomness (default 1)");
   c.add_option(
@@ -111,12 +128,7 @@ FrameRequest FrameOptions::request() const {
       if (command_->count(option) > 0)
         throw UsageError(fmt::format(
             "{}: the plan given by --plan decides it; change its line with --set", option));
-  if (request.radius && !(*request.radius >= 0 && std::isfinite(*request.radius)))
-    throw UsageError(fmt::format(
-        "--radius: {}, expected a finite number of scene units, 0 for none", *request.radius));
-  if (request.format_error && !(*request.format_error > 0 && *request.format_error < 1))
-    throw UsageError(fmt::format("--format-error: {}, expected a number between 0 and 1",
-                                 *request.format_error));
+  refuse_lines_set_twice(request.set);
   if (!size_.empty()) request.size = parse_size(size_);
   request.scene_file = scene_.path();
   request.parameters = scene_.parameters();

@@ -39,6 +39,12 @@ bool is_plan(const std::string& path);
 // "WxH" -> pixels; throws UsageError.
 std::pair<int, int> parse_size(const std::string& text);
 
+// Of --radius.
+CLI::Validator radius_number();
+
+// Throws UsageError where two lines of --set are of one name.
+void refuse_lines_set_twice(const std::vector<std::string>& lines);
+
 // What a photon-mapped image says of itself; the same from every command, so that equal pixels are
 // equal files.
 void describe_frame(Image& image, const PreparedFrame& frame, const FrameRequest& request,

@@ -13,6 +13,7 @@
 
 #include "command/command.hpp"
 #include "command/console.hpp"
+#include "command/frame_options.hpp"
 #include "golden/numeric/elementary.hpp"
 #include "golden/numeric/output_file.hpp"
 #include "golden/plan/plan_file.hpp"
@@ -202,18 +203,32 @@ void gather_reference(const Job& job, const GatherOptions& o, OutputFile& out,
   }
 }
 
+// Refuses a line of --set that the command decides itself, or that no gather reads. Lines of the
+// gatherer stay: others are valid only beside theirs.
+void refuse_without_effect(const std::string& line, const GatherOptions& o) {
+  const std::string name = line.substr(0, line.find('=')), section = line.substr(0, line.find('.'));
+  for (const auto& [decided, by] :
+       {std::pair("gather.k", "--k"), std::pair("global.radius", "--radius"),
+        std::pair("caustic.radius", "--radius"), std::pair("global.photons", "--photons"),
+        std::pair("global.present", "--photons")})
+    if (name == decided) throw UsageError(fmt::format("--set {}: {} decides it", line, by));
+  const bool of_the_points =
+      name == "scene.origin" || name == "scene.extent" || name == "global.power_exponent";
+  if (of_the_points && o.plan.empty())
+    throw UsageError(fmt::format("--set {}: without --plan, photons and queries decide it", line));
+  const std::vector<std::string> unread{"caustic", "reorder", "sampler", "cache",
+                                        "board",   "frame",   "pixel"};
+  if (name == "scene.name" || name == "gather.reciprocal_bits" ||
+      std::find(unread.begin(), unread.end(), section) != unread.end())
+    throw UsageError(fmt::format("--set {}: has no effect on a gather", line));
+}
+
 void gather(const GatherOptions& o) {
   o.threads.apply();
   if (o.kernel != "flat" && o.arithmetic == "golden")
     throw UsageError("--kernel epanechnikov needs --arithmetic reference: golden's kernel is flat");
-  if (!(o.radius >= 0) || std::isinf(o.radius))
-    throw UsageError("--radius: expected a finite number of scene units, 0 for none");
-  for (const std::string& line : o.set)
-    for (const auto& [key, option] :
-         {std::pair("gather.k=", "--k"), std::pair("global.radius=", "--radius"),
-          std::pair("caustic.radius=", "--radius")})
-      if (line.starts_with(key))
-        throw UsageError(fmt::format("--set {}: {} decides it", line, option));
+  refuse_lines_set_twice(o.set);
+  for (const std::string& line : o.set) refuse_without_effect(line, o);
   const Job job = prepare(o);
   OutputFile out(o.output);
   ConsoleProgress progress;
@@ -263,7 +278,7 @@ void add_gather(CLI::App& app) {
       "Integers of fields wider than 53 bits are decimal strings.\n"
       "Golden works in the default formats (16-bit positions in the file's cube, or where it has\n"
       "none or a query is outside, in the smallest cube around all points), or in --plan's; --set\n"
-      "changes a line of it.\n\n"
+      "changes a line of it that a gather reads.\n\n"
       "Example: photonloom gather --photons map.ply --queries q.ply --k 50 -o out.jsonl\n"
       "         photonloom gather --photons map.ply --queries q.ply --k 8 --radius 0.1\n"
       "                    --set photon.position_bits=20 -o out.jsonl");
@@ -275,6 +290,7 @@ void add_gather(CLI::App& app) {
       ->capture_default_str()
       ->type_name("K");
   c->add_option("--radius", o->radius, "Maximum radius in scene units, 0 for none")
+      ->check(radius_number())
       ->capture_default_str()
       ->type_name("R");
   c->add_option("--arithmetic", o->arithmetic,

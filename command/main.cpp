@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <charconv>
 #include <cstdio>
 #include <cstring>
 #include <exception>
@@ -13,7 +12,6 @@
 #include <memory>
 #include <new>
 #include <string>
-#include <system_error>
 
 #include "command/command.hpp"
 #include "command/console.hpp"
@@ -53,75 +51,7 @@ void require_suffix(const std::string& option, const std::string& path, const st
         fmt::format("{}: '{}', expected a name that ends in {}", option, path, suffix));
 }
 
-CLI::Validator number_range(double low, double high) {
-  const auto within = [low, high](std::string& text) -> std::string {
-    double value = 0;
-    if (CLI::detail::lexical_cast(text, value) && value >= low && value <= high) return {};
-    return fmt::format("'{}', expected a number from {} to {}", text, low, high);
-  };
-  return CLI::Validator(within, fmt::format("FLOAT in [{} - {}]", low, high));
-}
-
-CLI::Option* add_seed_option(CLI::App& command, uint64_t& seed, const std::string& description) {
-  // CLI11 alone takes -1 for 2^64 - 1 and, in some versions, 010 for 8.
-  const auto canonical = [](std::string& text) -> std::string {
-    uint64_t value = 0;
-    const char* end = text.data() + text.size();
-    const auto read = std::from_chars(text.data(), end, value);
-    if (read.ec != std::errc() || read.ptr != end)
-      return fmt::format("'{}', expected an integer from 0 to 2^64 - 1", text);
-    text = std::to_string(value);
-    return {};
-  };
-  return command.add_option("--seed", seed, description)
-      ->transform(CLI::Validator(canonical, "", "seed"))
-      ->type_name("S");
-}
-
 namespace {
-
-// What follows `mark` in the type that --help shows of the option: "[1 - 256]" of "N:UINT in [1 -
-// 256]".
-std::string range_text(const CLI::Option& option, const std::string& mark) {
-  const std::string type = option.get_type_name();
-  const size_t at = type.find(mark);
-  if (at == std::string::npos) return {};
-  const size_t first = at + mark.size();
-  return type.substr(first, type.find(']', first) + 1 - first);
-}
-
-// The number as from_chars reads it, written canonically. CLI11 alone takes -1 for 2^64 - 1, what
-// is beyond 64 bits for their largest number, and, in some versions, 010 for 8.
-template <class Integer>
-CLI::Validator canonical_integer(const std::string& range) {
-  return CLI::Validator(
-      [range](std::string& text) -> std::string {
-        Integer value = 0;
-        const char* end = text.data() + text.size();
-        const auto read = std::from_chars(text.data(), end, value);
-        if (read.ec != std::errc() || read.ptr != end)
-          return fmt::format("'{}', expected an integer in {}", text, range);
-        text = std::to_string(value);
-        return {};
-      },
-      "", "integer");
-}
-
-// The checks that all options share, of `command` and of those below it.
-void check_values(CLI::App& command) {
-  // An empty value is a slip (of a shell variable, most often), never the same as no option.
-  static const CLI::Validator not_empty(
-      [](std::string& value) { return value.empty() ? "'', expected a value" : ""; }, "");
-  for (CLI::Option* option : command.get_options()) {
-    option->check(not_empty);
-    if (const std::string natural = range_text(*option, "UINT in "); !natural.empty())
-      option->transform(canonical_integer<uint64_t>(natural));
-    else if (const std::string whole = range_text(*option, "INT in "); !whole.empty())
-      option->transform(canonical_integer<int64_t>(whole));
-  }
-  for (CLI::App* below : command.get_subcommands([](const CLI::App*) { return true; }))
-    check_values(*below);
-}
 
 int run(int argc, char** argv) {
   CLI::App app{

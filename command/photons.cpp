@@ -8,6 +8,7 @@
 #include "command/command.hpp"
 #include "command/console.hpp"
 #include "command/scene_option.hpp"
+#include "golden/numeric/output_file.hpp"
 #include "golden/scene/scene.hpp"
 #include "golden/transport/world.hpp"
 #include "golden/unit/photon_file.hpp"

@@ -5,7 +5,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
@@ -62,12 +61,13 @@ std::optional<ErrorLimit> parse_limit(const std::string& text) {
   ErrorLimit limit;
   limit.is_factor = text.back() == 'x';
   const char* const end = text.data() + text.size() - (limit.is_factor ? 1 : 0);
-  const auto [rest, problem] = std::from_chars(text.data(), end, limit.error);
-  if (problem != std::errc() || rest != end || !(limit.error > 0 && std::isfinite(limit.error)))
+  const auto error = strict_number<double>({text.data(), end});
+  if (!error || *error <= 0)
     throw UsageError(fmt::format(
-        "--error: {}, expected a number above 0, or one with an x for so many times the default "
+        "--error: '{}', expected a number above 0, or one with an x for so many times the default "
         "plan's error",
         text));
+  limit.error = *error;
   return limit;
 }
 
@@ -156,11 +156,10 @@ void PlanForError::add_to(CLI::App& c) {
   c.add_flag("--advise", advise_,
              "Print how error and cost go with photons, k and radius around the plan")
       ->group(group);
-  c.add_option(
-       "--check", check_,
-       "Also run the whole frame with this seed and tell its error; exit status 1 if that is "
-       "above E")
-      ->type_name("SEED")
+  add_seed_option(c, check_,
+                  "Also run the whole frame with this seed and tell its error; exit status 1 if "
+                  "that is above E",
+                  "--check")
       ->group(group);
   c.add_option("--work", work_,
                "Folder of references and results, to go on with (default build/plan)")

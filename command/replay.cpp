@@ -5,12 +5,15 @@
 #include <algorithm>
 #include <filesystem>
 #include <memory>
+#include <set>
 
 #include "command/backend_option.hpp"
 #include "command/command.hpp"
+#include "command/command_line.hpp"
 #include "golden/packet/map_photon.hpp"
 #include "golden/packet/trace.hpp"
 #include "golden/plan/plan_file.hpp"
+#include "verilator_tb/rig/compare.hpp"
 #include "verilator_tb/rig/rig_options.hpp"
 
 namespace photonloom {
@@ -95,6 +98,13 @@ void finish(Unit& unit) {
   if (auto* clocked = dynamic_cast<Clocked*>(&unit)) clocked->finish();
 }
 
+// After all is written: whether the waveform is there.
+template <class Unit>
+void check_waveform(Unit& unit, const ReplayOptions& o) {
+  if (auto* clocked = dynamic_cast<Clocked*>(&unit))
+    o.rig.check_cycles_came(o.unit, clocked->cycles());
+}
+
 // A file's packets, in the order that the unit's stream must have.
 template <class Unit>
 std::vector<typename Unit::In> read_input(std::type_identity<Unit>, const std::string& file,
@@ -122,6 +132,7 @@ void replay_unit(std::type_identity<PhotonGatherer> kind, const ReplayOptions& o
     std::filesystem::remove(beside(o.output, "photons"));  // an earlier run's
   if (!o.photons.empty()) write_addresses(global, plan, beside(o.output, "addresses"));
   if (!o.caustics.empty()) write_addresses(caustic, plan, beside(o.output, "caustic_addresses"));
+  check_waveform(*unit, o);
 }
 
 std::vector<SamplerInput> read_input(std::type_identity<CdfSampler>, const std::string& file,
@@ -164,6 +175,7 @@ void replay_unit(std::type_identity<Unit> kind, const ReplayOptions& o, const Pl
   if constexpr (std::is_same_v<typename Unit::In, typename Unit::FirstOut>)
     if (out.size() < in.size())
       fmt::print("{} packets are still held: no flush came after them\n", in.size() - out.size());
+  check_waveform(*unit, o);
 }
 
 void replay(const ReplayOptions& o) {
@@ -179,8 +191,18 @@ void replay(const ReplayOptions& o) {
     throw UsageError(fmt::format("{} has no meaning for {}",
                                  o.photons.empty() ? "--caustics" : "--photons", o.unit));
   o.rig.check_netlist(backend->kind.model == ModelKind::kNetlist);
+  const std::string waveform = waveform_of(*backend);
+  o.rig.check_waveform(waveform.empty() ? std::set<std::string>{} : std::set{o.unit});
   const Plan plan = read_plan(o.plan);
-  with_unit(o.unit, [&](auto unit) { replay_unit(unit, o, plan); });
+  try {
+    with_unit(o.unit, [&](auto unit) { replay_unit(unit, o, plan); });
+  } catch (const RigError& error) {
+    CompareContext context;
+    context.unit = o.unit;
+    context.waveform = waveform;
+    context.rerun = command_line(RigFlags::waveform_options());
+    throw std::runtime_error(fmt::format("{}\n{}", error.what(), again_text(context, error.cycle)));
+  }
 }
 
 void add_replay(CLI::App& app) {

@@ -22,8 +22,6 @@ struct SheetOptions {
 
 void sheet(const SheetOptions& o) {
   require_suffix("--output", o.output, ".png");
-  if (o.exposure && !(std::fabs(*o.exposure) <= 100))
-    throw UsageError(fmt::format("--exposure: {}, expected -100 to 100", *o.exposure));
   std::vector<Tile> tiles;
   double exposure = o.exposure.value_or(0);
   bool row_exposed = false;
@@ -66,7 +64,9 @@ void add_sheet(CLI::App& app) {
   c->add_option("--shrink", o->shrink, "Average N x N pixels into one (default 1)")
       ->check(CLI::Range(1, 64))
       ->type_name("N");
-  c->add_option("--exposure", o->exposure, "Show EXR values times 2^EV")->type_name("EV");
+  c->add_option("--exposure", o->exposure, "Show EXR values times 2^EV")
+      ->check(number_range(-100, 100))
+      ->type_name("EV");
   c->callback([o] { sheet(*o); });
 }
 

@@ -138,10 +138,15 @@ TEST_CASE("a planted bug is reported with a command that shows it, and reaches t
   REQUIRE(at != std::string::npos);
   const std::string command = stopped.err.substr(at, stopped.err.find('\n', at) - at);
   CHECK_THAT(command, ContainsSubstring("--wave photon_gatherer.fst"));
-  CHECK(std::system(fmt::format("cd {} && {} --work {} >/dev/null 2>&1", scratch.path.string(),
-                                command, std::filesystem::current_path().string() + "/cosim")
-                        .c_str()) != 0);
+  CHECK_THAT(stopped.err, ContainsSubstring("\n    gtkwave photon_gatherer.fst"));
+  // It prints itself again: what it adds replaces what is there.
+  std::filesystem::create_directory_symlink(std::filesystem::current_path() / "cosim",
+                                            scratch / "cosim");
+  CHECK(std::system(
+            fmt::format("cd {} && {} >/dev/null 2>err", scratch.path.string(), command).c_str()) !=
+        0);
   CHECK(std::filesystem::file_size(scratch / "photon_gatherer.fst") > 1000);
+  CHECK_THAT(read_file(scratch / "err"), ContainsSubstring("\n" + command + "\n"));
 
   const Outcome kept = run(bug + " --keep-going");
   CHECK(kept.status == 1);
@@ -154,6 +159,31 @@ TEST_CASE("a planted bug is reported with a command that shows it, and reaches t
   CHECK_THAT(summary["units"]["photon_gatherer"]["first_difference"].get<std::string>(),
              ContainsSubstring("* flux[0]"));
   CHECK_FALSE(summary["command"].get<std::string>().empty());
+}
+
+TEST_CASE("an assertion of the RTL that fails is reported like a difference") {
+  const Scratch scratch;
+  std::filesystem::copy(source("rtl"), scratch / "rtl's", std::filesystem::copy_options::recursive);
+  const std::string file = scratch / "rtl's/reorder_buffer/reorder_buffer.sv";
+  std::string text = read_file(file);
+  const std::string right = "assign out_taken = out_valid_o && out_ready_i";
+  REQUIRE(text.find(right) != std::string::npos);
+  text.replace(text.find(right), right.size(), "assign out_taken = out_valid_o");
+  write_file(file, text);
+  const Outcome o =
+      run(cosim("--backend reorder_buffer=rtl --stall-out bernoulli:0.5 --rig-seed 3 "
+                "--rtl \"" +
+                (scratch / "rtl's") + "\" -o " + (scratch / "out")));
+  INFO(o.err);
+  CHECK(o.status == 1);
+  CHECK_THAT(o.err, ContainsSubstring("photonloom: unit reorder_buffer stopped in cycle ") &&
+                        ContainsSubstring(", seed 3: an assertion failed") &&
+                        ContainsSubstring("\n  in: valid ") &&
+                        ContainsSubstring("\n  out: valid ") &&
+                        ContainsSubstring(" --rtl '" + scratch.path.string() + "/rtl'\\''s' ") &&
+                        ContainsSubstring(" --wave reorder_buffer.fst --wave-unit reorder_buffer "
+                                          "--wave-cycles ") &&
+                        ContainsSubstring("\n    gtkwave reorder_buffer.fst"));
 }
 
 TEST_CASE("a unit that sees no packet fails the run", "[slow]") {
@@ -173,10 +203,20 @@ TEST_CASE("wrong use") {
   CHECK(run(cosim("--backend cdf_sampler=rtl,cdf_sampler=rtl")).status == 2);
   for (const char* bad : {"--stall sometimes", "--latency 0", "--wave x.fst", "--wave-cycles 3:4",
                           "--wave x.fst --wave-unit reorder_buffer --wave-cycles 9:3",
+                          "--wave x.fst --wave-unit reorder_buffer --wave-cycles -1:3",
+                          "--wave x.fst --wave-unit irradiance_cache", "--stall bernoulli",
+                          "--stall 'bernoulli: 0.5'", "--stall bernoulli:0x0.8", "--latency ' 5'",
                           "--backend reorder_buffer=netlist --yosys no-such-yosys"}) {
     INFO(bad);
     const Outcome o = run(cosim(bad));
     CHECK(o.status == 1);
     CHECK(o.one_error_line());
+  }
+  for (const std::string option : {"--rig-seed", "--initial-seed", "--stall-out", "--latency",
+                                   "--banks", "--bank-cycles", "--watchdog", "--wave"}) {
+    const Outcome o = run(cosim(option + " 3 " + option + " 4"));
+    INFO(option << ": " << o.err);
+    CHECK(o.status == 2);
+    CHECK_THAT(o.err, ContainsSubstring(option));
   }
 }

@@ -181,9 +181,6 @@ TEST_CASE("gather and photons refuse what they cannot do, in one line") {
            Case{"gather --photons " + s / "q.ply" + " --queries " + s / "q.ply" + " -o " + s / "o",
                 1},
            Case{"gather --photons " + s / "q.ply" + " --queries " + s / "q.ply" +
-                    " --radius -1 -o " + s / "o",
-                2},
-           Case{"gather --photons " + s / "q.ply" + " --queries " + s / "q.ply" +
                     " --set gather.k=3 -o " + s / "o",
                 2},
            Case{"gather --photons " + s / "q.ply" + " --queries " + s / "q.ply" +
@@ -198,6 +195,17 @@ TEST_CASE("gather and photons refuse what they cannot do, in one line") {
     INFO(o.err);
     CHECK(o.status == c.status);
     CHECK(o.one_error_line());
+  }
+  for (const char* line :
+       {"global.photons=3", "global.present=false", "caustic.photons=3", "frame.width=8",
+        "pixel.integer_bits=9", "gather.k=3", "scene.extent=2", "global.power_exponent=-9",
+        "photon.mantissa_bits=9 --set photon.mantissa_bits=8"}) {
+    const Outcome o = run("gather --photons " + s / "q.ply" + " --queries " + s / "q.ply" +
+                          " --set " + line + " -o " + s / "o");
+    INFO(line << ": " << o.err);
+    CHECK(o.status == 2);
+    CHECK(o.one_error_line());
+    CHECK(o.err.starts_with("photonloom: --set "));
   }
   CHECK(run("gather --k 0 --photons a --queries b -o c").status == 2);
   CHECK(run("photons " + scene + " --photons 0 -o c").status == 2);

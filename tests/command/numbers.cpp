@@ -37,15 +37,47 @@ TEST_CASE("what is no number is refused by the name of its option") {
       {"render " + scene + frame + "-o " + out, "--format-error", "nan"},
       {"render " + scene + " -o " + out, "--spp", "nan"},
       {"sheet x.exr -o x.png", "--exposure", "nan"},
+      {"sheet x.exr -o x.png", "--exposure", "101"},
       {"compare x.exr x.exr", "--max-rmse", "nan"},
+      {"compare x.exr x.exr", "--max-rmse", "1e-999"},
+      {"compare x.exr x.exr", "--min-psnr", "0x10"},
+      {"compare x.exr x.exr", "--max-flip", " 1"},
+      {"gather --photons x --queries x -o " + out, "--radius", "nan"},
+      {"gather --photons x --queries x -o " + out, "--radius", "-1"},
+      {"gather --photons x --queries x -o " + out, "--radius", "1e-999"},
+      {"gather --photons x --queries x -o " + out, "--radius", "5 "},
+      {"board info /dev/null", "--board-wait", "0x10"},
+      {"generate " + plan + " -o " + out + " --board ulx3s-85f", "--clock", " 25"},
   };
   for (const auto& r : refused) {
     INFO(r.command << " " << r.option << " " << r.value);
-    const Outcome o = run(r.command + " " + r.option + " " + r.value);
+    const Outcome o = run(r.command + " " + r.option + "='" + r.value + "'");
+    INFO(o.err);
     CHECK(o.status == 2);
-    CHECK_THAT(o.err, ContainsSubstring(r.option + ":"));
+    CHECK_THAT(o.err, ContainsSubstring(r.option + ":") &&
+                          ContainsSubstring("'" + r.value + "', expected"));
     CHECK(s.entries() == 1);
   }
+}
+
+TEST_CASE("no seed wraps or saturates, whatever its option is called") {
+  const std::string packets = "replay reorder_buffer --plan x.toml --packets x.jsonl -o y.jsonl ";
+  for (const auto& [command, option] :
+       {std::pair<std::string, std::string>{"cosim x.xml", "--seed"},
+        {"cosim x.xml", "--rig-seed"},
+        {"cosim x.xml", "--initial-seed"},
+        {packets, "--seed"},
+        {packets, "--initial-seed"},
+        {"plan x.xml -o y.toml --error 0.1", "--check"},
+        {"photons x.xml -o y.ply", "--seed"}})
+    for (const std::string value : {"-1", "-5", "18446744073709551616", "99999999999999999999999",
+                                    "0x10", " 5", "5 ", "1e3"}) {
+      const Outcome o = run(command + " " + option + "='" + value + "'");
+      INFO(command << " " << option << "='" << value << "'\n" << o.err);
+      CHECK(o.status == 2);
+      CHECK_THAT(o.err, ContainsSubstring(option + ": '" + value +
+                                          "', expected an integer from 0 to 2^64 - 1"));
+    }
 }
 
 // The commands that `command --help` lists, itself first, and those below them.

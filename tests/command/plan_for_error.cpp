@@ -119,9 +119,12 @@ TEST_CASE("plan --error: wrong command lines name the option and what was expect
     std::string arguments, said;
     int status;
   } wrong[] = {
-      {"--error 0" + end, "--error: 0, expected a number above 0", 2},
-      {"--error nan" + end, "--error: nan, expected a number above 0", 2},
-      {"--error 2y" + end, "--error: 2y, expected a number above 0", 2},
+      {"--error 0" + end, "--error: '0', expected a number above 0", 2},
+      {"--error nan" + end, "--error: 'nan', expected a number above 0", 2},
+      {"--error 1e-999" + end, "--error: '1e-999', expected a number above 0", 2},
+      {"--error 0x1" + end, "--error: '0x1', expected a number above 0", 2},
+      {"--error ' 1'" + end, "--error: ' 1', expected a number above 0", 2},
+      {"--error 2y" + end, "--error: '2y', expected a number above 0", 2},
       {"--explain gather.k" + end, "--explain: writes no plan without --error", 2},
       {"--explain gather.nothing", "the plan has no line gather.nothing", 1},
       {"--error 0.1", "needs -o FILE", 2},

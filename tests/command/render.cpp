@@ -244,13 +244,14 @@ TEST_CASE("what cannot be is one clear error, and nothing is left behind") {
   for (const std::string seed : {"-1", "18446744073709551616", "0x10", "1.5", ""})
     fails("render" + box() + kSmall + " --photons 100 --seed '" + seed + "'" + out, 2,
           {"--seed: '" + seed + "'"});
-  for (const std::string radius : {"-1", "nan", "inf"})
-    fails("render" + box() + kSmall + " --photons 100 --radius " + radius + out, 2,
-          {"--radius: " + radius + ", expected"});
-  for (const std::string error : {"0", "-0.1", "1", "nan", "inf"})
-    fails("plan" + box() + "--photons 100 --format-error " + error + " -o" +
+  for (const std::string radius :
+       {"-1", "nan", "inf", "1e-999", "1e999", "0x10", " 5", "5 ", "1,5"})
+    fails("render" + box() + kSmall + " --photons 100 --radius='" + radius + "'" + out, 2,
+          {"--radius: '" + radius + "', expected"});
+  for (const std::string error : {"0", "-0.1", "1", "nan", "inf", "1e-999", "0x0.1", " 0.1"})
+    fails("plan" + box() + "--photons 100 --format-error='" + error + "' -o" +
               quoted(scratch / "p.toml"),
-          2, {"--format-error: " + error + ", expected"});
+          2, {"--format-error: '" + error + "', expected"});
   fails("rendre" + box() + out, 2, {"'rendre' is no command"});
   fails("render" + box() + "--arithmetic exact" + out, 2, {"--arithmetic"});
   fails("render" + box() + "-D x" + out, 2, {"-D"});
@@ -264,6 +265,8 @@ TEST_CASE("what cannot be is one clear error, and nothing is left behind") {
   fails("render" + box() + "--photons 100 --set gather.k=999" + out, 1, {"gather.k", "1 to 256"});
   fails("render" + box() + "--photons 100 --set gather.colour=1" + out, 1,
         {"no line gather.colour"});
+  fails("render" + box() + "--photons 100 --set gather.k=5 --set gather.k=6" + out, 2,
+        {"--set gather.k=6: gather.k is set twice"});
   fails("render" + box() + "--photons 100 --set photon.photon_bytes=4" + out, 1,
         {"photon.photon_bytes", "needs at least"});
   fails("render" + box() + "--plan /nonexistent.toml" + out, 1, {"/nonexistent.toml"});

@@ -133,6 +133,26 @@ TEST_CASE("a CXXRTL model leaves the same packets as golden", "[slow]") {
                                             "backend netlist"));
 }
 
+TEST_CASE("a waveform that cannot be written is an error, not silence") {
+  Files f;
+  const std::string wave = f.scratch / "y.fst";
+  const auto refused = [&](const std::string& unit, const std::string& more) {
+    const Outcome o = f.replay(unit, "queries.jsonl", "--wave " + wave + " " + more);
+    INFO(unit << " " << more << ": " << o.err);
+    CHECK(o.status == 1);
+    CHECK(o.one_error_line());
+    CHECK_FALSE(std::filesystem::exists(wave));
+    return o.err;
+  };
+  CHECK_THAT(refused("reorder_buffer", "--backend golden"),
+             ContainsSubstring("--wave: no unit runs by a backend that writes a waveform"));
+  CHECK_THAT(refused("photon_gatherer", "--wave-unit reorder_buffer"),
+             ContainsSubstring("--wave-unit reorder_buffer: no such unit runs as hardware"));
+  CHECK_THAT(refused("reorder_buffer", "--wave-cycles 999999:9999999"),
+             ContainsSubstring("--wave-cycles 999999:9999999: reorder_buffer ran for "));
+  CHECK(std::filesystem::exists(f.scratch / "out.jsonl"));
+}
+
 TEST_CASE("packets that no flush follows stay held") {
   Files f;
   const Outcome o = f.replay("reorder_buffer", "queries.jsonl", "--backend golden");

@@ -10,6 +10,7 @@
 #include <exception>
 #include <fstream>
 
+#include "verilator_tb/model/tools.hpp"
 #include "verilator_tb/rig/rig_options.hpp"
 
 namespace photonloom {
@@ -95,25 +96,30 @@ void run_cases(const std::string& program, const Bench& bench, const BenchPlan& 
           options.restart_after = restart_cycle(command.seed, unit, c.name, p);
         context.rerun += fmt::format(" --policy {}", p);
       }
-      if (!options.rtl_dir.empty()) context.rerun += " --rtl " + options.rtl_dir;
+      if (!options.rtl_dir.empty())
+        context.rerun += " --rtl " + model_tools::shell_word(options.rtl_dir);
       if (options.kind != ModelKind::kRtl) context.rerun += " --backend " + command.backend;
-      if (options.yosys != "yosys") context.rerun += " --yosys " + options.yosys;
-      if (!options.netlist.empty()) context.rerun += " --netlist " + options.netlist;
+      if (options.yosys != "yosys")
+        context.rerun += " --yosys " + model_tools::shell_word(options.yosys);
+      if (!options.netlist.empty())
+        context.rerun += " --netlist " + model_tools::shell_word(options.netlist);
       options.seed = command.seed;
       BenchRandom random(command.seed, unit + "/" + c.name);
+      const uint64_t cycles_before = totals.cycles;
       try {
         c.run(plan.plan, options, context, random, totals);
       } catch (const Divergence&) {
         throw;
       } catch (const ModelBuildError&) {
         throw;
+      } catch (const RigError& error) {
+        throw std::runtime_error(
+            fmt::format("{}\n{}", error.what(), again_text(context, error.cycle)));
       } catch (const std::exception& error) {
-        if (context.waveform.empty())
-          throw std::runtime_error(
-              fmt::format("{}\n  again:\n    {}", error.what(), context.rerun));
-        throw std::runtime_error(fmt::format("{}\n  again, with a waveform:\n    {} --wave {}.{}",
-                                             error.what(), context.rerun, unit, context.waveform));
+        throw std::runtime_error(
+            fmt::format("{}\n{}", error.what(), again_text(context, std::nullopt)));
       }
+      totals.longest = std::max(totals.longest, totals.cycles - cycles_before);
       ++totals.runs;
       totals.restarts += options.restart_after > 0;
     }
@@ -150,8 +156,9 @@ class Soak {
   uint64_t tenth_, next_ = 1, first_ = 0;
 };
 
-void run_plan(const std::string& program, const Bench& bench, const BenchPlan& plan,
-              const BenchCommand& command) {
+// The cycles of the longest run.
+uint64_t run_plan(const std::string& program, const Bench& bench, const BenchPlan& plan,
+                  const BenchCommand& command) {
   const std::string& unit = bench.module;
   const auto started = std::chrono::steady_clock::now();
   BenchTotals totals;
@@ -173,6 +180,7 @@ void run_plan(const std::string& program, const Bench& bench, const BenchPlan& p
       totals.cycles,
       std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count());
   std::fflush(stdout);
+  return totals.longest;
 }
 
 }  // namespace
@@ -232,6 +240,7 @@ int bench_main(int argc, char** argv, const Bench& bench) {
                "Tell of each tenth of --packets; memory that grows after the first is an error.");
   app.add_flag("--list", command.list, "List plans, cases and policies.");
   command.rig.add_to(app, "--seed");
+  check_values(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -250,16 +259,21 @@ int bench_main(int argc, char** argv, const Bench& bench) {
   try {
     command.seed = command.rig.options(unit).seed;
     command.rig.check_netlist(command.backend == "netlist");
+    if (waveform_extension(*model_kind(command.backend)).empty())
+      command.rig.check_waveform({});
+    else
+      command.rig.check_waveform({unit});
     std::vector<BenchPlan> plans;
-    unsigned long long from = 0, to = 0;
-    char extra = 0;
     if (command.plan.starts_with("random:")) {
-      const int n = std::sscanf(command.plan.c_str() + 7, "%llu-%llu%c", &from, &to, &extra);
-      if (n == 1) to = from;
-      if (n < 1 || n > 2 || from > to)
+      const std::string range = command.plan.substr(7);
+      const size_t dash = range.find('-');
+      const auto from = strict_number<uint64_t>(range.substr(0, dash)),
+                 to = dash == std::string::npos ? from
+                                                : strict_number<uint64_t>(range.substr(dash + 1));
+      if (!from || !to || *from > *to)
         throw std::runtime_error(
             fmt::format("--plan {}: expected random:N or random:N-M", command.plan));
-      for (uint64_t i = from; i <= to; ++i)
+      for (uint64_t i = *from; i <= *to; ++i)
         plans.push_back({fmt::format("random:{}", i), random_plan(i)});
     } else {
       for (const BenchPlan& p : bench.plans)
@@ -267,7 +281,10 @@ int bench_main(int argc, char** argv, const Bench& bench) {
     }
     if (plans.empty())
       throw std::runtime_error(fmt::format("--plan {}: not a plan of --list", command.plan));
-    for (const BenchPlan& p : plans) run_plan(argv[0], bench, p, command);
+    uint64_t longest = 0;
+    for (const BenchPlan& p : plans)
+      longest = std::max(longest, run_plan(argv[0], bench, p, command));
+    command.rig.check_cycles_came(unit, longest);
   } catch (const std::exception& error) {
     fmt::print(stderr, "{}\n", error.what());
     return 1;

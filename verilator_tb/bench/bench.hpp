@@ -29,6 +29,7 @@ struct BenchPlan {
 // What was checked so far.
 struct BenchTotals {
   uint64_t runs = 0, restarts = 0, compared = 0, cycles = 0;
+  uint64_t longest = 0;  // cycles of a run
 };
 
 // A case makes its stimulus, runs it beside golden and adds to the totals; a difference throws.

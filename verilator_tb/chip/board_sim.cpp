@@ -14,6 +14,7 @@
 #include "golden/plan/units.hpp"
 #include "verilator_tb/chip/board_model.hpp"
 #include "verilator_tb/chip/pseudo_terminal.hpp"
+#include "verilator_tb/rig/number_options.hpp"
 
 namespace photonloom {
 namespace {
@@ -30,15 +31,11 @@ struct Options {
 // "1/10000" or "0" -> one in so many, 0 for never.
 uint64_t one_in(const std::string& option, const std::string& text) {
   if (text == "0") return 0;
-  size_t end = 0;
-  uint64_t n = 0;
-  if (text.starts_with("1/") && text.find_first_not_of("0123456789", 2) == std::string::npos &&
-      text.size() > 2 && text.size() < 20)
-    n = std::stoull(text.substr(2), &end);
-  if (n < 2)
+  const auto n = text.starts_with("1/") ? strict_number<uint64_t>(text.substr(2)) : std::nullopt;
+  if (!n || *n < 2)
     throw std::runtime_error(
         fmt::format("{}: '{}', expected 0 or 1/N with N 2 or more", option, text));
-  return n;
+  return *n;
 }
 
 // Changes, loses and doubles bytes of one direction.
@@ -136,13 +133,13 @@ int run(int argc, char** argv) {
       ->type_name("1/N");
   app.add_option("--drop", o.drop, "Loses one byte in N")->type_name("1/N");
   app.add_option("--duplicate", o.duplicate, "Doubles one byte in N")->type_name("1/N");
-  app.add_option("--seed", o.seed, "Of these")->type_name("S");
-  app.add_option("--initial-seed", o.run.initial_seed, "Of the registers' initial values")
-      ->type_name("S");
+  add_seed_option(app, o.seed, "Of these");
+  add_seed_option(app, o.run.initial_seed, "Of the registers' initial values", "--initial-seed");
   app.add_option("--waveform", o.run.waveform, "Writes all cycles as FST")->type_name("FILE");
   app.add_option("--rtl", o.run.rtl_dir, "Takes the RTL from here")->type_name("DIR");
   app.add_option("--work", o.run.work_dir, "Where models are kept (default build/cosim)")
       ->type_name("DIR");
+  check_values(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -246,7 +246,7 @@ bool Model::has_port(const std::string& name) const {
 
 void Model::eval() {
   if (abi_->eval(abi_->instance))
-    throw std::runtime_error("the RTL stopped: an assertion failed (see above)");
+    throw ModelStopped("the RTL stopped: an assertion failed (see above)");
 }
 
 void Model::open_waveform(const std::string& path) {

@@ -86,6 +86,11 @@ struct ModelQueue {
   size_t fill() const;
 };
 
+// The RTL itself ended its run; what it had to say is on stdout.
+struct ModelStopped : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
 // One instance of a loaded model, with its own initial register values.
 class Model {
  public:
@@ -103,7 +108,7 @@ class Model {
   // Its queues, by name; of a model with open queues.
   const std::vector<ModelQueue>& queues() const { return queues_; }
 
-  // Settles the model. A failed assertion or $fatal in the RTL throws.
+  // Settles the model. A failed assertion or $fatal in the RTL throws ModelStopped.
   void eval();
 
   void open_waveform(const std::string& path);  // FST

@@ -28,6 +28,13 @@ std::string replace_all(std::string text, const std::string& what, const std::st
 
 std::string quoted(const std::string& text) { return "'" + replace_all(text, "'", "'\\''") + "'"; }
 
+std::string shell_word(const std::string& text) {
+  const bool plain = !text.empty() && text.find_first_not_of(
+                                          "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"
+                                          "0123456789_-+=:,./@%") == std::string::npos;
+  return plain ? text : quoted(text);
+}
+
 // Output of a shell command; empty where it fails.
 std::string output_of(const std::string& command) {
   std::string text;

@@ -13,6 +13,8 @@ namespace photonloom::model_tools {
 std::string replace_all(std::string text, const std::string& what, const std::string& by);
 // As one word of a shell.
 std::string quoted(const std::string& text);
+// Quoted only where a shell would take it for something else.
+std::string shell_word(const std::string& text);
 // Output of a shell command; empty where it fails.
 std::string output_of(const std::string& command);
 // Runs a shell command with its output in the file `log`; a failure is an error with the lines of

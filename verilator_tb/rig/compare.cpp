@@ -7,6 +7,18 @@
 
 namespace photonloom {
 
+std::string again_text(const CompareContext& context, std::optional<uint64_t> cycle) {
+  if (context.rerun.empty()) return "";
+  if (context.waveform.empty()) return "  again:\n    " + context.rerun;
+  const std::string file = context.unit + "." + context.waveform;
+  std::string text =
+      fmt::format("  again, with a waveform{}:\n    {} --wave {} --wave-unit {}",
+                  cycle ? " of the window around it" : "", context.rerun, file, context.unit);
+  if (cycle)
+    text += fmt::format(" --wave-cycles {}:{}", *cycle > 1000 ? *cycle - 1000 : 0, *cycle + 50);
+  return text + "\n    gtkwave " + file;
+}
+
 StreamComparer::StreamComparer(const PacketLayout& layout, std::string stream,
                                const CompareContext& context)
     : layout_(layout), stream_(std::move(stream)), context_(context) {}
@@ -42,15 +54,7 @@ void StreamComparer::differ(const void* golden, const void* other, uint64_t cycl
                           f.array ? fmt::format("{}[{}]", f.name, i) : f.name, a, b,
                           f.unit.empty() ? "" : "  ", f.unit);
     }
-  if (!context_.rerun.empty() && !simulated)
-    text += "  again:\n    " + context_.rerun;
-  else if (!context_.rerun.empty())
-    text += fmt::format(
-        "  again, with a waveform of the window around it:\n"
-        "    {} --wave {}.{} --wave-unit {} --wave-cycles {}:{}",
-        context_.rerun, context_.unit, context_.waveform, context_.unit,
-        cycle > 1000 ? cycle - 1000 : 0, cycle + 50);
-  report(text);
+  report(text + again_text(context_, cycle));
 }
 
 void StreamComparer::count_differs(size_t golden, size_t other) {

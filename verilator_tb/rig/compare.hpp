@@ -4,6 +4,7 @@
 #pragma once
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -27,10 +28,15 @@ struct CompareContext {
   std::string waveform = "fst";
   uint64_t seed = 1;
   std::string plan;   // name or hash
-  std::string rerun;  // command line that repeats the run; waveform options are appended
+  std::string rerun;  // command line that repeats the run, without waveform options
   bool keep_going = false;
   Timeline* timeline = nullptr;  // filled where there is one
 };
+
+// The end of a report: the command that repeats the run, with a waveform where the backend writes
+// one, of the cycles around `cycle` where that is known, and the one that shows it. Empty where the
+// context has no command.
+std::string again_text(const CompareContext& context, std::optional<uint64_t> cycle);
 
 // Compares one output stream. Packets are handed over as arrays of C++ structs.
 class StreamComparer {

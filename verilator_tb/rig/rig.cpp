@@ -4,6 +4,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cstdio>
 #include <cstring>
 #include <utility>
 
@@ -141,13 +142,17 @@ bool Taker::sample(uint64_t cycle) {
   was_valid_ = *valid_.data != 0;
   if (holding_) {
     if (!was_valid_)
-      throw RigError(unit_, fmt::format(", stream {}, packet {}, cycle {}: valid was withdrawn "
-                                        "before the packet was taken",
-                                        name_, taken_, cycle));
+      throw RigError(unit_,
+                     fmt::format(", stream {}, packet {}, cycle {}: valid was withdrawn "
+                                 "before the packet was taken",
+                                 name_, taken_, cycle),
+                     cycle);
     if (std::memcmp(held_.data(), data_.data, data_.bytes) != 0)
-      throw RigError(unit_, fmt::format(", stream {}, packet {}, cycle {}: the packet changed "
-                                        "before it was taken",
-                                        name_, taken_, cycle));
+      throw RigError(unit_,
+                     fmt::format(", stream {}, packet {}, cycle {}: the packet changed "
+                                 "before it was taken",
+                                 name_, taken_, cycle),
+                     cycle);
   }
   holding_ = false;
   if (!was_valid_) return false;
@@ -277,12 +282,15 @@ bool LineMemory::sample(uint64_t cycle) {
                      fmt::format(", cycle {}: the line port asks for line {} of map {}, "
                                  "which has {} lines",
                                  cycle, line, map,
-                                 lines_ && map <= 1 ? (*lines_)[map].size() / line_bytes_ : 0));
+                                 lines_ && map <= 1 ? (*lines_)[map].size() / line_bytes_ : 0),
+                     cycle);
     for (const Request& r : pending_)
       if (r.tag == tag)
-        throw RigError(unit_, fmt::format(", cycle {}: the line port uses tag {} again before its "
-                                          "reply is complete",
-                                          cycle, tag));
+        throw RigError(unit_,
+                       fmt::format(", cycle {}: the line port uses tag {} again before its "
+                                   "reply is complete",
+                                   cycle, tag),
+                       cycle);
     const uint64_t wait = random_latency_ ? 1 + random_.below(2 * static_cast<uint64_t>(latency_))
                                           : static_cast<uint64_t>(latency_);
     uint64_t& bank = bank_free_[line % bank_free_.size()];
@@ -363,9 +371,9 @@ void Rig::reset() {
   *reset_ = 1;
   for (int i = 0; i < 4; ++i) {
     *clock_ = 0;
-    model_.eval();
+    settle();
     *clock_ = 1;
-    model_.eval();
+    settle();
   }
   *reset_ = 0;
 }
@@ -388,6 +396,29 @@ bool Rig::restart(const std::function<void()>& give) {
   if (memory_) memory_->restart();
   reset();
   return true;
+}
+
+std::string Rig::streams() const {
+  std::string text;
+  for (const auto& s : sources_) text += "\n  " + s->state();
+  for (const auto& t : takers_) text += "\n  " + t->state();
+  if (memory_) text += "\n  " + memory_->state();
+  return text;
+}
+
+void Rig::settle() {
+  try {
+    model_.eval();
+  } catch (const ModelStopped&) {
+    std::fflush(stdout);  // where the simulator said which assertion it is
+    // The waveform's end is what the assertion saw.
+    if (waveform_open_) model_.dump(2 * cycle_ + *clock_);
+    throw RigError(unit_,
+                   fmt::format(" stopped in cycle {}, seed {}: an assertion failed, which the "
+                               "simulator names above{}",
+                               cycle_, options_.seed, streams()),
+                   cycle_);
+  }
 }
 
 void Rig::flip_bits() {
@@ -434,7 +465,7 @@ void Rig::cycle() {
   for (auto& t : takers_) t->drive();
   if (memory_) memory_->drive(cycle_);
   *clock_ = 0;
-  model_.eval();
+  settle();
   const bool recording = !options_.waveform.empty() && cycle_ >= options_.waveform_from &&
                          cycle_ <= options_.waveform_to;
   if (recording) {
@@ -453,9 +484,9 @@ void Rig::cycle() {
        ++second_edges_) {
     second_pins_(second_edges_);
     *second_clock_ = 1;
-    model_.eval();
+    settle();
     *second_clock_ = 0;
-    model_.eval();
+    settle();
   }
   bool moved = false;
   for (auto& s : sources_) moved |= s->sample(cycle_);
@@ -463,7 +494,7 @@ void Rig::cycle() {
   if (memory_) moved |= memory_->sample(cycle_);
   quiet_ = moved ? 0 : quiet_ + 1;
   *clock_ = 1;
-  model_.eval();
+  settle();
   if (recording) model_.dump(2 * cycle_ + 1);
   for (auto& s : sources_) s->after_edge();
   ++cycle_;
@@ -481,13 +512,9 @@ void Rig::run_until(const std::function<bool()>& done) {
   while (!done()) {
     cycle();
     if (quiet_ < options_.watchdog) continue;
-    std::string streams;
-    for (auto& s : sources_) streams += "\n  " + s->state();
-    for (auto& t : takers_) streams += "\n  " + t->state();
-    if (memory_) streams += "\n  " + memory_->state();
     throw RigError(unit_, fmt::format(" is stuck: nothing moved for {} cycles before cycle {}, "
                                       "seed {}{}",
-                                      quiet_, cycle_, options_.seed, streams));
+                                      quiet_, cycle_, options_.seed, streams()));
   }
 }
 

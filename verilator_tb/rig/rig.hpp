@@ -65,11 +65,13 @@ struct RunOptions {
   std::shared_ptr<Faults> faults;  // none unless a test has some
 };
 
-// The unit is stuck, or broke the rules of a stream.
+// The unit is stuck, broke the rules of a stream, or failed an assertion of its own.
 struct RigError : std::runtime_error {
-  RigError(const std::string& unit_name, const std::string& what)
-      : std::runtime_error("unit " + unit_name + what), unit(unit_name) {}
+  RigError(const std::string& unit_name, const std::string& what,
+           std::optional<uint64_t> at_cycle = std::nullopt)
+      : std::runtime_error("unit " + unit_name + what), unit(unit_name), cycle(at_cycle) {}
   std::string unit;
+  std::optional<uint64_t> cycle;  // in which a waveform shows it
 };
 
 // Drives one input stream from a queue of packed packets. While it offers nothing the payload is
@@ -218,6 +220,8 @@ class Rig {
  private:
   std::string unit_;
   void flip_bits();
+  void settle();                // the model; a failed assertion is a RigError
+  std::string streams() const;  // the state of each, a line each
 
   RunOptions options_;
   Model model_;

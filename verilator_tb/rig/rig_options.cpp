@@ -3,21 +3,22 @@
 
 #include <fmt/core.h>
 
-#include <cstdlib>
+#include <algorithm>
 
 #include "rtl/generate/data_files.hpp"
 
 namespace photonloom {
 
 void RigFlags::add_to(CLI::App& command, const std::string& seed_flag) {
-  // The last one counts, so that a report's command can append its own.
   const auto add = [&](const std::string& flag, auto& value, const std::string& help) {
-    return command.add_option(flag, value, help)->take_last();
+    return command.add_option(flag, value, help);
   };
-  add(seed_flag, seed_,
-      "Seed of stalls, latencies and initial register values; changes when packets "
-      "move, never which. Default 1.");
-  add("--initial-seed", initial_seed_, "Mixed into the initial register values alone. Default 1.");
+  add_seed_option(command, seed_,
+                  "Seed of stalls, latencies and initial register values; changes when packets "
+                  "move, never which. Default 1.",
+                  seed_flag);
+  add_seed_option(command, initial_seed_,
+                  "Mixed into the initial register values alone. Default 1.", "--initial-seed");
   add("--stall", stall_,
       "When streams hold back: none, bernoulli:P, bursts or adversary. Default "
       "none.");
@@ -28,9 +29,8 @@ void RigFlags::add_to(CLI::App& command, const std::string& seed_flag) {
       "Cycles from a line request to its first beat: N, random (mean 20, out of "
       "order) or random:MEAN. Default 20.");
   add("--banks", banks_, "Banks of the line memory. Default 8.")->check(CLI::Range(1, 1024));
-  command
-      .add_option("--bank-cycles", bank_cycles_,
-                  "A bank takes one request in so many cycles; 0: no limit. Default 0.")
+  add("--bank-cycles", bank_cycles_,
+      "A bank takes one request in so many cycles; 0: no limit. Default 0.")
       ->check(CLI::Range(0, 100000));
   add("--watchdog", watchdog_,
       "Cycles without a handshake after which a unit counts as stuck. Default "
@@ -65,12 +65,11 @@ RunOptions RigFlags::options(const std::string& unit) const {
     o.random_latency = true;
     latency = latency.substr(7);
   }
-  char* end = nullptr;
-  const long cycles = std::strtol(latency.c_str(), &end, 10);
-  if (latency.empty() || *end || cycles < 1 || cycles > 1000000)
+  const auto cycles = strict_number<int>(latency);
+  if (!cycles || *cycles < 1 || *cycles > 1000000)
     throw std::runtime_error(
         fmt::format("--latency {}: expected 1 to 1000000 cycles, random or random:MEAN", latency_));
-  o.latency = static_cast<int>(cycles);
+  o.latency = *cycles;
   o.banks = banks_;
   o.bank_cycles = bank_cycles_;
   o.watchdog = watchdog_;
@@ -81,13 +80,14 @@ RunOptions RigFlags::options(const std::string& unit) const {
   if (wave_.empty() || (!wave_unit_.empty() && wave_unit_ != unit)) return o;
   o.waveform = wave_;
   if (!wave_cycles_.empty()) {
-    unsigned long long from = 0, to = 0;
-    char extra = 0;
-    if (std::sscanf(wave_cycles_.c_str(), "%llu:%llu%c", &from, &to, &extra) != 2 || from > to)
+    const size_t colon = std::min(wave_cycles_.find(':'), wave_cycles_.size() - 1);
+    const auto from = strict_number<uint64_t>(wave_cycles_.substr(0, colon)),
+               to = strict_number<uint64_t>(wave_cycles_.substr(colon + 1));
+    if (!from || !to || *from > *to)
       throw std::runtime_error(
           fmt::format("--wave-cycles {}: expected FROM:TO, FROM not after TO", wave_cycles_));
-    o.waveform_from = from;
-    o.waveform_to = to;
+    o.waveform_from = *from;
+    o.waveform_to = *to;
   }
   return o;
 }
@@ -104,12 +104,21 @@ void RigFlags::check_waveform(const std::set<std::string>& units) const {
   if (wave_.empty() && (!wave_unit_.empty() || !wave_cycles_.empty()))
     throw std::runtime_error("--wave-unit and --wave-cycles need --wave FILE");
   if (wave_.empty()) return;
-  if (units.empty()) throw std::runtime_error("--wave: no unit is simulated");
+  if (units.empty())
+    throw std::runtime_error("--wave: no unit runs by a backend that writes a waveform");
   if (wave_unit_.empty() && units.size() > 1)
     throw std::runtime_error("--wave: several units run as hardware; name one with --wave-unit");
   if (!wave_unit_.empty() && !units.count(wave_unit_))
     throw std::runtime_error(
         fmt::format("--wave-unit {}: no such unit runs as hardware", wave_unit_));
+}
+
+void RigFlags::check_cycles_came(const std::string& unit, uint64_t cycles) const {
+  const RunOptions o = options(unit);
+  if (!o.waveform.empty() && o.waveform_from >= cycles)
+    throw std::runtime_error(fmt::format(
+        "--wave-cycles {}: {} ran for {} cycles, the first of them 0; {} is not written",
+        wave_cycles_, unit, cycles, wave_));
 }
 
 }  // namespace photonloom

@@ -5,6 +5,7 @@
 #include <set>
 #include <string>
 
+#include "verilator_tb/rig/number_options.hpp"
 #include "verilator_tb/rig/rig.hpp"
 
 namespace photonloom {
@@ -20,7 +21,15 @@ class RigFlags {
 
   // A waveform is of one unit: an error where --wave does not say of which of several.
   void check_waveform(const std::set<std::string>& units) const;
-  // So is a netlist: an error where --netlist is given and not just one unit runs as netlist.
+  // --wave and what goes with it: a report's command has its own.
+  static std::vector<std::string> waveform_options() {
+    return {"--wave", "--wave-unit", "--wave-cycles"};
+  }
+  const std::string& wave_unit() const { return wave_unit_; }
+  // After a run: an error where the waveform is of `unit`, but of no cycle that came.
+  void check_cycles_came(const std::string& unit, uint64_t cycles) const;
+  // A netlist is of one unit too: an error where --netlist is given and not just one unit runs as
+  // netlist.
   void check_netlist(size_t units) const;
 
  private:

@@ -3,10 +3,10 @@
 
 #include <fmt/core.h>
 
-#include <cstdlib>
 #include <stdexcept>
 
 #include "golden/numeric/random.hpp"
+#include "golden/numeric/strict_number.hpp"
 
 namespace photonloom {
 
@@ -14,11 +14,9 @@ StallPolicy StallPolicy::parse(const std::string& text) {
   if (text == "none") return {};
   if (text == "bursts") return {Kind::kBursts, 0};
   if (text == "adversary") return {Kind::kAdversary, 0};
-  if (text == "bernoulli") return {Kind::kBernoulli, 0.5};
   if (text.starts_with("bernoulli:")) {
-    char* end = nullptr;
-    const double p = std::strtod(text.c_str() + 10, &end);
-    if (end != text.c_str() + 10 && *end == 0 && p >= 0 && p < 1) return {Kind::kBernoulli, p};
+    const auto p = strict_number<double>(text.substr(10));
+    if (p && *p >= 0 && *p < 1) return {Kind::kBernoulli, *p};
   }
   throw std::runtime_error(
       fmt::format("stall policy {}: expected none, bernoulli:P with P in [0, 1), bursts or "

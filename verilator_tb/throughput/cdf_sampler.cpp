@@ -9,6 +9,7 @@
 
 #include "golden/numeric/output_file.hpp"
 #include "golden/plan/plan_file.hpp"
+#include "verilator_tb/rig/number_options.hpp"
 #include "verilator_tb/unit/backends.hpp"
 
 namespace photonloom {
@@ -113,9 +114,10 @@ int main(int argc, char** argv) {
   CLI::App app{"Cycles of the RTL CDF sampler; exit status 1 where a goal is missed."};
   app.add_option("--cell-bits", o.cell_bits, "The table has 2^this x 2^this cells.");
   app.add_option("--tables", o.tables, "Tables of each kind.")->check(CLI::Range(2, 1 << 20));
-  app.add_option("--seed", o.seed, "Seed.");
+  photonloom::add_seed_option(app, o.seed, "Seed.");
   app.add_option("--json", o.json, "Write the table here too.");
   app.add_option("--work", o.work, "Folder of Verilated models.");
+  photonloom::check_values(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

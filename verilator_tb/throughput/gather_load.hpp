@@ -24,6 +24,7 @@
 #include "golden/unit/backend.hpp"
 #include "golden/unit/pack_photons.hpp"
 #include "rtl/generate/data_files.hpp"
+#include "verilator_tb/rig/number_options.hpp"
 #include "verilator_tb/unit/backends.hpp"
 
 namespace photonloom {
@@ -40,7 +41,7 @@ struct LoadOptions {
     app.add_option("--size", size, "Pixels along each edge.");
     app.add_option("--samples", samples, "Samples a pixel.")->check(CLI::PositiveNumber);
     app.add_option("--gather-rays", rays, "Final gather rays a sample.");
-    app.add_option("--seed", seed, "Seed.");
+    add_seed_option(app, seed, "Seed.");
     app.add_option("--json", json, "Write the table here too.");
     app.add_option("--work", work, "Folder of Verilated models.");
   }
@@ -232,6 +233,7 @@ inline int report(const std::string& bench, const LoadOptions& o, const nlohmann
 // The command line of a bench, then `run`; the exit status.
 template <class Run>
 int bench_program(CLI::App& app, int argc, char** argv, Run run) {
+  check_values(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -9,6 +9,7 @@
 
 #include "golden/numeric/output_file.hpp"
 #include "golden/plan/plan_file.hpp"
+#include "verilator_tb/rig/number_options.hpp"
 #include "verilator_tb/unit/backends.hpp"
 
 namespace photonloom {
@@ -109,9 +110,10 @@ int main(int argc, char** argv) {
   app.add_option("--cell-bits", o.cell_bits, "Bits of each coordinate in the key.");
   app.add_option("--queries", o.queries, "Queries, more than the pool holds.")
       ->check(CLI::Range(2, 1 << 24));
-  app.add_option("--seed", o.seed, "Seed.");
+  photonloom::add_seed_option(app, o.seed, "Seed.");
   app.add_option("--json", o.json, "Write the table here too.");
   app.add_option("--work", o.work, "Folder of Verilated models.");
+  photonloom::check_values(app);
   try {
     app.parse(argc, argv);
     if (o.queries < static_cast<uint64_t>(o.packets) + 2)
