@@ -156,10 +156,12 @@ void PlanForError::add_to(CLI::App& c) {
   c.add_flag("--advise", advise_,
              "Print how error and cost go with photons, k and radius around the plan")
       ->group(group);
-  add_seed_option(c, check_,
-                  "Also run the whole frame with this seed and tell its error; exit status 1 if "
-                  "that is above E",
-                  "--check")
+  add_seed_option(
+      c, check_,
+      "Also run the whole frame with this seed and tell its error; exit status 1 if that is above "
+      "E. Its references have twice the paths of those of the measured pixels, spread over the "
+      "frame, at least 16 samples a pixel",
+      "--check")
       ->group(group);
   c.add_option("--work", work_,
                "Folder of references and results, to go on with (default build/plan)")
@@ -173,12 +175,15 @@ void PlanForError::add_to(CLI::App& c) {
       ->check(CLI::Range(2, 64))
       ->type_name("N")
       ->group(group);
-  c.add_option("--points", points_, "Plans measured at most (default 24)")
+  c.add_option("--points", points_,
+               "Plans that the search measures at most, the default one among them (default 24); "
+               "those of --advise and --explain come on top, and two where nothing meets E")
       ->check(CLI::Range(1, 1000))
       ->type_name("N")
       ->group(group);
   c.add_option("--reference-spp", reference_spp_,
-               "Samples per pixel of each of the two references (default 2048)")
+               "Samples per pixel of each of the two references of the measured pixels (default "
+               "2048)")
       ->check(CLI::Range(1, 1 << 20))
       ->type_name("N")
       ->group(group);
@@ -209,6 +214,9 @@ void PlanForError::run(const FrameRequest& request, const std::string& output, b
         "seeds, which it traces");
   if (asked && output.empty() && !json)
     throw UsageError("a scene's plan needs -o FILE (- for standard output)");
+
+  // Before anything is measured.
+  if (!explain_.empty()) check_curve_line(explain_);
 
   ConsoleProgress progress;
   PlanSearchRequest r;
@@ -363,9 +371,10 @@ void PlanForError::run(const FrameRequest& request, const std::string& output, b
       fmt::print(text, "  the default plan's has {:.5f}; {:g} times that is {:.5f}\n", standard,
                  asked->error, run_limit);
     }
-    j["check"] = {{"seed", *check_},      {"error", m.error.mean}, {"limit", run_limit},
-                  {"relmse", m.relmse},   {"flip", m.flip},        {"cycles", m.cost.cycles},
-                  {"bytes", m.cost.bytes}};
+    j["check"] = {{"seed", *check_},         {"reference_spp", search.check_spp()},
+                  {"error", m.error.mean},   {"limit", run_limit},
+                  {"relmse", m.relmse},      {"flip", m.flip},
+                  {"cycles", m.cost.cycles}, {"bytes", m.cost.bytes}};
     if (m.error.mean > run_limit)
       missed = fmt::format("--check: the whole frame with seed {} has {:.5f}, above {:g}", *check_,
                            m.error.mean, run_limit);

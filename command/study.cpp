@@ -71,6 +71,27 @@ std::string scene_file(const std::string& name) {
                                data_dir()));
 }
 
+std::string stem(const std::string& file) { return std::filesystem::path(file).stem().string(); }
+
+// A folder that holds the sweeps of several files, each in a folder of its own.
+void check_folder(const std::string& folder, const std::vector<std::string>& files) {
+  std::error_code error;
+  if (!std::filesystem::exists(folder, error)) return;
+  if (!std::filesystem::is_directory(folder, error))
+    throw std::runtime_error(
+        fmt::format("{}: is not a folder, expected a new one or a study's", folder));
+  if (std::filesystem::is_empty(folder, error)) return;
+  std::string names;
+  for (const std::string& file : files) {
+    if (std::filesystem::is_directory(folder + "/" + stem(file), error)) return;
+    names += (names.empty() ? "" : ", ") + stem(file);
+  }
+  throw std::runtime_error(
+      fmt::format("{}: is no study's folder: it holds files but none of {}, expected a new folder, "
+                  "an empty one, or a study's to go on with",
+                  folder, names));
+}
+
 // Every file's folder is DIR, or where a study has several DIR/FILE.
 void run_study(const ShippedStudy& study, const StudyOptions& o) {
   const std::unique_ptr<Progress> progress = make_progress_or_log();
@@ -90,11 +111,11 @@ void run_study(const ShippedStudy& study, const StudyOptions& o) {
   StudyOutcome outcome;
   outcome.folder = o.output;
   size_t failures = 0;
+  if (files.size() > 1) check_folder(o.output, files);
   for (const std::string& file : files) {
     request.study_file = file;
     request.folder = o.output;
-    if (files.size() > 1) request.folder += "/" + std::filesystem::path(file).stem().string();
-    std::filesystem::create_directories(request.folder);
+    if (files.size() > 1) request.folder += "/" + stem(file);
     const SweepReport r = run_sweep(request);
     fmt::print("{}: {} results computed, {} there before\n", request.folder, r.computed, r.kept);
     failures += r.failures.size();

@@ -32,6 +32,9 @@ constexpr int kBlockRamLatency = 5, kSharedCacheLatency = 9;
 // Of rtl/board/sdram_controller.sv, in its clock, from a READ to the line's first halfword.
 constexpr int kSdramReadLatency = 5;
 constexpr uint32_t kSharedWays = 4;
+// Before an SDRAM: lines of the cache, and places of the pool: 16 less than its memories have words
+// waste none of them.
+constexpr int kSharedLines[] = {512, 1024}, kPools[] = {2032, 4080, 8176, 12272};
 
 using Order = std::vector<uint32_t>;
 
@@ -150,6 +153,11 @@ struct Widths {
   int gatherers, nodes, candidates, powers, lanes, contexts, cache_lines, lut_words;
 };
 
+const char* name_of(ReorderKey key) {
+  constexpr const char* kNames[] = {"none", "hilbert", "hash"};
+  return kNames[static_cast<size_t>(key)];
+}
+
 std::string too_many_wires(const Plan& p) {
   if (p.gatherers * p.beat_bits <= kEngineWires) return "";
   return fmt::format("needs beats of {} bits together, and no top with more than {} was routed",
@@ -248,19 +256,17 @@ EngineSearch fastest_engine(const Plan& plan, const PhotonMap& global, const Pho
       made.sdram_lines = lines_of_sdram(p, visits, orders[made.order]);
     streams.push_back(made);
   };
+  const ReorderKey ordered =
+      plan.reorder_key == ReorderKey::kNone ? ReorderKey::kHilbert : plan.reorder_key;
   if (board.tops.count("block_ram"))
-    for (const ReorderKey key : {plan.reorder_key, ReorderKey::kNone}) {
+    for (const ReorderKey key : {ordered, ReorderKey::kNone})
       add(PhotonMemory::kBlockRam, key, plan.reorder_packets, plan.board_cache_bytes);
-      if (key == ReorderKey::kNone) break;
+  if (board.tops.count("sdram") && board.sdram)
+    for (const int lines : kSharedLines) {
+      for (const int packets : kPools)
+        add(PhotonMemory::kSdram, ordered, packets, lines * plan.line_bytes());
+      add(PhotonMemory::kSdram, ReorderKey::kNone, plan.reorder_packets, lines * plan.line_bytes());
     }
-  if (board.tops.count("sdram") && board.sdram) {
-    const ReorderKey key =
-        plan.reorder_key == ReorderKey::kNone ? ReorderKey::kHilbert : plan.reorder_key;
-    // A pool of 16 places less than its memories have words wastes none of them.
-    for (const int packets : {2032, 4080, 8176, 12272})
-      for (const int lines : {512, 1024})
-        add(PhotonMemory::kSdram, key, packets, lines * plan.line_bytes());
-  }
   if (streams.empty())
     throw std::runtime_error(
         fmt::format("--board: {} has no top for gathers, expected block_ram or sdram in its {}",
@@ -337,50 +343,107 @@ EngineSearch fastest_engine(const Plan& plan, const PhotonMap& global, const Pho
   found.misfit = engine_misfit(plan, board);
 
   // ---- what each line's next values would do, all others as they are ----
-  // Values in rising order.
-  const auto tell = [&](const char* line, int Widths::*field, const std::vector<int>& values) {
-    const auto now = std::find(values.begin(), values.end(), best->widths.*field);
-    std::string text;
-    const auto beside = [&](int value) {
-      Widths changed = best->widths;
-      changed.*field = value;
-      if (changed.powers > changed.candidates || changed.lanes > plan.bucket) return;
-      const Candidate other = candidate(best->stream, changed);
-      const std::string why = why_not(other);
-      text += fmt::format(
-          "{}{}: {}", text.empty() ? "" : "; ", value,
-          why.empty() ? fmt::format("{:.2f} cycles a gather", other.cycles.cycles) : why);
-    };
-    if (now != values.begin()) beside(*(now - 1));
-    if (now + 1 != values.end()) beside(*(now + 1));
-    if (!text.empty()) found.reasons[line] = text;
+  const Plan& made = found.best.plan;
+  const bool sdram = made.photon_memory == PhotonMemory::kSdram;
+  const auto would = [&](const Plan& p) -> std::string {
+    if (const auto problem = find_problem(p)) return problem->line + " " + problem->what;
+    if (const std::string why = engine_misfit(p, board); !why.empty()) return why;
+    const Order order = served_order(p, queries);
+    const bool slow = p.photon_memory == PhotonMemory::kSdram;
+    return fmt::format(
+        "{:.2f} cycles a gather",
+        predict(p, load, lines_asked(p, visits, order), slow ? lines_of_sdram(p, visits, order) : 0,
+                board.core_khz, sdram_khz)
+            .cycles);
   };
-  tell("board.gatherers", &Widths::gatherers, {1, 2, 3, 4, 5, 6, 7, 8});
-  tell("gatherer.nodes_per_cycle", &Widths::nodes, {1, 2});
-  tell("gatherer.candidates_per_cycle", &Widths::candidates, {1, 2, 4});
-  tell("gatherer.powers_per_cycle", &Widths::powers, {1, 2, 4});
-  tell("gatherer.lanes", &Widths::lanes, {2, 4, 8});
-  tell("gatherer.contexts", &Widths::contexts, {8, 16, 32, 48});
-  tell("board.lut_ram_words", &Widths::lut_words, {0, 32, 64, 128});
-  found.reasons["gatherer.cache_bytes"] =
-      fmt::format("{} lines, so that {:.1f} of {:.1f} lines a gather come from the photon memory",
-                  best->widths.cache_lines,
-                  lines_asked(found.best.plan, visits, orders[streams[best->stream].order]),
-                  load.searches.load.leaves);
-  found.reasons["gatherer.beat_bits"] =
-      found.best.plan.photon_memory == PhotonMemory::kSdram
-          ? "the photons that the lanes take in a cycle"
-          : fmt::format("the widest of which {} gatherers have at most {} bits together",
-                        found.best.plan.gatherers, kEngineWires);
-  found.reasons["board.photon_memory"] =
-      found.best.plan.photon_memory == PhotonMemory::kSdram
-          ? fmt::format("{:.2f} lines a gather come from the SDRAM", best->cycles.memory_lines)
-          : "the map fits, and two lines come at a time";
-  if (found.best.plan.photon_memory == PhotonMemory::kSdram)
-    found.reasons["reorder.packets"] = "block RAM that the gatherers leave, for fewer lines";
-  else if (found.best.plan.reorder_key == ReorderKey::kNone)
-    found.reasons["reorder.key"] =
-        "block RAM holds the lines: their order gains less than its pool takes";
+  // Other values, in rising order, each with the plan that has it.
+  const auto tell = [&](const char* line, const std::vector<std::pair<std::string, Plan>>& others) {
+    std::string text;
+    for (const auto& [value, p] : others)
+      text += fmt::format("{}{}: {}", text.empty() ? "" : "; ", value, would(p));
+    found.reasons[line] = text;
+  };
+  // The next lower and higher of `values` in rising order; with_value(v) is the plan that has v.
+  const auto tell_next = [&](const char* line, int now, const auto& values, const auto& with_value,
+                             int unit = 1) {
+    std::vector<std::pair<std::string, Plan>> others;
+    const auto at = std::find(std::begin(values), std::end(values), now);
+    if (at == std::end(values)) throw std::logic_error(std::string(line) + " has another value");
+    if (at != std::begin(values))
+      others.emplace_back(fmt::format("{}", unit * *(at - 1)), with_value(*(at - 1)));
+    if (at + 1 != std::end(values))
+      others.emplace_back(fmt::format("{}", unit * *(at + 1)), with_value(*(at + 1)));
+    tell(line, others);
+  };
+  const auto tell_width = [&](const char* line, int Widths::*field, const std::vector<int>& values,
+                              int unit = 1) {
+    tell_next(
+        line, best->widths.*field, values,
+        [&](int value) {
+          Widths changed = best->widths;
+          changed.*field = value;
+          return with(plan, streams[best->stream], changed);
+        },
+        unit);
+  };
+  tell_width("board.gatherers", &Widths::gatherers, {1, 2, 3, 4, 5, 6, 7, 8});
+  tell_width("gatherer.nodes_per_cycle", &Widths::nodes, {1, 2});
+  tell_width("gatherer.candidates_per_cycle", &Widths::candidates, {1, 2, 4});
+  tell_width("gatherer.powers_per_cycle", &Widths::powers, {1, 2, 4});
+  tell_width("gatherer.lanes", &Widths::lanes, {2, 4, 8});
+  tell_width("gatherer.contexts", &Widths::contexts, {8, 16, 32, 48});
+  tell_width("gatherer.cache_bytes", &Widths::cache_lines, {16, 32, 64, 128}, plan.line_bytes());
+  tell_width("board.lut_ram_words", &Widths::lut_words, {0, 32, 64, 128});
+  found.reasons["gatherer.cache_ways"] = "of every engine";
+  // As the search sets it, half and double of it.
+  {
+    std::vector<std::pair<std::string, Plan>> others;
+    for (const int beat : {made.beat_bits / 2, made.beat_bits * 2}) {
+      Plan p = made;
+      p.beat_bits = beat;
+      others.emplace_back(fmt::format("{}", beat), p);
+    }
+    tell("gatherer.beat_bits", others);
+  }
+  // Other memories and orders, with the same gatherers.
+  const auto streamed = [&](PhotonMemory memory, ReorderKey key, int packets, int cache_bytes) {
+    return with(plan, {memory, key, packets, cache_bytes, 0}, best->widths);
+  };
+  const auto key_of = [&](ReorderKey key) {
+    return streamed(made.photon_memory, key,
+                    sdram && key != ReorderKey::kNone && made.reorder_key == ReorderKey::kNone
+                        ? kPools[0]
+                        : made.reorder_packets,
+                    made.board_cache_bytes);
+  };
+  const ReorderKey other_key = made.reorder_key == ReorderKey::kNone ? ordered : ReorderKey::kNone;
+  tell("reorder.key", {{name_of(other_key), key_of(other_key)}});
+  if (made.reorder_key == ReorderKey::kNone)
+    found.reasons["reorder.packets"] = "used where reorder.key is another than none";
+  else if (sdram)
+    tell_next("reorder.packets", made.reorder_packets, kPools, [&](int packets) {
+      return streamed(made.photon_memory, made.reorder_key, packets, made.board_cache_bytes);
+    });
+  if (sdram) {
+    tell_next(
+        "board.cache_bytes", made.board_cache_bytes / plan.line_bytes(), kSharedLines,
+        [&](int lines) {
+          return streamed(made.photon_memory, made.reorder_key, made.reorder_packets,
+                          lines * plan.line_bytes());
+        },
+        plan.line_bytes());
+    tell("board.photon_memory",
+         {{"block_ram", streamed(PhotonMemory::kBlockRam, made.reorder_key, plan.reorder_packets,
+                                 plan.board_cache_bytes)}});
+  } else if (board.tops.count("sdram") && board.sdram) {
+    tell("board.photon_memory",
+         {{"sdram",
+           streamed(PhotonMemory::kSdram, made.reorder_key,
+                    made.reorder_key == ReorderKey::kNone ? plan.reorder_packets : kPools[0],
+                    kSharedLines[0] * plan.line_bytes())}});
+  } else {
+    found.reasons["board.photon_memory"] = "the board has a top for no other";
+  }
   return found;
 }
 

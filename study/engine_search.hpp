@@ -36,7 +36,7 @@ struct Engine {
 
 struct EngineSearch {
   Engine best;
-  PlanReasons reasons;  // of its lines
+  PlanReasons reasons;  // of every line that the search decides
   EngineCycles given;   // of the plan as it was
   std::string misfit;   // why that does not fit; empty: it does
   size_t tried = 0;
@@ -45,9 +45,10 @@ struct EngineSearch {
 // Largest share of a part's logic that is planned for: that of the fullest tops that were routed
 // (docs/headline.md).
 inline constexpr double kEngineShare = 0.55;
-// Most bits of a beat of all gatherers together: of the widest tops that were routed. The
-// tools' end was not waited for with 3,072 and 4,096 (docs/headline.md).
-inline constexpr int kEngineWires = 1152;
+// Most bits of a beat of all gatherers together: those of the widest tops that were routed, two
+// gatherers of 1,024 bits each, at clocks above the board's. The tools' end was not waited for with
+// 3,072 and 4,096 (docs/headline.md).
+inline constexpr int kEngineWires = 2048;
 
 // Why a plan's engine is not one for this board: it does not fit in kEngineShare, or is wider than
 // kEngineWires; empty: it is.

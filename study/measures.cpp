@@ -218,6 +218,7 @@ double total(const Blocks& blocks) {
 
 // Image columns: relmse, flip, bias, worst of `a` against b1 and b2, which may be the same.
 Measurement image_errors(const Planes& a, const Planes& b1, const Planes& b2, const Planes& mean) {
+  for (const Planes* other : {&b1, &b2, &mean}) require_same_size(a, *other);
   const size_t pixels = a.c[0].size();
   const double n = 3.0 * static_cast<double>(pixels);
   const std::vector<double> flips = hdr_flip(a, mean);
@@ -274,6 +275,7 @@ Measurement measure_visible(PointRun& run) {
 // The standard error of relMSE from the references' own noise alone, as the two differ. That of a
 // pixel's channels is taken as one.
 double reference_error(const Planes& a, const SceneReferences& r) {
+  require_same_size(a, r.mean);
   double sum = 0;
   for (size_t p = 0; p < a.c[0].size(); ++p) {
     double pixel = 0;
@@ -290,6 +292,7 @@ Measurement measure_lot(PointRun& run) {
   const SceneReferences& r = run.scene().references();
   const Planes& a = run.golden();
   if (run.study().frame_width == 0) return {{reference_error(a, r), 0.0}, {}};
+  require_same_size(a, r.mean);
   const size_t pixels = a.c[0].size();
   const auto walks = run.scene().walk_noise(run.plan().spp);
   const bool one_shadow_ray = run.plan().shadow_rays == 1;

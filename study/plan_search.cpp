@@ -78,6 +78,51 @@ std::vector<ChosenLine> chosen_lines(uint64_t photons, uint64_t caustic_photons)
   };
 }
 
+// What the frame's size is asked for with.
+constexpr const char* kSizeOption = "--size";
+
+// Values of a line that the planner does not choose: half, the same and double of what it is, or
+// words. Throws std::runtime_error where the line has none.
+std::vector<std::string> other_values(const std::string& name, const Plan& plan) {
+  std::optional<double> now;
+  bool known = false, whole = false;
+  std::vector<std::string> words;
+  Plan::visit(
+      plan, [&](const char* section, const char* key, const auto& value, auto, auto, const char*) {
+        if (name != fmt::format("{}.{}", section, key)) return;
+        known = true;
+        using Value = std::decay_t<decltype(value)>;
+        if constexpr (std::is_arithmetic_v<Value> && !std::is_same_v<Value, bool>) {
+          now = static_cast<double>(value);
+          whole = std::is_integral_v<Value>;
+        } else if constexpr (std::is_same_v<Value, ReorderKey>) {
+          words = {"none", "hilbert", "hash"};
+        } else if constexpr (std::is_same_v<Value, ReorderDrain>) {
+          words = {"sweep", "fullest"};
+        } else if constexpr (std::is_same_v<Value, TableCombine>) {
+          words = {"sum", "product"};
+        }
+      });
+  if (!known)
+    throw std::runtime_error(
+        fmt::format("--explain: the plan has no line {}, expected one of docs/plan.md", name));
+  if (name == "frame.width" || name == "frame.height")
+    throw std::runtime_error(
+        fmt::format("--explain: {} is decided by {}, and errors of frames of different sizes are "
+                    "not compared",
+                    name, kSizeOption));
+  if (!words.empty()) return words;
+  if (!now)
+    throw std::runtime_error(fmt::format("--explain: {} has no values to choose from", name));
+  std::vector<std::string> values;
+  for (const double factor : {0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 2.0, 4.0}) {
+    const double x = *now == 0 ? factor * 4 : *now * factor;
+    const std::string text = fmt::format("{}", whole ? std::floor(x) : x);
+    if (std::find(values.begin(), values.end(), text) == values.end()) values.push_back(text);
+  }
+  return values;
+}
+
 double value_of(const std::string& measure_name, const Measurement& m, const std::string& column) {
   const std::vector<Column>& columns = measure(measure_name).columns;
   for (size_t c = 0; c < columns.size(); ++c)
@@ -145,6 +190,12 @@ double usual_margin(std::vector<double> margins) {
   const auto quartile = margins.begin() + static_cast<ptrdiff_t>((margins.size() - 1) / 4);
   std::nth_element(margins.begin(), quartile, margins.end());
   return *quartile;
+}
+
+void check_curve_line(const std::string& line) {
+  for (const ChosenLine& chosen : chosen_lines(1, 1))
+    if (chosen.name == line) return;
+  other_values(line, Plan());
 }
 
 class PlanSearch::Work {
@@ -304,6 +355,9 @@ class PlanSearch::Work {
   // The scene and the study of its measured pixels; the folder of what is measured.
   std::string prepare_study() {
     if (!request_.board.empty()) board_ = predicted_board(request_.board);
+    for (const auto& [names, value] : request_.asked)
+      if (const std::string problem = line_problem(names, value, kSizeOption); !problem.empty())
+        throw std::runtime_error(problem);
     study_.file = "--error";
     study_.name = "plan";
     study_.reference_spp = request_.reference_spp;
@@ -514,9 +568,9 @@ class PlanSearch::Work {
     if (request_.say) request_.say(sentence);
   }
 
-  void tell(const MeasuredPlan& m) const {
+  void tell(const char* done, const MeasuredPlan& m) const {
     say(fmt::format(
-        "measured {}, {} seeds: {} {:.5f} ± {:.5f}, {:.1f} cycles, {:.0f} bytes, {:.0f} LUT-eq",
+        "{} {}, {} seeds: {} {:.5f} ± {:.5f}, {:.1f} cycles, {:.0f} bytes, {:.0f} LUT-eq", done,
         lines_text(m.lines), m.error.seeds, request_.flip ? "FLIP" : "relMSE", m.error.mean,
         m.error.error(), m.cost.cycles, m.cost.bytes, m.cost.gatherer_lut));
   }
@@ -533,16 +587,18 @@ class PlanSearch::Work {
     p.measured = measured(c->lines, kSearchSeeds);
     p.measured.predicted_error = was.predicted_error;
     p.measured.predicted_cost = was.predicted_cost;
-    tell(p.measured);
+    tell("measured", p.measured);
     points_.push_back(std::move(p));
   }
 
   void confirm(size_t i) {
     Point& p = points_[i];
     if (p.was_confirmed) return;
-    measure_again(p.measured, study_.seeds.size());
     p.was_confirmed = true;
-    tell(p.measured);
+    // Where two seeds confirm, they were measured already.
+    if (p.measured.error.seeds == static_cast<int>(study_.seeds.size())) return;
+    measure_again(p.measured, study_.seeds.size());
+    tell("confirmed", p.measured);
   }
 
   // --- Learning what costs error.
@@ -592,7 +648,8 @@ class PlanSearch::Work {
             choice[i] = static_cast<int>(at - values.begin());
             moves = true;
           }
-      if (moves) add(choice);
+      // The last plan that may be measured is one that the model chose.
+      if (moves && points_.size() + 1 < static_cast<size_t>(request_.points)) add(choice);
     }
     fit();
   }
@@ -752,7 +809,7 @@ class PlanSearch::Work {
       if (value == 0) continue;
       const MeasuredPlan more =
           measured(joined_lines(best.lines, {{line, std::to_string(value)}}), kSearchSeeds);
-      tell(more);
+      tell("measured", more);
       if (more.error.mean < cured) {
         cured = more.error.mean;
         cure = fmt::format("{} {}", line == "frame.spp" ? "--spp" : "--gather-rays", value);
@@ -782,44 +839,7 @@ class PlanSearch::Work {
         });
         return values;
       }
-    return other_values(name, around);
-  }
-
-  // Of a line that the planner does not choose: half, the same and double of what it is.
-  std::vector<std::string> other_values(const std::string& name, const LineValues& around) const {
-    const Plan plan = plan_of_point(*scene_, study_, around).plan;
-    std::optional<double> now;
-    bool known = false, whole = false;
-    std::vector<std::string> words;
-    Plan::visit(plan, [&](const char* section, const char* key, const auto& value, auto, auto,
-                          const char*) {
-      if (name != fmt::format("{}.{}", section, key)) return;
-      known = true;
-      using Value = std::decay_t<decltype(value)>;
-      if constexpr (std::is_arithmetic_v<Value> && !std::is_same_v<Value, bool>) {
-        now = static_cast<double>(value);
-        whole = std::is_integral_v<Value>;
-      } else if constexpr (std::is_same_v<Value, ReorderKey>) {
-        words = {"none", "hilbert", "hash"};
-      } else if constexpr (std::is_same_v<Value, ReorderDrain>) {
-        words = {"sweep", "fullest"};
-      } else if constexpr (std::is_same_v<Value, TableCombine>) {
-        words = {"sum", "product"};
-      }
-    });
-    if (!known)
-      throw std::runtime_error(
-          fmt::format("--explain: the plan has no line {}, expected one of docs/plan.md", name));
-    if (!words.empty()) return words;
-    if (!now)
-      throw std::runtime_error(fmt::format("--explain: {} has no values to choose from", name));
-    std::vector<std::string> values;
-    for (const double factor : {0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 2.0, 4.0}) {
-      const double x = *now == 0 ? factor * 4 : *now * factor;
-      const std::string text = fmt::format("{}", whole ? std::floor(x) : x);
-      if (std::find(values.begin(), values.end(), text) == values.end()) values.push_back(text);
-    }
-    return values;
+    return other_values(name, plan_of_point(*scene_, study_, around).plan);
   }
 
   PlanSearchRequest request_;

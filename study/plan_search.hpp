@@ -34,7 +34,10 @@ struct PlanSearchRequest {
   std::string board;  // empty: none
   uint64_t seed = 1;  // the plan's photons, and the first seed that is measured
   int seeds = 6;      // that confirm a plan; the first two of them search
-  int points = 24;    // measured at most in a search
+  // Plans that a search measures at most, the default one among them. Confirming one measures no
+  // further plan; the curves, and the two that tell what helps where nothing meets the error, come
+  // on top.
+  int points = 24;
   int reference_spp = 2048;
   std::string work;  // folder of references and results, to go on with
   int workers = 1;
@@ -88,11 +91,14 @@ struct PlanSearchResult {
   std::string binds;  // why there is no best
 };
 
+// Throws std::runtime_error for a line over whose values PlanSearch::curve() cannot go.
+void check_curve_line(const std::string& line);
+
 class PlanSearch {
  public:
   // Loads the scene and the references, which it makes where `work` has none. Throws
-  // std::runtime_error for a board that there is not or that states no resources, PlanError for
-  // lines that no plan has.
+  // std::runtime_error for a board that there is not or that states no resources and for lines that
+  // no plan has.
   explicit PlanSearch(PlanSearchRequest request);
   ~PlanSearch();
 

@@ -10,6 +10,7 @@
 #include <sstream>
 
 #include "golden/pipeline/prepare.hpp"
+#include "golden/planner/plan_fit.hpp"
 #include "golden/planner/planner.hpp"
 
 namespace photonloom {
@@ -122,6 +123,10 @@ PointPlan plan_of_point(StudyScene& scene, const Study& study, const LineValues&
     }
   }
   PlannedFrame planned = make();
+  if (const std::string why = plan_misfit(planned.plan, world, passes[0] ? *passes[0] : none,
+                                          passes[1] ? *passes[1] : none);
+      !why.empty())
+    throw PlanError("plan: " + why);
   PointPlan result{std::move(planned.plan), std::move(planned.reasons), {}};
   result.command = fmt::format(
       "photonloom plan {} -o plan.toml --size {}x{} --seed {} --spp {} --gather-rays {} --photons "

@@ -27,18 +27,10 @@ namespace {
 // How often an array job may leave work undone without getting on at all.
 constexpr int kIdleRounds = 2;
 
-bool has(const std::vector<std::string>& all, const std::string& one) {
-  return std::find(all.begin(), all.end(), one) != all.end();
-}
-
 class Sweep {
  public:
   explicit Sweep(const SweepRequest& request)
-      : request_(request),
-        study_(parse_study(read_file(request.study_file), request.study_file, measure_names())),
-        store_(request.folder) {
-    if (!request.scenes.empty()) study_.scenes = request.scenes;
-  }
+      : request_(request), study_(study_of(request)), store_(request.folder) {}
 
   SweepReport run() {
     std::unique_ptr<FolderLock> lock;
@@ -63,6 +55,19 @@ class Sweep {
   }
 
  private:
+  // Refused before anything is written.
+  static Study study_of(const SweepRequest& request) {
+    Study study = parse_study(read_file(request.study_file), request.study_file, measure_names());
+    if (!request.scenes.empty()) study.scenes = request.scenes;
+    uint64_t points = 0;
+    for (size_t s = 0; s < study.scenes.size(); ++s) points += points_of_scene(study, s);
+    for (const uint32_t n : request.only)
+      if (n >= points)
+        throw StudyError(fmt::format("--points: {} is no point of {}, expected 0 to {}", n,
+                                     study.file, points - 1));
+    return study;
+  }
+
   void say(const std::string& sentence) {
     const std::lock_guard lock(mutex_);
     if (request_.say) request_.say(sentence);
@@ -81,7 +86,7 @@ class Sweep {
       std::unique_ptr<StudyScene> scene;
       try {
         scene = std::make_unique<StudyScene>(file, study_);
-        if (has(study_.measures, "visible")) {
+        if (!study_.referenced().empty()) {
           scene->load_references(study_, request_.folder + "/references", request_.progress);
           entry.references = scene->references().signature;
           entry.references_relmse = scene->references().own_relmse;
@@ -194,10 +199,6 @@ class Sweep {
 
   std::vector<uint32_t> chosen() const {
     std::vector<uint32_t> numbers;
-    for (const uint32_t n : request_.only)
-      if (n >= table_.points.size())
-        throw StudyError(fmt::format("--points: {} is no point of {}, expected 0 to {}", n,
-                                     study_.file, table_.points.size() - 1));
     for (const PlannedPoint& p : table_.points) {
       const bool planned = !p.plan.empty() || plans_[p.point.number];
       const bool asked =

@@ -89,8 +89,32 @@ Result parse_result(const std::string& text) {
   }
 }
 
+bool is_sweep_folder(const std::string& folder) {
+  const std::filesystem::path path(folder);
+  std::error_code error;
+  if (!std::filesystem::exists(path, error)) return true;
+  if (!std::filesystem::is_directory(path, error)) return false;
+  if (std::filesystem::exists(path / kPointsFile, error)) return true;
+  // One that was stopped before its points were written, or a plan search's, which has no list.
+  for (const auto& entry : std::filesystem::directory_iterator(path, error)) {
+    const std::string name = entry.path().filename().string();
+    if (name != "results" && name != "lock" && name != "references" && name != "plans" &&
+        name.find(".partial-") == std::string::npos)
+      return false;
+  }
+  return !error;
+}
+
 ResultStore::ResultStore(std::string folder) : folder_(std::move(folder)) {
   std::error_code error;
+  if (std::filesystem::exists(folder_, error) && !std::filesystem::is_directory(folder_, error))
+    throw std::runtime_error(
+        fmt::format("{}: is not a folder, expected a new one or a sweep's", folder_));
+  if (!is_sweep_folder(folder_))
+    throw std::runtime_error(
+        fmt::format("{}: is no sweep's folder: it holds files but no {}, expected a new folder, an "
+                    "empty one, or a sweep's to go on with",
+                    folder_, kPointsFile));
   std::filesystem::create_directories(folder_ + "/results", error);
   if (error)
     throw std::runtime_error(

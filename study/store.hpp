@@ -34,9 +34,16 @@ struct Result {
 std::string result_text(const Result& result);
 Result parse_result(const std::string& text);
 
+// By which a sweep's folder is known.
+inline constexpr const char* kPointsFile = "points.json";
+
+// Whether a sweep may write into the folder: there is none, it is empty, or it is a sweep's.
+bool is_sweep_folder(const std::string& folder);
+
 class ResultStore {
  public:
-  explicit ResultStore(std::string folder);  // makes it
+  // Makes it. Throws std::runtime_error for a folder of other files.
+  explicit ResultStore(std::string folder);
 
   const std::string& folder() const { return folder_; }
   std::string path(const ResultKey& key) const;

@@ -30,11 +30,23 @@ std::string value_text(const toml::node& node) {
   return toml_text(node);
 }
 
+// An empty text where a '+' has no name before or after it.
 std::vector<std::string> split(const std::string& names) {
-  std::vector<std::string> parts;
-  std::istringstream stream(names);
-  for (std::string part; std::getline(stream, part, '+');) parts.push_back(part);
+  std::vector<std::string> parts{""};
+  for (const char c : names)
+    if (c == '+')
+      parts.emplace_back();
+    else
+      parts.back() += c;
   return parts;
+}
+
+// Whether the text is a number or a truth value, which TOML writes without quotes.
+bool is_bare(const std::string& text) {
+  double x = 0;
+  const auto r = std::from_chars(text.data(), text.data() + text.size(), x);
+  return text == "true" || text == "false" ||
+         (r.ec == std::errc() && r.ptr == text.data() + text.size());
 }
 
 class Parser {
@@ -69,11 +81,10 @@ class Parser {
         study_.sets.push_back(point_set(*set.as_table()));
       }
     }
-    if (std::find(study_.measures.begin(), study_.measures.end(), "visible") !=
-            study_.measures.end() &&
-        study_.reference_spp == 0 && study_.reference_files.empty())
+    if (const std::string name = study_.referenced();
+        !name.empty() && study_.reference_spp == 0 && study_.reference_files.empty())
       throw StudyError(
-          fmt::format("{}: measure visible needs [references], with spp or files", file_));
+          fmt::format("{}: measure {} needs [references], with spp or files", file_, name));
     return std::move(study_);
   }
 
@@ -211,39 +222,12 @@ class Parser {
   }
 
   // A value that a line cannot take is refused where it stands; what goes with what is the plan's.
-  void check_value(const toml::node& at, const std::string& names, const std::string& value) const {
-    for (const std::string& line : split(names)) {
-      const auto whole = [&](int64_t low, int64_t high) {
-        int64_t x = 0;
-        const auto r = std::from_chars(value.data(), value.data() + value.size(), x);
-        if (r.ec != std::errc() || r.ptr != value.data() + value.size() || x < low || x > high)
-          fail(at,
-               fmt::format("{} is {}, expected an integer from {} to {}", line, value, low, high));
-      };
-      if (line == "photons" || line == "caustic_photons") {
-        whole(1, int64_t{1} << 28);
-      } else if (line == "radius_scale") {
-        double x = 0;
-        const auto r = std::from_chars(value.data(), value.data() + value.size(), x);
-        if (r.ec != std::errc() || r.ptr != value.data() + value.size() || !(x > 0) || x > 1000)
-          fail(at, fmt::format("{} is {}, expected a number above 0, at most 1000", line, value));
-      } else if (line == "packed") {
-        if (value != "true" && value != "false")
-          fail(at, fmt::format("packed is {}, expected true or false", value));
-      } else if (line == "frame.width" || line == "frame.height") {
-        fail(at, fmt::format("{} is decided by study.size", line));
-      } else if (line.find('.') == std::string::npos) {
-        fail(at, fmt::format("unknown line {}, expected section.key of the plan or one of {}", line,
-                             listed(kStudyLines)));
-      } else {
-        try {
-          Plan plan;
-          set_plan_line(plan, line + "=" + value);
-        } catch (const PlanError& error) {
-          fail(at, error.what());
-        }
-      }
-    }
+  void check_value(const toml::node& at, const std::string& names) const {
+    const std::string value = value_text(at);
+    if (at.is_string() && is_bare(value))
+      fail(at, fmt::format("{0} is \"{1}\" in quotes, expected {1} without", names, value));
+    const std::string problem = line_problem(names, value, "study.size");
+    if (!problem.empty()) fail(at, problem);
   }
 
   // The lines of a table, sections as TOML nests them, in the order of the file.
@@ -272,7 +256,7 @@ class Parser {
     each_line(table, "", [&](const std::string& name, const toml::node& node) {
       if (node.is_array() || node.is_table())
         fail(node, fmt::format("{} has several values, expected one", name));
-      check_value(node, name, value_text(node));
+      check_value(node, name);
       values.emplace_back(name, value_text(node));
     });
     return values;
@@ -284,14 +268,14 @@ class Parser {
     if (const toml::array* values = node.as_array()) {
       if (values->empty()) fail(node, fmt::format("{} is [], expected values", name));
       for (const toml::node& v : *values) {
-        check_value(v, name, value_text(v));
+        check_value(v, name);
         c.values.push_back(value_text(v));
       }
       return c;
     }
     const toml::table* range = node.as_table();
     if (!range) {
-      check_value(node, name, value_text(node));
+      check_value(node, name);
       c.values.push_back(value_text(node));
       return c;
     }
@@ -300,7 +284,7 @@ class Parser {
       const toml::node& n = needed(*range, name, key, "a number");
       if (!n.is_number())
         fail(n, fmt::format("{}.{} is {}, expected a number", name, key, value_text(n)));
-      check_value(n, name, value_text(n));
+      check_value(n, name);
       c.whole &= n.is_integer();
       return n.is_integer() ? static_cast<double>(n.as_integer()->get())
                             : n.as_floating_point()->get();
@@ -422,6 +406,53 @@ class Parser {
 
 bool PointSet::has_scene(size_t scene) const {
   return scenes.empty() || std::binary_search(scenes.begin(), scenes.end(), scene);
+}
+
+std::string Study::referenced() const {
+  for (const std::string& name : measures)
+    if (name == "visible" || name == "lot") return name;
+  return "";
+}
+
+std::string line_problem(const std::string& names, const std::string& value,
+                         const std::string& size) {
+  for (const std::string& line : split(names)) {
+    const auto whole = [&](int64_t low, int64_t high) -> std::string {
+      int64_t x = 0;
+      const auto r = std::from_chars(value.data(), value.data() + value.size(), x);
+      if (r.ec == std::errc() && r.ptr == value.data() + value.size() && x >= low && x <= high)
+        return "";
+      return fmt::format("{} is {}, expected an integer from {} to {}", line, value, low, high);
+    };
+    std::string problem;
+    if (line.empty()) {
+      problem = fmt::format("'{}' has a + without a line beside it", names);
+    } else if (line == "photons" || line == "caustic_photons") {
+      problem = whole(1, int64_t{1} << 28);
+    } else if (line == "radius_scale") {
+      double x = 0;
+      const auto r = std::from_chars(value.data(), value.data() + value.size(), x);
+      if (r.ec != std::errc() || r.ptr != value.data() + value.size() || !(x > 0) || x > 1000)
+        problem = fmt::format("{} is {}, expected a number above 0, at most 1000", line, value);
+    } else if (line == "packed") {
+      if (value != "true" && value != "false")
+        problem = fmt::format("packed is {}, expected true or false", value);
+    } else if (line == "frame.width" || line == "frame.height") {
+      problem = fmt::format("{} is decided by {}", line, size);
+    } else if (line.find('.') == std::string::npos) {
+      problem = fmt::format("unknown line {}, expected section.key of the plan or one of {}", line,
+                            listed(kStudyLines));
+    } else {
+      try {
+        Plan plan;
+        set_plan_line(plan, line + "=" + value);
+      } catch (const PlanError& error) {
+        problem = error.what();
+      }
+    }
+    if (!problem.empty()) return problem;
+  }
+  return "";
 }
 
 Study parse_study(const std::string& text, const std::string& file, const Measures& measures) {

@@ -67,7 +67,14 @@ struct Study {
   int formats_seeds = 0;  // `formats` is measured with so many first seeds; 0: all
   LineValues base;
   std::vector<PointSet> sets;
+
+  std::string referenced() const;  // the first measure that needs references; empty: none does
 };
+
+// Why no plan can have this value in these lines, a name of LineValues; empty: one may. The frame's
+// size is no line of theirs: `size` is what decides it.
+std::string line_problem(const std::string& names, const std::string& value,
+                         const std::string& size);
 
 // Throws StudyError. `measures` are the names that [study] measure may hold, each with the columns
 // that an objective may name.

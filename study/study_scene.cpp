@@ -269,6 +269,12 @@ void StudyScene::load_references(const Study& study, const std::string& folder,
         "{}: both references are the same image, expected two of different seeds", name_));
 }
 
+const SceneReferences& StudyScene::references() const {
+  if (references_.signature.empty())
+    throw std::logic_error(fmt::format("{}: no references were loaded", name_));
+  return references_;
+}
+
 std::shared_ptr<const WalkNoise> StudyScene::walk_noise(int spp, Progress* progress) {
   return shared<WalkNoise>(fmt::format("walks of {}", spp), [&] {
     const std::string path =
@@ -276,8 +282,10 @@ std::shared_ptr<const WalkNoise> StudyScene::walk_noise(int spp, Progress* progr
     const Image image =
         find_or_write(path, hash_text(), fmt::format("{} walks of {}", hash_text(), spp),
                       [&] { return walk_image(*world_, *caster_, spp, progress); });
-    return WalkNoise{planes_of(image, "", path), planes_of(image, "variance", path),
-                     std::stod(image.metadata.at("frames"))};
+    WalkNoise noise{planes_of(image, "", path), planes_of(image, "variance", path),
+                    std::stod(image.metadata.at("frames"))};
+    require_same_size(noise.mean, references().mean);
+    return noise;
   });
 }
 

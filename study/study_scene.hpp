@@ -67,9 +67,9 @@ class StudyScene {
   }
 
   // From the study's files, else from `folder`, else path traced into it. Call it once, before
-  // references() is asked.
+  // references() is asked, which throws std::logic_error without.
   void load_references(const Study& study, const std::string& folder, Progress* progress);
-  const SceneReferences& references() const { return references_; }
+  const SceneReferences& references() const;
 
   // Of frames of `spp` samples a pixel; beside the references, made when first asked for. The
   // references must be loaded.

@@ -220,6 +220,7 @@ std::vector<double> ldr_flip(const Planes& a, const Planes& b) {
 }
 
 std::vector<double> hdr_flip(const Planes& a, const Planes& b) {
+  require_same_size(a, b);
   std::vector<double> y;
   for (size_t p = 0; p < b.c[0].size(); ++p)
     y.push_back(luminance(Vec3(b.c[0][p], b.c[1][p], b.c[2][p])));

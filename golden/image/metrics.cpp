@@ -64,10 +64,14 @@ Planes planes_of(const Image& image, const std::string& layer, const std::string
   return planes;
 }
 
-Metrics compare_planes(const Planes& a, const Planes& b, std::vector<double>* flip_map) {
+void require_same_size(const Planes& a, const Planes& b) {
   if (a.width != b.width || a.height != b.height)
     throw std::runtime_error(fmt::format("the images differ in size: {}x{} and {}x{}", a.width,
                                          a.height, b.width, b.height));
+}
+
+Metrics compare_planes(const Planes& a, const Planes& b, std::vector<double>* flip_map) {
+  require_same_size(a, b);
   const size_t pixels = a.c[0].size();
   if (pixels == 0) throw std::runtime_error("the images have no pixels");
   Metrics m;

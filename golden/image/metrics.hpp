@@ -33,6 +33,9 @@ struct Metrics {
   bool identical = false;  // the same bits everywhere
 };
 
+// Throws std::runtime_error where they are not.
+void require_same_size(const Planes& a, const Planes& b);
+
 // Both of the same size, or std::runtime_error. `flip_map`, if not null, gets a value in [0, 1] per
 // pixel.
 Metrics compare_planes(const Planes& a, const Planes& b, std::vector<double>* flip_map = nullptr);
@@ -40,7 +43,8 @@ Metrics compare_planes(const Planes& a, const Planes& b, std::vector<double>* fl
 // HDR-FLIP (Andersson et al. 2021, "Visualizing Errors in Rendered High Dynamic Range Images"): the
 // largest LDR-FLIP over exposures between the two at which the ACES curve takes b's brightest and
 // median luminance to 0.85. As published for 67.02 pixels per degree. A reference that is black in
-// more than half of its pixels takes the median of the others.
+// more than half of its pixels takes the median of the others. Both of the same size, or
+// std::runtime_error.
 std::vector<double> hdr_flip(const Planes& a, const Planes& b);
 
 // LDR-FLIP (Andersson et al. 2020, "FLIP: A Difference Evaluator for Alternating Images") of linear

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "golden/planner/plan_fit.hpp"
 #include "golden/unit/photon_file.hpp"
 
 namespace photonloom {
@@ -59,16 +60,10 @@ Plan plan_from_file(const FrameRequest& request) {
 // hand.
 void check_plan_fits(const PreparedFrame& frame, const std::string& file) {
   const Plan& plan = frame.plan;
-  const World& world = *frame.world;
-  for (int axis = 0; axis < 3; ++axis) {
-    const double lower = plan.origin[static_cast<size_t>(axis)];
-    if (world.lower()[axis] < lower || world.upper()[axis] > lower + plan.extent)
-      throw PlanError(
-          fmt::format("{}: the cube of scene.origin and scene.extent does not hold the scene, "
-                      "which goes from {} "
-                      "to {} in {}; expected a plan made for it",
-                      file, world.lower()[axis], world.upper()[axis], "xyz"[axis]));
-  }
+  if (const std::string why =
+          plan_misfit(plan, *frame.world, frame.global_pass, frame.caustic_pass);
+      !why.empty())
+    throw PlanError(fmt::format("{}: {}", file, why));
   for (const bool is_caustic : {false, true}) {
     const PhotonPass& pass = is_caustic ? frame.caustic_pass : frame.global_pass;
     const uint64_t room = (uint64_t{1} << plan.line_bits()) * static_cast<uint64_t>(plan.bucket);
@@ -76,20 +71,6 @@ void check_plan_fits(const PreparedFrame& frame, const std::string& file) {
       throw PlanError(fmt::format("{}: {}.photons gives addresses for {} photons, but there are {}",
                                   file, is_caustic ? "caustic" : "global", room,
                                   pass.photons.size()));
-    if (plan.channels == 1) {
-      const auto& c = plan.channel_color;
-      const double brightest = std::max({c[0], c[1], c[2]});
-      for (const Photon& p : pass.photons) {
-        const double power = max_component(p.power);
-        for (int i = 0; i < 3; ++i)
-          if (std::fabs(p.power[i] * brightest - c[static_cast<size_t>(i)] * power) >
-              0x1p-30 * power * brightest)
-            throw PlanError(fmt::format(
-                "{}: photon.channels is 1, but the scene's photons have other colours than "
-                "photon.channel_color; expected 3",
-                file));
-      }
-    }
   }
 }
 

@@ -4,6 +4,9 @@
 #include <fmt/core.h>
 
 #include <nlohmann/json.hpp>
+#include <set>
+#include <string>
+#include <vector>
 
 #include "golden/plan/plan_file.hpp"
 #include "tests/catch.hpp"
@@ -51,6 +54,8 @@ TEST_CASE("plan --error: the plan keeps the error in a run with another seed, an
   for (const auto& m : j["runners_up"]) CHECK(!m["lost"].get<std::string>().empty());
   CHECK(j["error_prediction_rms"].get<double>() > 0);
   CHECK(j["check"]["error"].get<double>() <= j["check"]["limit"].get<double>());
+  // Twice the paths of the 256 samples of each measured pixel, and all pixels are measured.
+  CHECK(j["check"]["reference_spp"] == 512);
   const Plan plan = read_plan(file);
   CHECK(plan.width == 16);
   CHECK(plan.spp == 4);
@@ -141,12 +146,58 @@ TEST_CASE("plan --error: wrong command lines name the option and what was expect
       {"--error 0.1 --board up5k" + end, "up5k states no ", 1},
       {"--error 0.1 --set gather.k=0" + end, "gather.k", 1},
       {"--error 0.1 --set gather.no_line=0" + end, "gather.no_line", 1},
+      // Frames of another size than the measured film's.
+      {"--error 0.1 --set frame.width=64" + end, "frame.width is decided by --size", 1},
+      {"--error 0.1 --set frame.height=3" + end, "frame.height is decided by --size", 1},
+      {"--explain frame.width", "--explain: frame.width is decided by --size", 1},
+      {"--explain frame.height", "--explain: frame.height is decided by --size", 1},
+      {"--error 0.1 --explain gather.nothing" + end, "the plan has no line gather.nothing", 1},
+      {"--error 0.1 --explain scene.origin" + end, "scene.origin has no values", 1},
+      {"--error 0.1 --set packed=3" + end, "packed is 3, expected true or false", 1},
+      {"--error 0.1 --set scene.extent=0.5" + end, "does not hold the scene", 1},
+      {"--error 0.1 --set photon.channels=1" + end, "expected 3", 1},
   };
   for (const auto& w : wrong) {
     const auto o = run("plan" + cornell_box() + small(s) + w.arguments);
     INFO(w.arguments << "\n" << o.err);
     CHECK(o.status == w.status);
     CHECK(o.err.find(w.said) != std::string::npos);
+    CHECK(o.out == "");  // no table is begun
+    CHECK(o.err.find("measured") == std::string::npos);
+  }
+}
+
+TEST_CASE("plan --points: no more plans are measured in a search, each told once") {
+  const Scratch s;
+  const std::string options = small(s);
+  const size_t at = options.find("--points 12 ");
+  const auto plans_told = [&](int points, const std::string& error, const char* done) {
+    const auto o =
+        run("plan" + cornell_box() + options.substr(0, at) + fmt::format("--points {} ", points) +
+            options.substr(at + 12) + "--error " + error + " -o '" + s / "plan.toml" + "'");
+    INFO(o.err);
+    CHECK(o.status == (error == "2x" ? 0 : 1));
+    std::vector<std::string> plans;
+    for (size_t line = 0; line < o.err.size(); line = o.err.find('\n', line) + 1) {
+      const std::string begin = std::string("photonloom: ") + done + " ";
+      if (o.err.compare(line, begin.size(), begin) != 0) continue;
+      const size_t from = line + begin.size();
+      plans.push_back(o.err.substr(from, o.err.find(" seeds: ", from) - 3 - from));
+    }
+    const std::set<std::string> different(plans.begin(), plans.end());
+    CHECK(different.size() == plans.size());
+    return different;
+  };
+  for (const int points : {1, 2, 4}) {
+    CAPTURE(points);
+    const auto measured = plans_told(points, "2x", "measured");
+    CHECK(measured.size() <= static_cast<size_t>(points));
+    CHECK(measured.count("the default plan") == 1);
+    // Of those that were measured.
+    for (const std::string& plan : plans_told(points, "2x", "confirmed"))
+      CHECK(measured.count(plan) == 1);
+    // And the two that tell what would help.
+    CHECK(plans_told(points, "1e-5", "measured").size() <= static_cast<size_t>(points) + 2);
   }
 }
 

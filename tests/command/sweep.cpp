@@ -138,9 +138,76 @@ TEST_CASE("points by hand, then the rest") {
   REQUIRE(run(command(s / "study.toml", s / "a")).status == 0);
   REQUIRE(run(command(s / "study.toml", s / "b")).status == 0);
   CHECK(tables(s / "a") == tables(s / "b"));
-  const auto beyond = run(command(s / "study.toml", s / "a") + " --points 14");
-  CHECK(beyond.status == 1);
-  CHECK(beyond.err.find("expected 0 to 13") != std::string::npos);
+  for (const char* folder : {"a", "new"}) {
+    const auto beyond = run(command(s / "study.toml", s / folder) + " --points 14");
+    CHECK(beyond.status == 1);
+    CHECK(beyond.one_error_line());
+    CHECK(beyond.err.find("expected 0 to 13") != std::string::npos);
+  }
+  CHECK_FALSE(std::filesystem::exists(s / "new"));
+}
+
+TEST_CASE("a measure that compares with references has them whichever measures stand beside it") {
+  const Scratch s;
+  for (const char* measures : {"\"lot\"", "\"lot\", \"gather\"", "\"gather\", \"lot\""}) {
+    CAPTURE(measures);
+    std::string text = small_study(cornell());
+    const size_t from = text.find("\"visible\""), to = text.find(']', from);
+    text.replace(from, to - from, measures);
+    write_file(s / "study.toml", text);
+    const auto o = run(command(s / "study.toml", s / "a"));
+    INFO(o.err);
+    CHECK(o.status == 0);
+    CHECK(read_file(s / "a/results.csv").find("lot.relmse") != std::string::npos);
+    text.erase(text.find("[references]"), std::string("[references]\nspp = 4\n").size());
+    write_file(s / "study.toml", text);
+    const auto without = run(command(s / "study.toml", s / "b"));
+    CHECK(without.status == 1);
+    CHECK(without.one_error_line());
+    CHECK(without.err.find("measure lot needs [references]") != std::string::npos);
+  }
+}
+
+TEST_CASE("lines of the scene that do not fit it are refused, as render refuses such a plan") {
+  const Scratch s;
+  write_file(s / "study.toml",
+             small_study(cornell(),
+                         "[[points]]\nstrategy = \"list\"\n"
+                         "lines = [{ scene.extent = 0.5 }, { photon.channels = 1 }]\n"));
+  const auto o = run(command(s / "study.toml", s / "a"));
+  INFO(o.err);
+  CHECK(o.status == 0);
+  CHECK(o.out.find("3 points, 2 refused, 0 failed") != std::string::npos);
+  const std::string points = read_file(s / "a/points.json");
+  CHECK(points.find("does not hold the scene, which goes from ") != std::string::npos);
+  CHECK(points.find("; expected a plan made for it") != std::string::npos);
+  CHECK(points.find("the scene's photons have other colours") != std::string::npos);
+}
+
+TEST_CASE("a folder of other files is refused and left as it is") {
+  const Scratch s;
+  write_file(s / "study.toml", small_study(cornell()));
+  std::filesystem::create_directories(s / "docs");
+  write_file(s / "docs/sampling.md", "mine");
+  std::filesystem::create_directories(s / "empty");
+  const auto refused = [&](const std::string& arguments, const std::string& expected) {
+    const auto o = run(arguments);
+    INFO(arguments << "\n" << o.err);
+    CHECK(o.status == 1);
+    CHECK(o.one_error_line());
+    CHECK(o.err.find(expected) != std::string::npos);
+  };
+  const std::string study = " --study '" + s / "study.toml" + "' -o '";
+  refused(command(s / "study.toml", s / "docs"), "docs: is no sweep's folder");
+  refused("study system" + study + s / "docs" + "'", "docs: is no sweep's folder");
+  refused("study sampling cornell -o '" + s / "docs" + "'", "docs: is no study's folder");
+  for (const char* name : {"system", "sampling"})
+    refused(std::string("study ") + name + " cornell -o '" + s / "study.toml" + "'",
+            "study.toml: is not a folder");
+  refused(command(s / "study.toml", s / "study.toml"), "study.toml: is not a folder");
+  CHECK(std::distance(std::filesystem::directory_iterator(s / "docs"), {}) == 1);
+  CHECK(read_file(s / "docs/sampling.md") == "mine");
+  CHECK(run(command(s / "study.toml", s / "empty")).status == 0);
 }
 
 TEST_CASE("a Latin hypercube's points follow from its printed seed") {
@@ -263,6 +330,14 @@ TEST_CASE("a wrong study is refused with file, line and what was expected") {
   refused(with(list + "lines = [{ foton = 3 }]\n"), "18", "unknown line foton");
   refused(with(list + "lines = [{ photons = 0 }]\n"), "18", "expected an integer from 1");
   refused(with(list + "lines = [{ frame.width = 5 }]\n"), "18", "study.size");
+  refused(with(list + "lines = [{ \"photon.direction_bits+\" = 6 }]\n"), "18",
+          "'photon.direction_bits+' has a + without a line beside it");
+  refused(with(list + "lines = [{ \"+photon.direction_bits\" = 6 }]\n"), "18", "has a + without");
+  refused(with(list + "lines = [{ packed = 1 }]\n"), "18", "expected true or false");
+  refused(with(list + "lines = [{ packed = \"true\" }]\n"), "18",
+          "packed is \"true\" in quotes, expected true without");
+  refused(with(list + "lines = [{ gather.k = \"8\" }]\n"), "18",
+          "gather.k is \"8\" in quotes, expected 8 without");
   refused(with("[[points]]\nstrategy = \"spiral\"\n"), "17", "expected list, grid");
   refused(with("[[points]]\nstrategy = \"grid\"\nlines = { gather.k = { from = 1, to = 3 } }\n"),
           "18", "expected an array of values in a grid");

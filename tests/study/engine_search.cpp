@@ -3,6 +3,8 @@
 // packets come, never which.
 #include "study/engine_search.hpp"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 
 #include "golden/numeric/random.hpp"
@@ -10,6 +12,7 @@
 #include "golden/unit/photon_gatherer.hpp"
 #include "study/board_room.hpp"
 #include "tests/catch.hpp"
+#include "tests/command/run.hpp"
 #include "tests/photon_sets.hpp"
 #include "verilator_tb/unit/backends.hpp"
 
@@ -118,13 +121,75 @@ TEST_CASE("no engine beside the one for a board is faster and fits") {
 
 TEST_CASE("beats wider together than in any routed top are no engine for a board") {
   const BoardDescription board = predicted_board("ulx3s-85f");
-  Plan plan = make_load(8192, 8).plan;
+  Plan plan = make_load(2048, 8).plan;
   plan.gatherers = 2;
-  plan.beat_bits = 512;
-  CHECK(engine_misfit(plan, board) == "");
   plan.beat_bits = 1024;
+  CHECK(engine_misfit(plan, board) == "");
+  plan.gatherers = 3;
+  plan.cache_bytes = 2048;
+  plan.lut_ram_words = 64;
   CHECK(engine_misfit(plan, board) ==
-        "needs beats of 2048 bits together, and no top with more than 1152 was routed");
+        "needs beats of 3072 bits together, and no top with more than 2048 was routed");
+}
+
+TEST_CASE("the limit of an engine's wires is that of the widest top that was routed") {
+  int widest = 0;
+  for (const char* name :
+       {"block_ram_k8", "block_ram_k16", "block_ram_k50", "sdram_k8", "sdram_k16", "sdram_k50"}) {
+    const Plan plan = read_plan(test::source(std::string("fpga/headline/") + name + ".toml"));
+    widest = std::max(widest, plan.gatherers * plan.beat_bits);
+  }
+  CHECK(widest == kEngineWires);
+}
+
+TEST_CASE("the reason of a line that the engine search decides is what its next values would do") {
+  const BoardDescription board = predicted_board("ulx3s-85f");
+  for (const auto& [photons, k] : {std::pair<uint64_t, int>{4000, 8}, {65536, 8}}) {
+    CAPTURE(photons, k);
+    Load load = make_load(photons, k);
+    load.plan.reorder_key = ReorderKey::kNone;
+    const EngineSearch found = fastest_engine(load.plan, load.map, {}, load.queries, board);
+    const Plan& best = found.best.plan;
+    const auto reason = [&](const std::string& line) {
+      CAPTURE(line);
+      const auto at = found.reasons.find(line);
+      REQUIRE(at != found.reasons.end());
+      INFO(at->second);
+      CHECK((at->second.find(" cycles a gather") != std::string::npos ||
+             at->second.find("needs ") != std::string::npos ||
+             at->second.find("expected ") != std::string::npos));
+      return at->second;
+    };
+    for (const char* line :
+         {"board.gatherers", "board.photon_memory", "board.lut_ram_words", "reorder.key",
+          "gatherer.nodes_per_cycle", "gatherer.candidates_per_cycle", "gatherer.powers_per_cycle",
+          "gatherer.lanes", "gatherer.contexts", "gatherer.cache_bytes", "gatherer.beat_bits"})
+      reason(line);
+    const auto begins = [](const std::string& text, const std::string& with) {
+      return text.rfind(with, 0) == 0;
+    };
+    CHECK(begins(reason("reorder.key"),
+                 best.reorder_key == ReorderKey::kNone ? "hilbert: " : "none: "));
+    CHECK(begins(reason("gatherer.beat_bits"), std::to_string(best.beat_bits / 2) + ": "));
+    CHECK(reason("gatherer.beat_bits").find(std::to_string(2 * best.beat_bits) + ": ") !=
+          std::string::npos);
+    CHECK(begins(reason("board.photon_memory"),
+                 best.photon_memory == PhotonMemory::kSdram ? "block_ram: " : "sdram: "));
+    if (best.photon_memory == PhotonMemory::kSdram) {
+      reason("board.cache_bytes");
+      reason("reorder.packets");
+    }
+    // The next plan is predicted as the search predicts: no faster, where it fits.
+    Plan fewer = best;
+    if (--fewer.gatherers > 0) {
+      const double cycles =
+          engine_cycles(fewer, load.map, {}, load.queries, board.core_khz, board.sdram->clock_khz)
+              .cycles;
+      if (fewer.beat_bits == best.beat_bits && photons == 65536)
+        CHECK(reason("board.gatherers")
+                  .find(fmt::format("{}: {:.2f} cycles a gather", fewer.gatherers, cycles)) == 0);
+    }
+  }
 }
 
 TEST_CASE("a board without room for one gatherer, and a frame without gathers, say so") {

@@ -239,3 +239,31 @@ TEST_CASE("visible error is in the mean over seeds that of the frames as they ar
   CHECK(std::fabs(mean) <= 3.5 * error);
   CHECK(error < 0.25 * visible);
 }
+
+TEST_CASE("frames are compared with references of their size alone, and with some at all") {
+  Study study;
+  study.scenes = {test::source("scenes/cornell.xml")};
+  study.width = study.height = 8;
+  study.seeds = {1};
+  study.reference_spp = 2;
+  study.base = {
+      {"photons", "500"}, {"gather.k", "4"}, {"frame.spp", "1"}, {"frame.gather_rays", "2"}};
+  const test::Scratch scratch;
+  StudyScene scene(study.scenes[0], study);
+  Plan plan = plan_of_point(scene, study, {}).plan;
+  {
+    PointRun run(scene, study, plan, 1, scratch / "work");
+    for (const char* name : {"visible", "lot"})
+      CHECK_THROWS_WITH(measure(name).run(run), "cornell: no references were loaded");
+  }
+  scene.load_references(study, scratch / "references", nullptr);
+  for (int Plan::*const edge : {&Plan::width, &Plan::height})
+    for (const int pixels : {3, 9, 64}) {
+      plan.*edge = pixels;
+      PointRun run(scene, study, plan, 1, scratch / "work");
+      for (const char* name : {"visible", "lot"})
+        CHECK_THROWS_WITH(measure(name).run(run),
+                          Catch::Matchers::StartsWith("the images differ in size"));
+      plan.*edge = 8;
+    }
+}

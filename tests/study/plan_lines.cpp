@@ -204,7 +204,13 @@ void check_entry(const Entry& e, Scenes& scenes) {
   lines.emplace_back(e.line, value_for(e, before.plan()));
   INFO(e.line << " from " << value_in(before.plan(), e.line) << " to " << lines.back().second);
   lines.insert(lines.end(), e.also.begin(), e.also.end());
-  Figures after(scene, study, plan_of_point(scene, study, lines).plan);
+  Plan changed = before.plan();
+  // Another colour than the photons' is refused in a point.
+  if (e.line == "photon.channel_color")
+    set_plan_line(changed, e.line + "=" + lines.back().second);
+  else
+    changed = plan_of_point(scene, study, lines).plan;
+  Figures after(scene, study, changed);
   for (const auto& [figure, direction] : e.shows) {
     bool same;
     double a = 0, b = 0;

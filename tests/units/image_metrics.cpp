@@ -101,6 +101,15 @@ TEST_CASE("HDR-FLIP takes the exposure at which the reference reaches 0.85") {
   REQUIRE(hdr_flip(constant(0, 0, 0), constant(0, 0, 0))[0] == 0);
 }
 
+TEST_CASE("images of different sizes are not compared") {
+  const Planes small = constant(1, 1, 1, 8, 8), wide = constant(1, 1, 1, 16, 8);
+  for (const auto& [a, b] : {std::pair(&small, &wide), std::pair(&wide, &small)}) {
+    REQUIRE_THROWS_WITH(hdr_flip(*a, *b), Catch::Matchers::StartsWith("the images differ in size"));
+    REQUIRE_THROWS_WITH(compare_planes(*a, *b),
+                        Catch::Matchers::StartsWith("the images differ in size"));
+  }
+}
+
 TEST_CASE("HDR-FLIP of two flat fields, 16 to 1, is the largest over four exposures") {
   // b is 1 on the left three quarters and 16 on the right, a 1.25 times as much: the exposures run
   // from the one at which 16 is mapped to 0.85 to the one at which 1 is, 4 stops and so 4

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "golden/planner/plan_fit.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace photonloom {
+
+std::string plan_misfit(const Plan& plan, const World& world, const PhotonPass& global,
+                        const PhotonPass& caustic) {
+  for (int axis = 0; axis < 3; ++axis) {
+    const double lower = plan.origin[static_cast<size_t>(axis)];
+    if (world.lower()[axis] < lower || world.upper()[axis] > lower + plan.extent)
+      return fmt::format(
+          "the cube of scene.origin and scene.extent does not hold the scene, which goes from {} "
+          "to "
+          "{} in {}; expected a plan made for it",
+          world.lower()[axis], world.upper()[axis], "xyz"[axis]);
+  }
+  if (plan.channels != 1) return "";
+  for (const PhotonPass* pass : {&global, &caustic}) {
+    const auto& c = plan.channel_color;
+    const double brightest = std::max({c[0], c[1], c[2]});
+    for (const Photon& p : pass->photons) {
+      const double power = max_component(p.power);
+      for (int i = 0; i < 3; ++i)
+        if (std::fabs(p.power[i] * brightest - c[static_cast<size_t>(i)] * power) >
+            0x1p-30 * power * brightest)
+          return "photon.channels is 1, but the scene's photons have other colours than "
+                 "photon.channel_color; expected 3";
+    }
+  }
+  return "";
+}
+
+}  // namespace photonloom
