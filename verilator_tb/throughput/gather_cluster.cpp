@@ -63,23 +63,26 @@ struct Options {
 // leaf caches are LUT RAM then, and the pool has the block RAM. Before an SDRAM the pool is what
 // block RAM is best spent on: each sweep over it takes every line once or twice, however many
 // queries it serves. A pool of 16 places less than its memories have words wastes none of them.
-// sdram_k8's has fewer: with all of them it reads so few lines that it waits for the gatherers.
+// sdram_k8's pool reads so few lines that 16 contexts would make it wait for the gatherers.
 // Where a query visits many leaves, 16 contexts hide what a leaf takes from there if leaves are few
 // and large, and if the gatherer's own cache, in block RAM, has most of them.
 struct PlanOfBoard {
   const char* name;
   PhotonMemory memory;
   uint64_t photons;
-  int k, gatherers, bucket, lanes, beat_photons, leaf_photons, pool, bins, cache_kb, lut_ram_words,
-      replay;
+  int k, gatherers, contexts, bucket, lanes, beat_photons, leaf_photons, pool, bins, cache_kb,
+      lut_ram_words, replay;
 };
 constexpr PlanOfBoard kPlans[] = {
-    {"block_ram_k8", PhotonMemory::kBlockRam, 16384, 8, 4, 8, 2, 2, 256, 512, 512, 48, 64, 1024},
-    {"block_ram_k16", PhotonMemory::kBlockRam, 16384, 16, 2, 16, 4, 8, 256, 2032, 512, 48, 32, 512},
-    {"block_ram_k50", PhotonMemory::kBlockRam, 16384, 50, 2, 8, 4, 8, 256, 2032, 512, 48, 32, 512},
-    {"sdram_k8", PhotonMemory::kSdram, 65536, 8, 3, 8, 4, 4, 256, 10992, 1024, 48, 64, 512},
-    {"sdram_k16", PhotonMemory::kSdram, 65536, 16, 3, 8, 4, 4, 256, 10224, 512, 48, 64, 1024},
-    {"sdram_k50", PhotonMemory::kSdram, 65536, 50, 2, 16, 4, 4, 2048, 10224, 512, 24, 32, 512},
+    {"block_ram_k8", PhotonMemory::kBlockRam, 16384, 8, 4, 16, 8, 2, 2, 256, 512, 512, 48, 64,
+     1024},
+    {"block_ram_k16", PhotonMemory::kBlockRam, 16384, 16, 2, 16, 16, 4, 8, 256, 2032, 512, 48, 32,
+     512},
+    {"block_ram_k50", PhotonMemory::kBlockRam, 16384, 50, 2, 16, 8, 4, 8, 256, 2032, 512, 48, 32,
+     512},
+    {"sdram_k8", PhotonMemory::kSdram, 65536, 8, 3, 20, 8, 4, 4, 256, 11248, 1024, 48, 64, 512},
+    {"sdram_k16", PhotonMemory::kSdram, 65536, 16, 3, 16, 8, 4, 4, 256, 10224, 512, 48, 64, 1024},
+    {"sdram_k50", PhotonMemory::kSdram, 65536, 50, 2, 16, 16, 4, 4, 2048, 10224, 512, 24, 32, 512},
 };
 
 // The photons of a plan; a path that would overfill the map is cut.
@@ -93,6 +96,7 @@ Plan make_plan(const PlanOfBoard& p, const GatherLoad& load) {
   Plan plan = load.plan(stored_photons(load, p.photons), p.photons);
   plan.scene = "";
   plan.k = p.k;
+  plan.contexts = p.contexts;
   plan.bucket = p.bucket;
   plan.reorder_packets = p.pool;
   plan.reorder_bins = p.bins;
