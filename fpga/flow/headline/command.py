@@ -173,7 +173,9 @@ def main() -> int:
     played = play(replayed, goals, work, o.clock) if goals.replay in [plan.name for plan in plans] else None
     # The whole page's images are timed with the whole page's rows.
     images = time_images(goals.images, processor()) if not o.plans else []
-    data = publish(rows, played, images, tops[-1].link, goals, work, o.page)
+    # One link stands on the page: that of the headline's own formats.
+    own = [top.link for plan, top in zip(plans, tops) if not (plan.rejected or plan.shows or plan.finer)]
+    data = publish(rows, played, images, own[-1] if own else None, goals, work, o.page)
     text = summary(data, goals, []) + "\n" + report(data, goals) + images_of(data, goals)
     (work / "report.md").write_text(text)
     print("\n" + text)

@@ -11,7 +11,7 @@ from pathlib import Path
 from flow.shell import read_json
 
 # Seconds of the processor for a version, so that what else a machine does changes no verdict.
-LIMIT = 300
+LIMIT = 120
 MEMORIES = ("block_ram", "block_ram_two_reads", "lut_ram")
 
 
