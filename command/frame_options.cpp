@@ -16,9 +16,8 @@ namespace {
 constexpr const char* kPlanned[] = {"--size", "--spp",    "--photons",      "--caustic-photons",
                                     "--k",    "--radius", "--format-error", "--gather-rays"};
 // What the path tracer does not read.
-constexpr const char* kPhotonOnly[] = {
-    "--photons",      "--caustic-photons", "--gather-rays",   "--k",  "--radius",
-    "--format-error", "--load-photons",    "--load-caustics", "--set"};
+constexpr const char* kPhotonOnly[] = {"--photons", "--caustic-photons", "--gather-rays",
+                                       "--k",       "--radius",          "--format-error"};
 
 // What a plan that is there already does not take: neither a scene nor another plan's lines.
 constexpr const char* kDerivation[] = {"--plan",

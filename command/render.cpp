@@ -130,13 +130,12 @@ void render(const RenderOptions& o) {
   FrameRequest request = o.frame.request();
   if (o.substitute) request.unsupported = Unsupported::kSubstitute;
   const bool path = o.integrator != "photonmap";
-  if (path && (!request.plan_file.empty() || !o.record.empty()))
-    throw UsageError(fmt::format("{}: has no meaning with --integrator {}",
-                                 o.record.empty() ? "--plan" : "--record", o.integrator));
   // What would be read, or shows in no path traced image, is refused; what only counts photons is
   // told, for scripts change the integrator alone.
   if (path)
-    for (const auto& [option, given] : {std::pair{"--set", !request.set.empty()},
+    for (const auto& [option, given] : {std::pair{"--plan", !request.plan_file.empty()},
+                                        {"--record", !o.record.empty()},
+                                        {"--set", !request.set.empty()},
                                         {"--load-photons", !request.load_photons.empty()},
                                         {"--load-caustics", !request.load_caustics.empty()}})
       if (given)

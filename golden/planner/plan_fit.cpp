@@ -15,8 +15,7 @@ std::string plan_misfit(const Plan& plan, const World& world, const PhotonPass& 
     if (world.lower()[axis] < lower || world.upper()[axis] > lower + plan.extent)
       return fmt::format(
           "the cube of scene.origin and scene.extent does not hold the scene, which goes from {} "
-          "to "
-          "{} in {}; expected a plan made for it",
+          "to {} in {}; expected a plan made for it",
           world.lower()[axis], world.upper()[axis], "xyz"[axis]);
   }
   if (plan.channels != 1) return "";

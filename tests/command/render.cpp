@@ -262,6 +262,11 @@ TEST_CASE("what cannot be is one clear error, and nothing is left behind") {
   fails("render" + box() + "--photons 100 --set photon.channels=1 --set " +
             quoted("photon.channel_color=[0,0,0]") + out,
         1, {"photon.channel_color is black"});
+  // What a path traced image does not read.
+  for (const std::string option : {"--plan p.toml", "--record r", "--set bogus.line=5",
+                                   "--load-photons none.ply", "--load-caustics none.ply"})
+    fails("render" + box() + "--integrator path " + option + out, 2,
+          {option.substr(0, option.find(' ')) + ": has no meaning with --integrator path"});
   fails("render" + box() + "--photons 100 --set gather.k=999" + out, 1, {"gather.k", "1 to 256"});
   fails("render" + box() + "--photons 100 --set gather.colour=1" + out, 1,
         {"no line gather.colour"});
