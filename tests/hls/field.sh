@@ -1,8 +1,9 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# usage: field.sh SOURCE BUILD: a field that is added to a packet's list in a copy is in the kernels' header, and a kernel carries it.
+# usage: field.sh SOURCE BUILD FLAGS: a field that is added to a packet's list in a copy is in the kernels' header, and a kernel
+# carries it. FLAGS are the compiler's for the libraries of BUILD.
 set -u
-source=$1 build=$2
+source=$1 build=$2 flags=$3
 fail() {
   echo "field.sh: $1"
   exit 1
@@ -28,7 +29,7 @@ libraries=$(find "$build" -name 'libphotonloom_*.a' | tr '\n' ' ')
 # What the program links beside them: several files of a folder are one object, which asks for all that its folder asks for.
 others=$(ninja -C "$build" -t commands photonloom | tail -n 1 | tr ' ' '\n' | grep -E '\.so|^-l|\.a$' | grep -v libphotonloom | sort -u | tr '\n' ' ')
 # The copy's objects stand in front, so theirs are the packets that count.
-g++ -std=c++20 -I. -I"$source" -isystem /usr/include/OpenEXR -isystem /usr/include/Imath write.cpp \
+g++ -std=c++20 $flags -I. -I"$source" -isystem /usr/include/OpenEXR -isystem /usr/include/Imath write.cpp \
   "$source/hls_kernels/generate/header.cpp" -Wl,--start-group $libraries -Wl,--end-group $others -o write ||
   fail "the header's writer does not compile"
 ./write >photonloom_hls.hpp

@@ -31,6 +31,7 @@
 
 using namespace photonloom;
 using namespace photonloom::oracle;
+using namespace std::string_literals;
 
 namespace {
 
@@ -866,7 +867,7 @@ TEST_CASE("pictures of all formats give the same texels; alpha, raw, gamma, gray
   CHECK(shared.at(1, 1).x == Approx(grey).epsilon(1.0 / 128));
   // A run of no texels, behind which the file ends.
   folder.write("cut.hdr",
-               std::string("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 2 +X 32\n\2\2\0\x20\0", 54));
+               "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 2 +X 32\n\2\2\0\x20\0"s);
   CHECK_THROWS_WITH(load_bitmap(folder / "cut.hdr", {}),
                     ContainsSubstring("cut.hdr: ends before its last pixel"));
   CHECK(load_bitmap(folder / "a.jpg", {}).at(3, 3).x == Approx(grey).epsilon(0.02));
