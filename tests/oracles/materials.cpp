@@ -866,8 +866,7 @@ TEST_CASE("pictures of all formats give the same texels; alpha, raw, gamma, gray
   CHECK(shared.at(0, 0) == Rgb(1, 0, 0));
   CHECK(shared.at(1, 1).x == Approx(grey).epsilon(1.0 / 128));
   // A run of no texels, behind which the file ends.
-  folder.write("cut.hdr",
-               "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 2 +X 32\n\2\2\0\x20\0"s);
+  folder.write("cut.hdr", "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 2 +X 32\n\2\2\0\x20\0"s);
   CHECK_THROWS_WITH(load_bitmap(folder / "cut.hdr", {}),
                     ContainsSubstring("cut.hdr: ends before its last pixel"));
   CHECK(load_bitmap(folder / "a.jpg", {}).at(3, 3).x == Approx(grey).epsilon(0.02));

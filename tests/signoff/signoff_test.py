@@ -5,7 +5,7 @@ import unittest
 from pathlib import Path
 
 from flow.shell import Failure
-from signoff import coverage, evidence, faults, holes, mutate, mutators, page, units
+from signoff import coverage, equivalence, evidence, faults, holes, mutate, mutators, page, units
 from signoff.coverage import Point
 
 
@@ -119,6 +119,45 @@ class Mutants(unittest.TestCase):
         tried[1].equivalent = True
         self.assertEqual(len(mutate.explain("none", tried)), 1)
         self.assertIn("killed of those not proved equivalent | 50.00 %", mutate.section("u", tried, ["p"], 9, 1))
+
+
+HALVES = """module halves(input logic clk_i, input logic on_i, input logic [1:0] a_i, input logic [1:0] b_i, output logic [2:0] sum_o);
+  logic [1:0] low_q, high_q;
+  always_ff @(posedge clk_i) begin
+    low_q  <= a_i;
+    high_q <= b_i;
+    if (on_i) sum_o <= low_q + high_q;
+  end
+endmodule
+"""
+HOLDER = """module holder(input logic clk_i, input logic [1:0] a_i, output logic [2:0] sum_o);
+  halves inside (.clk_i(clk_i), .on_i(1'b1), .a_i(a_i), .b_i(~a_i), .sum_o(sum_o));
+endmodule
+"""
+
+
+class Equivalence(unittest.TestCase):
+    def proved(self, was: str, now: str) -> bool:
+        self.assertIn(was, HALVES)
+        with tempfile.TemporaryDirectory() as name:
+            folder = Path(name)
+            source, holder, mutant = folder / "halves.sv", folder / "holder.sv", folder / "mutant.sv"
+            source.write_text(HALVES)
+            holder.write_text(HOLDER)
+            mutant.write_text(HALVES.replace(was, now))
+            return equivalence.proved("yosys", "holder", "halves", [source, holder], {source: mutant}, folder / "out")
+
+    def test_the_same_in_one_step(self) -> None:
+        self.assertTrue(self.proved("low_q + high_q", "high_q + low_q"))
+        self.assertFalse(self.proved("low_q + high_q", "high_q - low_q"))
+
+    def test_an_input_has_the_constant_that_the_unit_gives_it(self) -> None:
+        self.assertTrue(self.proved("if (on_i)", "if (1'b1)"))
+        self.assertFalse(self.proved("if (on_i)", "if (!on_i)"))
+
+    def test_registers_that_differ_are_followed(self) -> None:
+        self.assertTrue(self.proved("low_q  <= a_i;\n    high_q <= b_i;", "low_q  <= b_i;\n    high_q <= a_i;"))
+        self.assertFalse(self.proved("low_q  <= a_i;", "low_q  <= b_i;"))
 
 
 class Faults(unittest.TestCase):

@@ -215,6 +215,26 @@ void check_counters(const std::string& unit, const Counters& golden, const Count
   expect("stalled results", seen("stalls out") - seen("stalled photons"), "the rig");
 }
 
+bool runs_freely(const RunOptions& options) {
+  const auto free = [](const StallPolicy& policy) {
+    return policy.kind == StallPolicy::Kind::kNone;
+  };
+  return options.kind != ModelKind::kHls && free(options.stall_in) && free(options.stall_out) &&
+         options.restart_after == 0;
+}
+
+void check_promised(const std::string& unit, const Counters& promised, const Counters& hardware) {
+  for (const auto& [name, due] : promised) {
+    const auto counted = hardware.find(name);
+    if (counted == hardware.end())
+      throw std::runtime_error(fmt::format("unit {}: has no counter {}", unit, name));
+    if (counted->second != due)
+      throw std::runtime_error(
+          fmt::format("unit {}: counts {} {} without stalls, docs/{}.md says {}", unit,
+                      counted->second, name, unit, due));
+  }
+}
+
 int bench_main(int argc, char** argv, const Bench& bench) {
   const std::string& unit = bench.module;
   CLI::App app{"The hardware of " + unit + " beside golden, packet by packet."};

@@ -53,6 +53,12 @@ int bench_main(int argc, char** argv, const Bench& bench);
 void check_counters(const std::string& unit, const Counters& golden, const Counters& hardware,
                     uint64_t cycles);
 
+// Whether nothing holds the hardware's streams back and no reset comes. A kernel has no cycles.
+bool runs_freely(const RunOptions& options);
+
+// Each of these the hardware has, and counted exactly so.
+void check_promised(const std::string& unit, const Counters& promised, const Counters& hardware);
+
 // Feeds `in` in pieces of random length: how calls cut the stream must not matter.
 template <class In, class F>
 void feed(const std::vector<In>& in, BenchRandom& random, F&& process) {
@@ -68,6 +74,8 @@ template <class In>
 struct StreamCase {
   std::string name;
   std::function<std::vector<In>(const Plan&, BenchRandom&)> make;
+  // What the unit's page says that it counts for this input when nobody holds it back; optional.
+  Counters (*unstalled)(const Plan&, const std::vector<In>&) = nullptr;
 };
 
 template <class Unit>
@@ -77,9 +85,9 @@ int stream_bench_main(int argc, char** argv, std::vector<BenchPlan> plans,
   Bench bench{unit_name<Unit>, std::move(plans), {}};
   for (const StreamCase<In>& c : cases)
     bench.cases.push_back(
-        {c.name,
-         [make = c.make](const Plan& plan, const RunOptions& options, const CompareContext& context,
-                         BenchRandom& random, BenchTotals& totals) {
+        {c.name, [make = c.make, unstalled = c.unstalled](
+                     const Plan& plan, const RunOptions& options, const CompareContext& context,
+                     BenchRandom& random, BenchTotals& totals) {
            const std::vector<In> in = make(plan, random);
            const std::type_identity<Unit> unit;
            const auto golden = make_golden(unit, plan);
@@ -89,6 +97,8 @@ int stream_bench_main(int argc, char** argv, std::vector<BenchPlan> plans,
            feed(in, random, [&](std::span<const In> piece) { both->process(piece, out); });
            rtl->finish();
            check_counters(context.unit, golden->counters(), rtl->counters(), rtl->cycles());
+           if (unstalled && runs_freely(options))
+             check_promised(context.unit, unstalled(plan, in), rtl->counters());
            totals.compared += both->compared();
            totals.cycles += rtl->cycles();
          }});

@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Bench of the CDF sampler: --list shows its plans and cases.
+#include <algorithm>
+#include <bit>
+
 #include "verilator_tb/bench/bench.hpp"
 
 using namespace photonloom;
@@ -94,6 +97,26 @@ void add_requests(In& in, const Plan& plan, BenchRandom& random, uint64_t count)
 
 // Fewer tables where they are large.
 uint64_t tables(const Plan& plan) { return plan.cell_bits > 4 ? 4 : 10; }
+
+// Cycles that the tables of a stream take when nothing holds it back and each header has its
+// photons and a request right behind it (docs/cdf_sampler.md, "table").
+uint64_t table_cycles(const Plan& plan, const In& in) {
+  const uint64_t side = uint64_t{1} << plan.cell_bits;
+  const uint64_t steps = plan.combine == TableCombine::kProduct ? 0 : (side / 2 + 2) / 2;
+  const auto levels = static_cast<uint64_t>(plan.levels);
+  const uint64_t delay = plan.combine == TableCombine::kWeighted
+                             ? 3
+                             : static_cast<uint64_t>(std::bit_width(levels - 1));
+  uint64_t cycles = 0;
+  for (size_t at = 0; at < in.size();) {
+    const size_t header = at++;
+    while (at < in.size() && in[at].kind == 1) ++at;
+    const uint64_t photons = at - header - 1;
+    cycles += std::max(photons, steps) + side * side + 12 + delay;
+    while (at < in.size() && in[at].kind != 0) ++at;
+  }
+  return cycles;
+}
 
 std::vector<StreamCase<SamplerInput>> cases() {
   return {
@@ -262,6 +285,21 @@ std::vector<StreamCase<SamplerInput>> cases() {
            add_requests(in, plan, random, 1 + random.below(3));
          }
          return in;
+       }},
+      // Photons fewer and more than the steps of the cosine's total.
+      {"cycles",
+       [](const Plan& plan, BenchRandom& random) {
+         In in;
+         for (uint64_t t = 0; t < 2 * tables(plan); ++t) {
+           in.push_back(header(plan, random));
+           for (uint64_t i = 0; i < std::min<uint64_t>(plan.k, t); ++i)
+             in.push_back(photon(plan, random));
+           add_requests(in, plan, random, 1);
+         }
+         return in;
+       },
+       [](const Plan& plan, const In& in) -> Counters {
+         return {{"cycles building", table_cycles(plan, in)}};
        }},
   };
 }

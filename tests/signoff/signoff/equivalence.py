@@ -1,36 +1,61 @@
 # SPDX-License-Identifier: Apache-2.0
 """Whether a mutant computes the same: each version of its module in a plan's unit beside the mutated one, register by register.
 
-For the same inputs and the same contents of all registers both give the same outputs and the same next contents. What is equal only in
-states that can be reached, or for inputs that come, is not shown."""
+For the same inputs and the same contents of all registers both give the same outputs and the same next contents. Where the next contents
+of some registers differ and no output does, these registers are followed: from the same contents of all, everything else stays the same in
+every cycle that comes, by induction. An input that the unit ties to a constant wherever it has the module has that constant. What is
+equal only in states that can be reached, or for inputs that come, is not shown."""
 import re
 import resource
 import subprocess
+from dataclasses import dataclass
 from pathlib import Path
 
 from flow.shell import read_json
 
-# Seconds of the processor for a version, so that what else a machine does changes no verdict.
+# Seconds of the processor for a proof, so that what else a machine does changes no verdict.
 LIMIT = 120
+# Of a try at all outputs together, which either comes soon or goes on one by one.
+SOON = 20
+# Registers to follow; a mutant that changes more of them is none that a few cycles make good.
+FOLLOWED = 4
 MEMORIES = ("block_ram", "block_ram_two_reads", "lut_ram")
 
 
-def _yosys(yosys: str, script: str, log: Path) -> bool:
+@dataclass(frozen=True)
+class Version:
+    """A module with its parameters, and what the unit ties its inputs to: bits, most significant first."""
+    name: str
+    tied: tuple[tuple[str, str], ...]
+
+
+def _yosys(yosys: str, script: str, log: Path, seconds: int = LIMIT) -> bool:
     def limit() -> None:
-        resource.setrlimit(resource.RLIMIT_CPU, (LIMIT, LIMIT))
+        resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds))
 
     with log.open("w") as stream:
         done = subprocess.run([yosys, "-q", "-p", script], stdout=stream, stderr=subprocess.STDOUT, preexec_fn=limit)
     return done.returncode == 0
 
 
-def _versions(yosys: str, unit: str, module: str, files: list[Path], out: Path) -> list[str]:
-    """The names under which the unit's hierarchy has the module, by parameters."""
+def _versions(yosys: str, unit: str, module: str, files: list[Path], out: Path) -> list[Version]:
+    """Those that the unit's hierarchy has."""
     listing = out / "hierarchy.json"
     if not _yosys(yosys, f"read_verilog -nosynthesis -sv {' '.join(map(str, files))}; hierarchy -check -top {unit}; proc; write_json {listing}", out / "hierarchy.log"):
         return []
-    names = read_json(listing)["modules"]
-    return [name for name in names if name == module or re.fullmatch(rf"\$paramod(?:\$[0-9a-f]+)?\\{module}(?:\\.*)?", name)]
+    modules = read_json(listing)["modules"]
+    names = [name for name in modules if name == module or re.fullmatch(rf"\$paramod(?:\$[0-9a-f]+)?\\{module}(?:\\.*)?", name)]
+    return [Version(name, _tied(modules, name)) for name in names]
+
+
+def _tied(modules: dict[str, dict[str, dict[str, dict[str, dict[str, list[int | str]]]]]], name: str) -> tuple[tuple[str, str], ...]:
+    used = [cell["connections"] for holder in modules.values() for cell in holder["cells"].values() if str(cell["type"]) == name]
+    found = []
+    for port in modules[name]["ports"] if used else ():
+        values = {"".join(str(bit) if bit in ("0", "1") else "?" for bit in reversed(connections.get(port, ["?"]))) for connections in used}
+        if len(values) == 1 and "?" not in min(values):
+            found.append((port, min(values)))
+    return tuple(found)
 
 
 def proved(yosys: str, unit: str, module: str, files: list[Path], mutated: dict[Path, Path], out: Path) -> bool:
@@ -42,18 +67,47 @@ def proved(yosys: str, unit: str, module: str, files: list[Path], mutated: dict[
     # Memories that are the same on both sides stay what they are: what comes to them is compared, what comes from them is free.
     kept = "" if module in MEMORIES else "".join(f"blackbox *{memory}; blackbox *{memory}\\*; " for memory in MEMORIES)
 
-    def side(name: str, version: str, sources: list[Path]) -> str:
-        top = f"\\{version}" if version == module else version
+    def side(name: str, version: Version, sources: list[Path], followed: list[str]) -> str:
+        top = f"\\{version.name}" if version.name == module else version.name
+        # A register of the implicit clock is one that expose leaves where it is; it would still make an output of it.
+        left = "".join(f"formalff -clk2ff w:{_pattern(register)} %ci1:+$dff[Q]; " for register in followed)
+        but = " *" + "".join(f" w:{_pattern(register)} %d" for register in followed) if followed else ""
         return (f"design -reset; read_verilog -nosynthesis -sv {' '.join(map(str, sources))}; hierarchy -check -top {unit}; hierarchy -top {top}; "
-                f"proc; {kept}flatten; chformal -remove; opt_clean; memory_map; dffunmap; opt_clean; expose -dff -evert-dff; expose -dff -evert; "
+                f"proc; {kept}flatten; chformal -remove; opt_clean; memory_map; dffunmap; opt_clean; {left}expose -dff -evert-dff{but}; expose -dff -evert{but}; "
                 f"rename {top} {name}; design -stash {name}; ")
 
-    def same(version: str, number: int) -> bool:
-        script = (side("gold", version, files) + side("gate", version, gate) +
-                  "design -copy-from gold -as gold gold; design -copy-from gate -as gate gate; "
-                  # What both have alike is one once their inputs are.
-                  "miter -equiv -flatten -make_assert gold gate miter; hierarchy -top miter; opt_merge; opt_clean; "
-                  "sat -verify -prove-asserts miter")
-        return _yosys(yosys, script, out / f"equiv{number}.log")
+    def both(version: Version, kind: str, followed: list[str]) -> str:
+        return (side("gold", version, files, followed) + side("gate", version, gate, followed) +
+                "design -copy-from gold -as gold gold; design -copy-from gate -as gate gate; "
+                # What both have alike is one once their inputs are.
+                f"miter -equiv -flatten {kind} gold gate miter; hierarchy -top miter; opt_merge; opt_clean; ")
+
+    def same(version: Version, number: int) -> bool:
+        tied = "".join(f" -set in_{port} {len(bits)}'b{bits}" for port, bits in version.tied)
+        miter, listing = out / f"miter{number}.il", out / f"miter{number}.json"
+        if not _yosys(yosys, both(version, "-make_outcmp", []) + f"write_rtlil {miter}; write_json {listing}", out / f"miter{number}.log"):
+            return False
+        outputs = sorted(port for port in read_json(listing)["modules"]["miter"]["ports"] if port.startswith("cmp_"))
+        every = "".join(f" -prove {port} 1" for port in outputs)
+        if _yosys(yosys, f"read_rtlil {miter}; sat -verify{tied}{every} miter", out / f"equiv{number}.log", SOON):
+            return True
+        differ: list[str] = []
+        # Each output alone, with what it is made of: a proof of one does not wait for those of the others.
+        for place, port in enumerate(outputs):
+            if _yosys(yosys, f"read_rtlil {miter}; cd miter; sat -verify{tied} -prove {port} 1 w:{_pattern(port)} %ci*", out / f"equiv{number}_{place}.log"):
+                continue
+            if not port.endswith(".d") or len(differ) == FOLLOWED:
+                return False
+            differ.append(port.removeprefix("cmp_").removesuffix(".d"))
+        if not differ:
+            return True
+        begin = "".join(f" -set-at 1 gold.{register} gate.{register}" for register in differ)
+        return _yosys(yosys, both(version, "-make_assert", differ) + f"sat -verify -tempinduct -maxsteps 4 -prove-asserts{tied}{begin} miter",
+                      out / f"follow{number}.log")
 
     return bool(versions) and all(same(version, number) for number, version in enumerate(versions))
+
+
+def _pattern(name: str) -> str:
+    """A name for a selection, which takes brackets for a set of characters."""
+    return re.sub(r"[\[\]]", "?", name)
