@@ -199,6 +199,27 @@ std::vector<StreamCase<CacheLookup>> cases() {
            return l;
          });
        }},
+      // One apart or at one place, by the least exponent: the quotient has all bits behind the
+      // point,
+      // and is often just below a number that rounds to another one.
+      {"one_apart",
+       [](const Plan& plan, BenchRandom& random) -> In {
+         In in;
+         const uint64_t all = ones(plan.cache_falloff_bits() + 1);
+         for (int tile = 0; tile < 300; ++tile) {
+           CacheLookup l = lookup(plan, random, 4, 1, 1);
+           const uint64_t low = ones(1 + static_cast<int>(random.below(
+                                             static_cast<uint64_t>(plan.cache_falloff_bits()))));
+           l.falloff = static_cast<uint32_t>((random.bits() | low) & all);
+           l.falloff_exponent = 0;
+           l.insert = l.clear = 1;
+           in.push_back(l);
+           l.insert = l.clear = 0;
+           l.position[random.below(3)] ^= static_cast<uint32_t>(random.below(2));
+           in.push_back(l);
+         }
+         return in;
+       }},
       // Every field at random; after reset there is no record, cleared or not.
       {"anything",
        [](const Plan& plan, BenchRandom& random) -> In {
