@@ -37,11 +37,11 @@ def _yosys(yosys: str, script: str, log: Path) -> bool:
     return done.returncode == 0
 
 
-def _versions(yosys: str, unit: str, module: str, files: list[Path], out: Path) -> list[Version]:
-    """Those that the unit's hierarchy has."""
+def _versions(yosys: str, unit: str, module: str, files: list[Path], out: Path) -> list[Version] | None:
+    """Those that the unit's hierarchy has; None where the unit is not read."""
     listing = out / "hierarchy.json"
     if not _yosys(yosys, f"read_verilog -nosynthesis -sv {' '.join(map(str, files))}; hierarchy -check -top {unit}; proc; write_json {listing}", out / "hierarchy.log"):
-        return []
+        return None
     modules = read_json(listing)["modules"]
     names = [name for name in modules if name == module or re.fullmatch(rf"\$paramod(?:\$[0-9a-f]+)?\\{module}(?:\\.*)?", name)]
     return [Version(name, _tied(modules, name)) for name in names]
@@ -57,10 +57,12 @@ def _tied(modules: dict[str, dict[str, dict[str, dict[str, Any]]]], name: str) -
     return tuple(found)
 
 
-def proved(yosys: str, unit: str, module: str, files: list[Path], mutated: dict[Path, Path], out: Path) -> bool:
-    """Whether the module is the same with these files in place of others, in every version that the unit has."""
+def proved(yosys: str, unit: str, module: str, files: list[Path], mutated: dict[Path, Path], out: Path) -> bool | None:
+    """Whether the module is the same with these files in place of others, in every version that the unit has; None where it has none."""
     out.mkdir(parents=True, exist_ok=True)
     versions = _versions(yosys, unit, module, files, out)
+    if versions is None:
+        return False
     gate = [mutated.get(file, file) for file in files]
 
     # Memories that are the same on both sides stay what they are: what comes to them is compared, what comes from them is free.
@@ -100,7 +102,7 @@ def proved(yosys: str, unit: str, module: str, files: list[Path], mutated: dict[
         return _yosys(yosys, both(version, "-make_assert", differ) + f"sat -verify -tempinduct -maxsteps 4 -prove-asserts{tied}{begin} miter",
                       out / f"follow{number}.log")
 
-    return bool(versions) and all(same(version, number) for number, version in enumerate(versions))
+    return all(same(version, number) for number, version in enumerate(versions)) if versions else None
 
 
 def _to_compare(miter: dict[str, dict[str, dict[str, Any]]]) -> list[str]:
