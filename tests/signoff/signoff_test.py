@@ -137,15 +137,17 @@ endmodule
 
 
 class Equivalence(unittest.TestCase):
-    def proved(self, was: str, now: str) -> bool | None:
-        self.assertIn(was, HALVES)
+    def proved(self, was: str, now: str, module: str = "halves") -> bool | None:
         with tempfile.TemporaryDirectory() as name:
             folder = Path(name)
-            source, holder, mutant = folder / "halves.sv", folder / "holder.sv", folder / "mutant.sv"
-            source.write_text(HALVES)
-            holder.write_text(HOLDER)
-            mutant.write_text(HALVES.replace(was, now))
-            return equivalence.proved("yosys", "holder", "halves", [source, holder], {source: mutant}, folder / "out")
+            files = {"halves": folder / "halves.sv", "holder": folder / "holder.sv"}
+            files["halves"].write_text(HALVES)
+            files["holder"].write_text(HOLDER)
+            text = files[module].read_text()
+            self.assertIn(was, text)
+            mutant = folder / "mutant.sv"
+            mutant.write_text(text.replace(was, now))
+            return equivalence.proved("yosys", "holder", module, list(files.values()), {files[module]: mutant}, folder / "out")
 
     def test_the_same_in_one_step(self) -> None:
         self.assertTrue(self.proved("low_q + high_q", "high_q + low_q"))
@@ -154,6 +156,10 @@ class Equivalence(unittest.TestCase):
     def test_an_input_has_the_constant_that_the_unit_gives_it(self) -> None:
         self.assertTrue(self.proved("if (on_i)", "if (1'b1)"))
         self.assertFalse(self.proved("if (on_i)", "if (!on_i)"))
+
+    def test_what_comes_to_an_instance_is_compared(self) -> None:
+        self.assertTrue(self.proved("~a_i", "a_i ^ 2'b11", "holder"))
+        self.assertFalse(self.proved("~a_i", "a_i", "holder"))
 
     def test_registers_that_differ_are_followed(self) -> None:
         self.assertTrue(self.proved("low_q  <= a_i;\n    high_q <= b_i;", "low_q  <= b_i;\n    high_q <= a_i;"))

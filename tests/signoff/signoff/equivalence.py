@@ -18,7 +18,6 @@ from flow.shell import read_json
 LIMIT = 120
 # Registers to follow; a mutant that changes more of them is none that a few cycles make good.
 FOLLOWED = 4
-MEMORIES = ("block_ram", "block_ram_two_reads", "lut_ram")
 
 
 @dataclass(frozen=True)
@@ -65,17 +64,15 @@ def proved(yosys: str, unit: str, module: str, files: list[Path], mutated: dict[
         return False
     gate = [mutated.get(file, file) for file in files]
 
-    # Memories that are the same on both sides stay what they are: what comes to them is compared, what comes from them is free.
-    kept = "" if module in MEMORIES else "".join(f"blackbox *{memory}; blackbox *{memory}\\*; " for memory in MEMORIES)
-
     def side(name: str, version: Version, sources: list[Path], followed: list[str]) -> str:
         top = f"\\{version.name}" if version.name == module else version.name
         # A register of the implicit clock is one that expose leaves where it is; it would still make an output of it.
         left = "".join(f"formalff -clk2ff w:{_pattern(register)} %ci1:+$dff[Q]; " for register in followed)
         but = " *" + "".join(f" w:{_pattern(register)} %d" for register in followed) if followed else ""
         return (f"design -reset; read_verilog -nosynthesis -sv {' '.join(map(str, sources))}; hierarchy -check -top {unit}; hierarchy -top {top}; "
-                f"proc; {kept}flatten; chformal -remove; opt_clean; memory_map; dffunmap; opt_clean; {left}expose -dff -evert-dff{but}; expose -dff -evert{but}; "
-                f"rename {top} {name}; design -stash {name}; ")
+                # What the module instantiates is the same on both sides: what comes to it is compared, what comes from it is free.
+                f"rename {top} {name}; blackbox * {name} %d; proc; chformal -remove; opt_clean; memory_map; dffunmap; opt_clean; "
+                f"{left}expose -dff -evert-dff{but}; expose -dff -evert{but}; design -stash {name}; ")
 
     def both(version: Version, kind: str, followed: list[str]) -> str:
         return (side("gold", version, files, followed) + side("gate", version, gate, followed) +
