@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The methods of proof. Each says whether the assertions of a harness hold, and how far that was looked at."""
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from flow.shell import Failure
@@ -26,9 +26,12 @@ def prove(tools: Tools, folder: Path, proved: Property, sources: list[Path], wor
 
 
 def refute(tools: Tools, folder: Path, proved: Property, sources: list[Path], work: Path, limit: float) -> Outcome:
-    """The same where a run that breaks it is looked for, the shortest first."""
+    """The same where a run that breaks it is looked for, the shortest first. What breaks has to be the property: a lemma
+    that a bug breaks would show nothing."""
     if proved.method == "path":
         return _path(tools, folder, proved, sources, work, limit)
+    if "Lemmas" in proved.parameters:
+        proved = replace(proved, parameters={**proved.parameters, "Lemmas": 0})
     # A bound that its bug lies beyond would show nothing.
     found = _search(tools, folder, proved, sources, work, proved.depth or 100, limit)
     if found.verdict == "fails":
