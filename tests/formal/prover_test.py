@@ -42,6 +42,7 @@ class Table(unittest.TestCase):
         self.refused(ENTRY.format(method="guess", more=""), "method: expected one of")
         self.refused(ENTRY.format(method="pdr", more="depth = 7"), "depth")
         self.refused(ENTRY.format(method="bmc", more=""), "depth")
+        self.refused(ENTRY.format(method="induction", more=""), "depth")
         self.refused(ENTRY.format(method="path", more=""), "paths")
         self.refused(ENTRY.format(method="pdr", more="speed = 1"), "speed: no such key")
         self.refused(ENTRY.format(method="pdr", more="") * 2, "stands twice")

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The methods of proof. Each says whether the assertions of a harness hold, and how far that was looked at."""
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from flow.shell import Failure
@@ -21,16 +21,20 @@ class Outcome:
 
 def prove(tools: Tools, folder: Path, proved: Property, sources: list[Path], work: Path, limit: float) -> Outcome:
     """Whether a property holds; undecided after limit seconds."""
-    method = {"pdr": _pdr, "exhaustive": _bounded, "bmc": _bounded, "path": _path}[proved.method]
+    method = {"pdr": _pdr, "induction": _induction, "exhaustive": _bounded, "bmc": _bounded, "path": _path}[proved.method]
     return method(tools, folder, proved, sources, work, limit)
 
 
 def refute(tools: Tools, folder: Path, proved: Property, sources: list[Path], work: Path, limit: float) -> Outcome:
-    """The same where a run that breaks it is looked for, the shortest first."""
+    """The same where a run that breaks it is looked for, the shortest first. What breaks has to be the property: a lemma
+    that a bug breaks would show nothing."""
     if proved.method == "path":
         return _path(tools, folder, proved, sources, work, limit)
+    if "Lemmas" in proved.parameters:
+        proved = replace(proved, parameters={**proved.parameters, "Lemmas": 0})
     # A bound that its bug lies beyond would show nothing.
-    found = _search(tools, folder, proved, sources, work, proved.depth or 100, limit)
+    depth = 100 if proved.method == "induction" else proved.depth or 100
+    found = _search(tools, folder, proved, sources, work, depth, limit)
     if found.verdict == "fails":
         return found
     return Outcome("undecided", found.depth, found.seconds)
@@ -82,6 +86,19 @@ def _search(tools: Tools, folder: Path, proved: Property, sources: list[Path], w
         return Outcome("holds", depth, seconds)
     frames = re.findall(r"^ *(\d+) \S", done.text, re.MULTILINE)
     return Outcome("undecided", int(frames[-1]) if frames else 0, seconds)
+
+
+def _induction(tools: Tools, folder: Path, proved: Property, sources: list[Path], work: Path, limit: float) -> Outcome:
+    """All assertions at once: after depth cycles that keep them, from any state, the next one keeps them."""
+    # One cycle from reset more than the step presumes.
+    base = _search(tools, folder, proved, sources, work, proved.depth + 1, limit)
+    if base.verdict != "holds":
+        return base
+    done = _abc(tools, work / "model.aig", f"orpos; ind -v -F {proved.depth}", work / "log", limit)
+    seconds = base.seconds + done.seconds
+    if done.ended and "Networks are equivalent" in done.text:
+        return Outcome("holds", None, seconds)
+    return Outcome("undecided", base.depth, seconds)
 
 
 def _bounded(tools: Tools, folder: Path, proved: Property, sources: list[Path], work: Path, limit: float) -> Outcome:
