@@ -8,10 +8,17 @@
 // only from a bin that holds something, at most Packets in the pool; of free_list (free_list_numbers): at most Packets + 12
 // numbers are out. A key finds its place in its FIFO, and what leaves the one that it claimed.
 //
+// Progress: no deadlock. A cycle counts if the consumer is ready, the lists are and the choice is not waited for: lists are ready
+// soon after reset (reorder_lists_order), the choice after 8 cycles at most (reorder_choice). A limited number of these cycles,
+// in which Packets can leave, is what each of the following waits for at most: the packet that is next to enter the pool, or the
+// flush that is next to pass, which waits until all that is held has left; the packet that is next in the FIFO; a packet that is
+// offered when that is full.
+//
 // In place of key, choice and lists stand stubs that do what is proved of them. The environment offers and takes at any time.
 module reorder_control #(
     parameter int unsigned Drain = 0,
-    parameter int unsigned Packets = 3
+    parameter int unsigned Packets = 3,
+    parameter int unsigned Progress = 0
 ) (
     input logic clk_i,
     input logic rst_i,
@@ -149,6 +156,51 @@ module reorder_control #(
       if (spare_valid) assert (main_valid);
       if (!lists_ready) assert (!lists_ready_q);
       if (!lists_ready_q) assert (!main_valid && !spare_valid && held == '0 && !list_insert && !list_remove);
+    end
+  end
+
+  // Each wait, and how long it can still be: both together never exceed the limit.
+  logic main_flush, main_taken, joins;  // probes
+  if (Progress == 1) begin : gen_progress
+    // A take frees no place in the outgoing FIFO, and another one comes free after 11 cycles.
+    localparam int unsigned Take = 12;
+    localparam int unsigned MainLimit = 1 + Take * Packets + Take - 1;
+    localparam int unsigned WaitLimit = Latency + MainLimit + 1;
+    logic [7:0] to_credit, to_key, main_left, wait_left;  // cycles
+    always_comb begin
+      to_credit = 8'd11;
+      for (int unsigned i = 0; i < 9; i++) if (list_stages[i]) to_credit = 8'(10 - i);
+      if (out_valid) to_credit = 8'd1;
+      if (credit_any) to_credit = '0;
+      to_key = 8'(Latency);
+      for (int unsigned i = 0; i < Latency; i++) if (key_stages[i]) to_key = 8'(Latency - i);
+      if (key_head != key_tail) to_key = '0;
+      main_left = 8'd1 + to_credit + (main_flush ? 8'(Take) * 8'(held) : full ? 8'(Take) : '0);
+      wait_left = 8'd1 + to_key + (spare_valid ? main_left : '0);
+    end
+
+    logic counted;
+    logic [7:0] main_waits_q, wait_waits_q, refused_q;
+    assign counted = out_ready_i && lists_ready_q && ready && !(take && !take_ready);
+    always_ff @(posedge clk_i) begin
+      main_waits_q <= !main_valid || main_taken ? '0 : main_waits_q + 8'(counted);
+      wait_waits_q <= wait_head == wait_tail || joins ? '0 : wait_waits_q + 8'(counted);
+      refused_q <= !in_valid_i || in_ready ? '0 : refused_q + 8'(counted);
+      if (rst_i) begin
+        main_waits_q <= '0;
+        wait_waits_q <= '0;
+        refused_q <= '0;
+      end
+    end
+    always_comb begin
+      if (!rst_i && started_q) begin
+        assert (main_waits_q < 8'(MainLimit) && wait_waits_q < 8'(WaitLimit) && refused_q <= 8'(WaitLimit));
+        if (main_valid) assert (main_waits_q + main_left <= 8'(MainLimit));
+        else assert (main_waits_q == '0);
+        if (wait_head != wait_tail) assert (wait_waits_q + wait_left <= 8'(WaitLimit));
+        else assert (wait_waits_q == '0);
+        if (!in_ready) assert (refused_q + wait_left <= 8'(WaitLimit));
+      end
     end
   end
 endmodule

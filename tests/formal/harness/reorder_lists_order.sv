@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // sources: tests/formal/harness/stubs/block_ram.sv tests/formal/harness/stubs/reorder_counts.sv
-// sources: tests/formal/harness/stubs/free_list.sv rtl/common/lut_ram.sv rtl/reorder_buffer/pool_ram.sv rtl/reorder_buffer/reorder_lists.sv
-// reorder_lists: a removal from a bin gives, nine cycles later, the packet that was inserted into that bin longest ago, each once,
-// unchanged. Any list is watched, and in it any two packets that were inserted one after the other, Q and P, or P alone as the
-// first ever: the removal whose turn P is reads P's node (H), gives out its packet (D) and gives its node back (G), and an
-// insertion that links P links it to Q's node (L). One bit of the packet is followed.
+// sources: tests/formal/harness/stubs/free_list.sv rtl/common/lut_ram.sv rtl/reorder_buffer/pool_ram.sv
+// sources: rtl/reorder_buffer/reorder_lists.sv
+// reorder_lists: a removal from a bin gives, nine cycles later, the packet that was inserted into that bin longest ago, each
+// once, unchanged. Any list is watched, and in it any two packets that were inserted one after the other, Q and P, or P alone as
+// the first ever: the removal whose turn P is reads P's node (H), gives out its packet (D) and gives its node back (G), and an
+// insertion that links P links it to Q's node (L). One bit of the packet is followed. The lists are ready 4 * Bins cycles after
+// reset.
 //
 // H of Q and L of all packets but P are assumed of the cycles before: Q and P are any two, so this is induction over time. Of
 // what other lists do nothing else is assumed: their turns, nodes and links are anything, but that L makes them link to a node
@@ -84,7 +86,7 @@ module reorder_lists_order #(
   assign inserted = insert_i && insert_bin_i == watched_bin;
   assign removed  = remove_i && remove_bin_i == watched_bin;
   always_comb begin
-    if (rst_i || !ready) assume (!insert_i && !remove_i);
+    if (!rst_i && !ready) assume (!insert_i && !remove_i);
     if (removed) assume (held != '0 || inserted);
     if (inserted) assume (held < HeldBits'(Packets) || removed);
   end
@@ -98,6 +100,7 @@ module reorder_lists_order #(
   logic [HeldBits-1:0] q_ahead_q, p_ahead_q;  // packets of the bin that leave it before
   logic p_first_q, p_packet_q;
   logic [8:0] removes_due_q;
+  logic [3:0] cycles_q;  // since reset, up to 4 * Bins
   logic q_in, q_out, p_in, p_out;
   assign p_in = inserted && inserts == watched_turn && p_in_q == '0 && (alone || q_in_q != '0);
   assign q_in = inserted && inserts == watched_turn && q_in_q == '0 && !alone && follow_i;
@@ -130,7 +133,9 @@ module reorder_lists_order #(
     removes_due_q <= {removes_due_q[7:0], remove_i};
     other_breaks_q <= (q_out_q == 4'd7 && head7 != q_node) ||
         (insert_stages[4] && !first5 && p_in_q != 4'd5 && q_owned && tail5 == q_node);
+    if (cycles_q != 4'd8) cycles_q <= cycles_q + 1'b1;
     if (rst_i) begin
+      cycles_q <= '0;
       q_in_q <= '0;
       q_out_q <= '0;
       p_in_q <= '0;
@@ -150,6 +155,7 @@ module reorder_lists_order #(
       if (p_out_q == 4'd8) assert (given && given_node == p_node && p_owned);  // G
       if (p_out_q == 4'd9) assert (out == p_packet_q);  // D
       assert (out_valid == removes_due_q[8]);
+      if (cycles_q == 4'd8) assert (ready);
     end
   end
 
@@ -165,7 +171,7 @@ module reorder_lists_order #(
       else assert (before(q_in_q, p_in_q, 4'd4) && before(q_out_q, p_out_q, 4'd4));
       if (!ready) assert (q_in_q == '0 && p_in_q == '0 && held == '0 && inserts == '0 && removes == '0);
       if (!ready) assert (insert_stages == '0 && remove_stages == '0);
-      assert (walk <= 4'd8);
+      assert (walk <= 4'd8 && walk == cycles_q);
     end
   end
 

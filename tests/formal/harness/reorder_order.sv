@@ -8,7 +8,8 @@
 // sent before it, none of which is lost, and before all that was sent after it.
 //
 // Out is where packets enter the outgoing FIFO, which keeps them (fifo_order) and has room for them (reorder_control); so credit
-// is free, and as nothing else depends on when they are taken they are taken at once. In place of key, choice and lists stand stubs that do what is proved of them.
+// is free, and as nothing else depends on when they are taken they are taken at once. In place of key, choice and lists stand
+// stubs that do what is proved of them.
 module reorder_order #(
     parameter int unsigned Drain = 0,
     parameter int unsigned Packets = 2
@@ -122,8 +123,8 @@ module reorder_order #(
     end
   end
 
-  // Lemmas. The places of x and of y, from the output on: lists, their entrance, the register, the FIFO. A packet that was sent and
-  // has not left is in one of them, x nearer to the output than y.
+  // Lemmas. The places of x and of y, from the output on: lists, their entrance, the register, the FIFO. A packet that was sent
+  // and has not left is in one of them, x nearer to the output than y.
   localparam int unsigned Places = 9 + 1 + 1 + 2 + Words;
   logic [Places-1:0] x_at, y_at;
   logic [2*Places-1:0] at;
@@ -154,7 +155,9 @@ module reorder_order #(
         if (here[12]) assert (spare[Width] == flush_q[f] && spare[Flush] == flush_q[f]);
         if (here[11]) assert (main[Width] == flush_q[f] && main[Flush] == flush_q[f]);
         if (here[10]) assert (list_packet[Flush] == flush_q[f]);
-        if (here[10] && flush_q[f]) assert (list_remove && list_remove_bin == list_insert_bin && list_counts == '0 && counts == '0);
+        if (here[10] && flush_q[f]) begin
+          assert (list_remove && list_remove_bin == list_insert_bin && list_counts == '0 && counts == '0);
+        end
         if (here[9]) assert (!flush_q[f] && list_ahead[ListBits*f+:ListBits] < list_counts[ListBits*list_bins[2*f+:2]+:ListBits]);
         if (here[9:0] != '0) assert (list_packets[Width*f+Flush] == flush_q[f] && list_packets[Width*f+Mark+:2] == 2'd1 << f);
       end

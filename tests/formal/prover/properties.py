@@ -9,7 +9,8 @@ from flow.shell import Failure
 
 # How a property is shown, and whether that holds without a bound:
 #   pdr        property directed reachability, unbounded
-#   induction  no run of depth cycles from reset breaks it, and no run of depth + 1 from any state breaks it in its last cycle alone: unbounded
+#   induction  no run of depth + 1 cycles from reset breaks it, and none from any state after it was kept for depth cycles:
+#              unbounded
 #   exhaustive every run of a harness that ends within depth cycles and asserts that it does: all inputs at once, unbounded
 #   bmc        every run of at most depth cycles
 #   path       no combinational path between two ports, found in the netlist, unbounded

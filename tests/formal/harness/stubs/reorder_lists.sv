@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// In place of reorder_lists: ready at any time after reset and from then on; a packet comes out nine cycles after each removal. Two
-// packets, x and y, which the harness chooses, come out when it is their turn in their bin, which is what is proved of the real one;
-// all others come out as anything.
+// In place of reorder_lists: ready at any time after reset and from then on; a packet comes out nine cycles after each removal.
+// Two packets, x and y, which the harness chooses, come out when it is their turn in their bin, which is what is proved of the
+// real one; all others come out as anything, which the harness may limit to what is neither x nor y.
 module reorder_lists #(
     parameter int unsigned Width = 64,
     parameter int unsigned Packets = 2048,
