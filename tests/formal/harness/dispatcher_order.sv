@@ -7,9 +7,9 @@
 // FIFO that may not overflow does not. A query's lowest position bit says whether it has photons if it wants them; those that
 // have some are what stream_checks follows with Photons 1.
 //
-// What makes it hold in each cycle is asserted with it, so that a proof needs no more than one step. Two lists note the
-// queries between deal and fetch, and those with photons between fetch and last photon. The order FIFO holds the sources of
-// the one, the order of photons those of the other; what lies in and around a gatherer is those entries that it got, in
+// What makes it hold in each cycle is asserted with it (Lemmas 1), so that a proof needs no more than one step. Two lists note
+// the queries between deal and fetch, and those with photons between fetch and last photon. The order FIFO holds the sources
+// of the one, the order of photons those of the other; what lies in and around a gatherer is those entries that it got, in
 // their order; and results, lists and what waits for its deal, read one after the other, are the stream that came.
 module dispatcher_order #(
     parameter int unsigned Photons = 0,
@@ -91,6 +91,9 @@ module dispatcher_order #(
   assign spare_wants   = spare_in.want_photons && !spare_in.flush;
 
   // ---- the two lists ----
+  // dealt: queries between deal and fetch, as many as the order FIFO and the skid buffer behind it hold, each with its tags,
+  // whether it has photons, whether it wants them, and its gatherer. owing: queries between fetch and last photon, six at
+  // most (three a gatherer), each with its second tag bit and its gatherer.
   localparam int unsigned Dealt = 4;
   localparam int unsigned Owing = 8;
   (* hierconn *) logic [Dealt-1:0] \dealt.valid_q ;
