@@ -5,9 +5,11 @@ For the same inputs and the same contents of all registers both give the same ou
 of some registers differ and no output does, these registers are followed: from the same contents of all, everything else stays the same in
 every cycle that comes, by induction. An input that the unit ties to a constant wherever it has the module has that constant. What is
 equal only in states that can be reached, or for inputs that come, is not shown."""
+import functools
 import re
 import resource
 import subprocess
+import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -22,8 +24,8 @@ FOLLOWED = 4
 
 @dataclass(frozen=True)
 class Version:
-    """A module with its parameters, and what the unit ties its inputs to: bits, most significant first."""
-    name: str
+    """A module's parameters, and what the unit ties its inputs to: names and bits, most significant first."""
+    parameters: tuple[tuple[str, str], ...]
     tied: tuple[tuple[str, str], ...]
 
 
@@ -36,14 +38,28 @@ def _yosys(yosys: str, script: str, log: Path) -> bool:
     return done.returncode == 0
 
 
-def _versions(yosys: str, unit: str, module: str, files: list[Path], out: Path) -> list[Version] | None:
+def _versions(yosys: str, unit: str, module: str, files: list[Path]) -> list[Version] | None:
     """Those that the unit's hierarchy has; None where the unit is not read."""
-    listing = out / "hierarchy.json"
-    if not _yosys(yosys, f"read_verilog -nosynthesis -sv {' '.join(map(str, files))}; hierarchy -check -top {unit}; proc; write_json {listing}", out / "hierarchy.log"):
+    modules = _hierarchy(yosys, unit, tuple(files))
+    if modules is None:
         return None
-    modules = read_json(listing)["modules"]
     names = [name for name in modules if name == module or re.fullmatch(rf"\$paramod(?:\$[0-9a-f]+)?\\{module}(?:\\.*)?", name)]
-    return [Version(name, _tied(modules, name)) for name in names]
+    found = []
+    for name in names:
+        parameters = modules[name].get("parameter_default_values", {}) if name != module else {}
+        found.append(Version(tuple((key, str(value)) for key, value in parameters.items()), _tied(modules, name)))
+    return found
+
+
+@functools.cache
+def _hierarchy(yosys: str, unit: str, files: tuple[Path, ...]) -> dict[str, dict[str, Any]] | None:
+    """A plan's unit with all that it instantiates."""
+    with tempfile.TemporaryDirectory() as name:
+        listing, log = Path(name) / "hierarchy.json", Path(name) / "log"
+        if not _yosys(yosys, f"read_verilog -nosynthesis -sv {' '.join(map(str, files))}; hierarchy -check -top {unit}; proc; write_json {listing}", log):
+            return None
+        found: dict[str, dict[str, Any]] = read_json(listing)["modules"]
+        return found
 
 
 def _tied(modules: dict[str, dict[str, dict[str, dict[str, Any]]]], name: str) -> tuple[tuple[str, str], ...]:
@@ -59,19 +75,19 @@ def _tied(modules: dict[str, dict[str, dict[str, dict[str, Any]]]], name: str) -
 def proved(yosys: str, unit: str, module: str, files: list[Path], mutated: dict[Path, Path], out: Path) -> bool | None:
     """Whether the module is the same with these files in place of others, in every version that the unit has; None where it has none."""
     out.mkdir(parents=True, exist_ok=True)
-    versions = _versions(yosys, unit, module, files, out)
+    versions = _versions(yosys, unit, module, files)
     if versions is None:
         return False
     gate = [mutated.get(file, file) for file in files]
 
     def side(name: str, version: Version, sources: list[Path], followed: list[str]) -> str:
-        top = f"\\{version.name}" if version.name == module else version.name
+        given = "".join(f" -chparam {key} {len(bits)}'b{bits}" for key, bits in version.parameters)
         # A register of the implicit clock is one that expose leaves where it is; it would still make an output of it.
         left = "".join(f"formalff -clk2ff w:{_pattern(register)} %ci1:+$dff[Q]; " for register in followed)
         but = " *" + "".join(f" w:{_pattern(register)} %d" for register in followed) if followed else ""
-        return (f"design -reset; read_verilog -nosynthesis -sv {' '.join(map(str, sources))}; hierarchy -check -top {unit}; hierarchy -top {top}; "
+        return (f"design -reset; read_verilog -defer -nosynthesis -sv {' '.join(map(str, sources))}; hierarchy -check -top {module}{given}; "
                 # What the module instantiates is the same on both sides: what comes to it is compared, what comes from it is free.
-                f"rename {top} {name}; blackbox * {name} %d; proc; chformal -remove; opt_clean; memory_map; dffunmap; opt_clean; "
+                f"rename -top {name}; blackbox * {name} %d; proc; chformal -remove; opt_clean; memory_map; dffunmap; opt_clean; "
                 f"{left}expose -dff -evert-dff{but}; expose -dff -evert{but}; design -stash {name}; ")
 
     def both(version: Version, kind: str, followed: list[str]) -> str:
