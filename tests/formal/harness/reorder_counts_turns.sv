@@ -95,7 +95,8 @@ module reorder_counts_turns #(
     end
   end
 
-  // What the module holds of the watched bin, so that the above follows from one cycle to the next. Probes are kept where no lemma reads them.
+  // What the module holds of the watched bin, so that the above follows from one cycle to the next. Probes are kept where no
+  // lemma reads them.
   (* keep *) logic [1:0] ask1, ask2, bin1, bin2, bin3;  // probe
   (* keep *) logic [2*Bits-1:0] new3, new4, held4;  // probe
   (* keep *) logic [4*Bits-1:0] count3;  // probe

@@ -25,9 +25,11 @@ def _read(folder: Path, proved: Property, sources: list[Path]) -> str:
     parameters = "".join(f"chparam -set {name} {value} {proved.harness}; " for name, value in proved.parameters.items())
     # A probe is a wire of the harness that nothing drives there.
     probes = "".join(f"connect -set {wire} {inner}; " for wire, inner in proved.probes.items())
+    # A word of a memory is a wire NAME[ADDRESS] once the memory is registers.
+    memories = "memory_map; " if proved.probes else ""
     cuts = "".join(f"select -assert-count 1 w:{wire}; cutpoint w:{wire}; " for wire in proved.cuts)
     files = " ".join(str(folder / source) for source in sources)
-    return (f"read_verilog -formal -sv {files}; {parameters}prep -flatten -top {proved.harness}; "
+    return (f"read_verilog -formal -sv {files}; {parameters}prep -flatten -top {proved.harness}; {memories}"
             f"cd {proved.harness}; {probes}{cuts}cd ..; chformal -cover -remove; ")
 
 

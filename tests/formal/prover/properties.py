@@ -27,7 +27,7 @@ class Property:
     method: str
     depth: int  # cycles, 0 where the method needs none
     parameters: dict[str, int]  # of the harness
-    probes: dict[str, str]  # wires of the harness that get the value of a wire inside, by its flattened name
+    probes: dict[str, str]  # wires of the harness that get the value of a wire inside, by its flattened name, or of a word of memory
     cuts: tuple[str, ...]  # wires inside, by flattened name, that take any value in each step: more runs, never fewer
     paths: tuple[tuple[str, str], ...]  # of a path: from input, to output
     bug: str  # tests/formal/bugs/BUG.patch or tests/mutants/rtl/BUG.patch, which must be refuted
