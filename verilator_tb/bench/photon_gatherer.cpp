@@ -117,6 +117,16 @@ std::vector<BenchPlan> plans() {
   return list;
 }
 
+// Whether no set of the cache is asked for more lines than it has ways: those of a map lie one
+// behind the other.
+bool fits_cache(const Plan& plan, const PhotonMap& global, const PhotonMap& caustic) {
+  if (plan.cache_bytes == 0 || plan.photon_lines == PhotonLines::kCompressed) return false;
+  const auto ways = static_cast<uint32_t>(plan.cache_ways);
+  const auto sets = static_cast<uint32_t>(plan.cache_bytes / plan.line_bytes()) / ways;
+  const auto in_a_set = [&](const PhotonMap& map) { return (map.lines + sets - 1) / sets; };
+  return in_a_set(global) + in_a_set(caustic) <= ways;
+}
+
 // One case as golden and the hardware answer it.
 void run_case(const GatherCase& c, const Plan& bench_plan, const RunOptions& options,
               const CompareContext& context, BenchRandom& random, BenchTotals& totals) {
@@ -157,6 +167,13 @@ void run_case(const GatherCase& c, const Plan& bench_plan, const RunOptions& opt
         fmt::format("unit {}: {} lines were found in the cache, expected none with bit 63 of "
                     "0x800004",
                     context.unit, hits->second));
+  if (fits_cache(plan, global, caustic) && !in.leaf_cache && !in.reload && !options.restart_after)
+    if (const auto misses = counted.find("cache misses");
+        misses != counted.end() && misses->second > global.lines + caustic.lines)
+      throw std::runtime_error(fmt::format(
+          "unit {}: {} lines were fetched, expected each of the maps' {} at most once, as the "
+          "cache holds them all",
+          context.unit, misses->second, global.lines + caustic.lines));
   totals.compared += both->compared();
   totals.cycles += rtl->cycles();
 }
