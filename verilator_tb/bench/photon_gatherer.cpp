@@ -167,6 +167,9 @@ void run_case(const GatherCase& c, const Plan& bench_plan, const RunOptions& opt
         fmt::format("unit {}: {} lines were found in the cache, expected none with bit 63 of "
                     "0x800004",
                     context.unit, hits->second));
+  if (const auto faults = counted.find("faults"); faults != counted.end() && faults->second)
+    throw std::runtime_error(fmt::format("unit {}: counts {} faults of memory, expected none",
+                                         context.unit, faults->second));
   if (fits_cache(plan, global, caustic) && !in.leaf_cache && !in.reload && !options.restart_after)
     if (const auto misses = counted.find("cache misses");
         misses != counted.end() && misses->second > global.lines + caustic.lines)
