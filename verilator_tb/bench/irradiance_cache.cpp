@@ -200,8 +200,7 @@ std::vector<StreamCase<CacheLookup>> cases() {
          });
        }},
       // One apart or at one place, by the least exponent: the quotient has all bits behind the
-      // point,
-      // and is often just below a number that rounds to another one.
+      // point, and is often just below a number that rounds to another one.
       {"one_apart",
        [](const Plan& plan, BenchRandom& random) -> In {
          In in;
