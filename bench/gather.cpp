@@ -7,6 +7,7 @@
 #include <sched.h>
 #include <time.h>
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <atomic>
 #include <chrono>
@@ -15,7 +16,6 @@
 #include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
-#include <sstream>
 #include <string>
 #include <thread>
 
@@ -24,6 +24,7 @@
 #include "golden/numeric/hilbert.hpp"
 #include "golden/numeric/random.hpp"
 #include "golden/unit/gather_search.hpp"
+#include "verilator_tb/rig/number_options.hpp"
 
 namespace photonloom::bench {
 
@@ -49,7 +50,7 @@ struct Options {
   std::vector<uint32_t> ks = {8, 50, 200};
   size_t queries = 16384;  // of a timed repetition
   size_t trial = 2048;     // queries on which a library's configurations compete
-  std::string json = "gather.json";
+  std::string json;
 };
 
 struct Order {
@@ -449,55 +450,64 @@ int run(const Options& options) {
 }  // namespace
 }  // namespace photonloom::bench
 
-// bench_gather FILE.json [queries [photons [k]]]: queries of a repetition; all
-// cells, or those of one size, one k.
-// bench_gather FILE.json --cloud PHOTONS QUERIES k [r2_max [leaf_limit bucket]]: positions from
-// files, without a radius and within r2_max; golden visits leaf_limit leaves of so many photons at
-// most, where it is not 0, and the libraries stay exact.
-// bench_gather FILE.json --uniform QUERIES POINTS,... K,...: points and queries even in a cube.
 int main(int argc, char** argv) {
   using namespace photonloom::bench;
-  Options options;
-  const auto number = [&](int i) { return i < argc ? std::strtoull(argv[i], nullptr, 10) : 0; };
-  const auto usage = [](const char* text) {
-    fmt::print(stderr, "usage: bench_gather FILE.json {}, k at most {}\n", text,
-               photonloom::search::kMaxK);
-    return 2;
-  };
-  const auto possible = [](uint64_t k) { return k > 0 && k <= photonloom::search::kMaxK; };
-  const std::string mode = argc > 2 ? argv[2] : "";
-  if (mode == "--cloud") {
+  Options o;
+  CLI::App app{
+      "Queries a second of the golden gather beside nanoflann, FLANN and CGAL, into a JSON file: "
+      "of photons in a room, of positions from files, or of uniform points.",
+      "bench_gather"};
+  const auto count = photonloom::number_range(1, 1e9);
+  const auto k = photonloom::number_range(1, photonloom::search::kMaxK);
+  std::vector<std::string> cloud;
+  bool uniform = false;
+  int64_t r2_max = 0;
+  GoldenSearch how;
+  app.add_option("json", o.json, "the file to write")->type_name("FILE")->required();
+  auto* const from_files =
+      app.add_option("--cloud", cloud, "positions of photons and of queries, files")
+          ->type_name("PHOTONS QUERIES")
+          ->expected(2)
+          ->check(CLI::ExistingFile);
+  app.add_flag("--uniform", uniform, "points and queries even in a cube")->excludes(from_files);
+  app.add_option("--queries", o.queries, "of a repetition, with --cloud all")
+      ->check(count)
+      ->excludes(from_files)
+      ->capture_default_str();
+  app.add_option("--photons", o.sizes, "how many; several with commas")
+      ->check(count)
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->excludes(from_files)
+      ->capture_default_str();
+  auto* const ks = app.add_option("-k", o.ks, "nearest photons; several with commas")
+                       ->check(k)
+                       ->delimiter(',')
+                       ->allow_extra_args(false)
+                       ->capture_default_str();
+  app.add_option("--r2-max", r2_max, "with --cloud: also within this squared distance")
+      ->check(photonloom::number_range(1, 9e18))
+      ->needs(from_files);
+  auto* const limit =
+      app.add_option("--leaf-limit", how.leaf_limit,
+                     "with --cloud: golden visits so many leaves at most, 0 for all")
+          ->check(photonloom::number_range(0, 1e9))
+          ->needs(from_files);
+  auto* const bucket =
+      app.add_option("--bucket", how.bucket, "photons of a leaf")->check(count)->needs(limit);
+  limit->needs(bucket);
+  photonloom::check_values(app);
+  CLI11_PARSE(app, argc, argv);
+  if (!cloud.empty()) {
+    if (o.ks.size() != 1 || ks->count() == 0) {
+      fmt::print(stderr, "bench_gather: -k: expected one with --cloud\n");
+      return 2;
+    }
     std::vector<int64_t> radii = {-1};
-    if (argc > 6) radii.push_back(static_cast<int64_t>(number(6)));
-    GoldenSearch how;
-    if (argc > 8) how = {static_cast<uint32_t>(number(8)), static_cast<uint32_t>(number(7))};
-    if (argc > 9 || argc == 8 || !possible(number(5)) || radii.back() == 0 || how.bucket == 0)
-      return usage("--cloud PHOTONS QUERIES k [r2_max [leaf_limit bucket]]");
-    return run_cloud(argv[1], argv[3], argv[4], static_cast<uint32_t>(number(5)), radii, how);
+    if (r2_max > 0) radii.push_back(r2_max);
+    return run_cloud(o.json, cloud[0], cloud[1], o.ks[0], radii, how);
   }
-  if (mode == "--uniform") {
-    const auto list = [&](int i) {
-      std::vector<size_t> numbers;
-      std::istringstream words(i < argc ? argv[i] : "");
-      for (std::string word; std::getline(words, word, ',');)
-        numbers.push_back(std::strtoull(word.c_str(), nullptr, 10));
-      return numbers;
-    };
-    const std::vector<size_t> sizes = list(4), ks = list(5);
-    if (argc != 6 || number(3) == 0 || sizes.empty() || ks.empty() ||
-        !std::all_of(ks.begin(), ks.end(), possible) ||
-        std::find(sizes.begin(), sizes.end(), 0) != sizes.end())
-      return usage("--uniform QUERIES POINTS,... K,...");
-    return run_uniform(argv[1], sizes, {ks.begin(), ks.end()}, number(3));
-  }
-  if (argc > 1) options.json = argv[1];
-  if (argc > 2) options.queries = std::strtoull(argv[2], nullptr, 10);
-  if (argc > 3) options.sizes = {std::strtoull(argv[3], nullptr, 10)};
-  if (argc > 4) options.ks = {static_cast<uint32_t>(std::strtoul(argv[4], nullptr, 10))};
-  if (options.queries == 0 || options.sizes[0] == 0 || options.ks[0] == 0 ||
-      options.ks[0] > photonloom::search::kMaxK) {
-    return usage("[queries [photons [k]]]");
-  }
-  options.trial = std::min(options.trial, options.queries);
-  return run(options);
+  if (uniform) return run_uniform(o.json, o.sizes, o.ks, o.queries);
+  o.trial = std::min(o.trial, o.queries);
+  return run(o);
 }

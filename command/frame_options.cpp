@@ -38,7 +38,7 @@ constexpr const char* kDerivation[] = {"--plan",
 
 bool is_plan(const std::string& path) { return std::filesystem::path(path).extension() == ".toml"; }
 
-std::pair<int, int> parse_size(const std::string& text) {
+std::pair<int, int> parse_size(const std::string& text, const std::string& option) {
   int width = 0, height = 0;
   const char* end = text.data() + text.size();
   const auto w = std::from_chars(text.data(), end, width);
@@ -47,7 +47,7 @@ std::pair<int, int> parse_size(const std::string& text) {
   if (!ok || h.ec != std::errc() || h.ptr != end || width < 1 || height < 1 || width > 16384 ||
       height > 16384)
     throw UsageError(
-        fmt::format("--size: '{}', expected WIDTHxHEIGHT of 1 to 16384 pixels each", text));
+        fmt::format("{}: '{}', expected WIDTHxHEIGHT of 1 to 16384 pixels each", option, text));
   return {width, height};
 }
 

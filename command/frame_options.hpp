@@ -36,8 +36,8 @@ class FrameOptions {
 // Whether a command that takes a scene or a plan was given a plan: a file name that ends in .toml.
 bool is_plan(const std::string& path);
 
-// "WxH" -> pixels; throws UsageError.
-std::pair<int, int> parse_size(const std::string& text);
+// "WxH" -> pixels; throws UsageError, which names the option.
+std::pair<int, int> parse_size(const std::string& text, const std::string& option = "--size");
 
 // Of --radius.
 CLI::Validator radius_number();

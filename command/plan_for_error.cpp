@@ -224,7 +224,7 @@ void PlanForError::run(const FrameRequest& request, const std::string& output, b
   r.parameters = request.parameters;
   r.size = request.size;
   if (!measured_size_.empty())
-    std::tie(r.measured_width, r.measured_height) = parse_size(measured_size_);
+    std::tie(r.measured_width, r.measured_height) = parse_size(measured_size_, "--measure-size");
   r.asked = asked_lines(request);
   r.flip = metric_ == "flip";
   if (r.flip) {

@@ -5,7 +5,6 @@
 
 #include <bit>
 #include <cmath>
-#include <cstring>
 #include <limits>
 
 #include "golden/numeric/output_file.hpp"
@@ -21,6 +20,7 @@ struct TypeName {
   size_t bytes;
   double lowest, highest;  // of the integer types
 };
+constexpr std::string_view kBlanks = " \t\r\n";  // of ASCII bodies
 constexpr double kAny = std::numeric_limits<double>::infinity();
 constexpr TypeName kTypes[] = {
     {"char", "int8", PlyType::kInt8, 1, -128, 127},
@@ -43,6 +43,7 @@ class Reader {
   PlyTable read() {
     header();
     for (PlyElement& element : table_.elements) body(element);
+    end();
     return std::move(table_);
   }
 
@@ -137,6 +138,7 @@ class Reader {
     }
     if (!has_format) fail("the header has no format line");
     in_header_ = false;
+    ++line_;  // that of the body's first value
   }
 
   // Bytes a row takes at least; what is left of the file bounds how many rows there can be.
@@ -182,18 +184,30 @@ class Reader {
     }
   }
 
+  // A count in the header that is too small would lose rows without a word.
+  void end() {
+    if (table_.format == PlyFormat::kAscii) skip_blanks();
+    if (at_ < bytes_.size())
+      fail(fmt::format("expected the file's end after the last element's last row; bytes left: {}",
+                       bytes_.size() - at_));
+  }
+
+  void skip_blanks() {
+    while (at_ < bytes_.size() && kBlanks.find(bytes_[at_]) != std::string_view::npos)
+      line_ += bytes_[at_++] == '\n';
+  }
+
   double value(PlyType type, const PlyElement& element, const PlyColumn& column) {
     return table_.format == PlyFormat::kAscii ? ascii(type, element, column)
                                               : binary(type, element, column);
   }
 
   double ascii(PlyType type, const PlyElement& element, const PlyColumn& column) {
-    while (at_ < bytes_.size() && std::strchr(" \t\r\n", bytes_[at_]))
-      line_ += bytes_[at_++] == '\n';
+    skip_blanks();
     if (at_ >= bytes_.size())
       fail(fmt::format("the file ends early, in property '{}' of element '{}'", column.name,
                        element.name));
-    const size_t end = std::min(bytes_.find_first_of(" \t\r\n", at_), bytes_.size());
+    const size_t end = std::min(bytes_.find_first_of(kBlanks, at_), bytes_.size());
     const std::string_view text = bytes_.substr(at_, end - at_);
     at_ = end;
     const auto number = parse_double(text);

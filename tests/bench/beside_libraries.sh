@@ -11,9 +11,15 @@ mkdir -p "$build"
 # CMake tells of each step what it does; it matters where one fails.
 { cmake -S "$source/bench" -B "$build" -G Ninja && cmake --build "$build"; } >"$build/log.txt" 2>&1 || fail "$(cat "$build/log.txt")"
 
-"$build/bench_gather" "$build/uniform.json" --uniform 500 3000 5 >"$build/uniform.txt" || fail "bench_gather: status $?"
+"$build/bench_gather" "$build/uniform.json" --uniform --queries 500 --photons 3000 -k 5 >"$build/uniform.txt" || fail "bench_gather: status $?"
 for name in photonloom nanoflann FLANN CGAL; do
   grep -q "$name" "$build/uniform.txt" || fail "bench_gather says nothing of $name: $(cat "$build/uniform.txt")"
+done
+for wrong in "-k 0" "--queries -1" "--photons 1,x" "--bucket 8" "--cloud $build/none $build/none -k 5"; do
+  # shellcheck disable=SC2086 # an option and its value
+  if "$build/bench_gather" "$build/wrong.json" --uniform $wrong 2>"$build/wrong.txt"; then fail "bench_gather takes $wrong"; fi
+  [ ! -e "$build/wrong.json" ] || fail "bench_gather $wrong wrote a file"
+  grep -q -e "${wrong%% *}" "$build/wrong.txt" || fail "bench_gather $wrong does not name the option: $(cat "$build/wrong.txt")"
 done
 [ -s "$build/uniform.json" ] || fail "bench_gather wrote no $build/uniform.json"
 

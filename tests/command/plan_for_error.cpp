@@ -165,6 +165,9 @@ TEST_CASE("plan --error: wrong command lines name the option and what was expect
     CHECK(o.out == "");  // no table is begun
     CHECK(o.err.find("measured") == std::string::npos);
   }
+  const auto size = run("plan" + cornell_box() + "--error 0.1 --measure-size 16x" + end);
+  CHECK(size.status == 2);
+  CHECK(size.err.find("--measure-size: '16x', expected WIDTHxHEIGHT") != std::string::npos);
 }
 
 TEST_CASE("plan --points: no more plans are measured in a search, each told once") {

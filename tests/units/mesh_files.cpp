@@ -65,6 +65,27 @@ TEST_CASE("PLY tables survive all three formats") {
   CHECK_THROWS_WITH(write_ply(table, folder / "none/t.ply"), ContainsSubstring("none/t.ply"));
 }
 
+TEST_CASE(
+    "what is wrong with a PLY file names the line, and rows beyond the header's count are none to "
+    "lose") {
+  const TestFolder folder;
+  const std::string header = "element vertex 2\nproperty uchar x\nend_header\n";
+  const auto read = [&](const std::string& format, const std::string& body) {
+    return read_ply(folder.write("t.ply", "ply\nformat " + format + " 1.0\n" + header + body));
+  };
+  CHECK(read("ascii", "1\n2").elements[0].columns[0].values == std::vector<double>{1, 2});
+  CHECK(read("ascii", "1\n2\n \r\n\n").elements[0].rows == 2);
+  CHECK(read("binary_little_endian", "12").elements[0].rows == 2);
+  CHECK_THROWS_WITH(read("ascii", "x\n2\n"), ContainsSubstring("t.ply:6: 'x' in property 'x'"));
+  CHECK_THROWS_WITH(read("ascii", "1\n\n300\n"), ContainsSubstring("t.ply:8: '300'"));
+  CHECK_THROWS_WITH(read("ascii", std::string("1\0 2\n", 5)), ContainsSubstring("t.ply:6: '1"));
+  CHECK_THROWS_WITH(
+      read("ascii", "1\n2\n3 4\n"),
+      ContainsSubstring("t.ply:8: expected the file's end after the last element's last "
+                        "row; bytes left: 4"));
+  CHECK_THROWS_WITH(read("binary_big_endian", "12\n"), ContainsSubstring("row; bytes left: 1"));
+}
+
 TEST_CASE("OBJ files read as tinyobjloader reads them") {
   for (const unsigned seed : {1u, 2u, 3u}) {
     INFO("seed " << seed);

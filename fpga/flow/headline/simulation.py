@@ -118,7 +118,7 @@ def time_core(plan: HeadlinePlan, simulated: Simulated, bench: Bench) -> dict[in
     bucket = field(said, plan.path, "photon.bucket", int, "a number of photons")
     say(f"times one core and all on {simulated.name}")
     run([str(bench.core), str(path), "--cloud", *(str(simulated.folder / (simulated.name + end)) for end in CLOUDS),
-         str(rows[0]["k"]), str(radius)] + ([str(limit), str(bucket)] if limit else []), log=simulated.folder / "core.log")
+         "-k", str(rows[0]["k"]), "--r2-max", str(radius)] + (["--leaf-limit", str(limit), "--bucket", str(bucket)] if limit else []), log=simulated.folder / "core.log")
     return {core["r2_max"]: Timed({name: rate_of(rate, name, path) for name, rate in core["spread"].items()},
                                   {"threads": core["all_cores"]["threads"], "share": core["all_cores"]["share"],
                                    "rate": rate_of(core["all_cores"], "all cores", path)}, limit, core["recall"])
