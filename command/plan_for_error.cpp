@@ -6,11 +6,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <limits>
 #include <nlohmann/json.hpp>
 
 #include "command/console.hpp"
 #include "command/frame_options.hpp"
+#include "golden/numeric/output_file.hpp"
 #include "study/plan_search.hpp"
 #include "study/point_plan.hpp"
 
@@ -39,7 +41,8 @@ LineValues asked_lines(const FrameRequest& r) {
   add("caustic.radius", r.radius);
   for (const std::string& line : r.set) {
     const size_t at = line.find('=');
-    if (at == std::string::npos)
+    // A study's '+' would hide the line from what the planner leaves alone.
+    if (at == std::string::npos || line.find('+') < at)
       throw UsageError(fmt::format("--set: '{}', expected section.key=value", line));
     lines.emplace_back(line.substr(0, at), line.substr(at + 1));
   }
@@ -238,6 +241,11 @@ void PlanForError::run(const FrameRequest& request, const std::string& output, b
                 : minimise_ == "luts" ? PlanObjective::kLuts
                                       : PlanObjective::kBytes;
   r.board = board_;
+  const uint64_t last = std::numeric_limits<uint64_t>::max() - static_cast<uint64_t>(seeds_ - 1);
+  if (request.seed > last)
+    throw UsageError(fmt::format(
+        "--seed: {} is the first of {} seeds (--seeds), expected an integer from 0 to {}",
+        request.seed, seeds_, last));
   r.seed = request.seed;
   r.seeds = seeds_;
   r.points = points_;
@@ -246,6 +254,14 @@ void PlanForError::run(const FrameRequest& request, const std::string& output, b
   r.workers = workers;
   r.progress = isatty(STDERR_FILENO) == 1 ? &progress : nullptr;
   r.say = [](const std::string& sentence) { fmt::print(stderr, "photonloom: {}\n", sentence); };
+  // Where nothing can be written, that is found before the work, not after it.
+  if (asked && !output.empty() && output != "-") const OutputFile probe(output);
+  std::error_code error;
+  std::filesystem::create_directories(work_, error);
+  if (error)
+    throw std::runtime_error(fmt::format(
+        "--work: {} cannot be made a folder ({}), expected a new one or one to go on with", work_,
+        error.message()));
   PlanSearch search(r);
   // Text goes where it does not mix with the plan or with JSON.
   FILE* const text = json || output == "-" ? stderr : stdout;

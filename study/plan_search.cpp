@@ -20,6 +20,7 @@
 #include "study/point_plan.hpp"
 #include "study/store.hpp"
 #include "study/workers.hpp"
+#include "verilator_tb/model/tools.hpp"
 
 namespace photonloom {
 namespace {
@@ -82,11 +83,10 @@ std::vector<ChosenLine> chosen_lines(uint64_t photons, uint64_t caustic_photons)
 constexpr const char* kSizeOption = "--size";
 
 // Values of a line that the planner does not choose: half, the same and double of what it is, or
-// words. Throws std::runtime_error where the line has none.
+// all its words. Throws std::runtime_error where the line has none.
 std::vector<std::string> other_values(const std::string& name, const Plan& plan) {
   std::optional<double> now;
   bool known = false, whole = false;
-  std::vector<std::string> words;
   Plan::visit(
       plan, [&](const char* section, const char* key, const auto& value, auto, auto, const char*) {
         if (name != fmt::format("{}.{}", section, key)) return;
@@ -95,12 +95,6 @@ std::vector<std::string> other_values(const std::string& name, const Plan& plan)
         if constexpr (std::is_arithmetic_v<Value> && !std::is_same_v<Value, bool>) {
           now = static_cast<double>(value);
           whole = std::is_integral_v<Value>;
-        } else if constexpr (std::is_same_v<Value, ReorderKey>) {
-          words = {"none", "hilbert", "hash"};
-        } else if constexpr (std::is_same_v<Value, ReorderDrain>) {
-          words = {"sweep", "fullest"};
-        } else if constexpr (std::is_same_v<Value, TableCombine>) {
-          words = {"sum", "product"};
         }
       });
   if (!known)
@@ -111,7 +105,7 @@ std::vector<std::string> other_values(const std::string& name, const Plan& plan)
         fmt::format("--explain: {} is decided by {}, and errors of frames of different sizes are "
                     "not compared",
                     name, kSizeOption));
-  if (!words.empty()) return words;
+  if (std::vector<std::string> words = plan_line_words(name); !words.empty()) return words;
   if (!now)
     throw std::runtime_error(fmt::format("--explain: {} has no values to choose from", name));
   std::vector<std::string> values;
@@ -284,7 +278,7 @@ class PlanSearch::Work {
     StudyScene scene(request_.scene_file, whole, request_.parameters);
     PointPlan made = plan_of_point(scene, whole, lines);
     for (const auto& [name, value] : request_.parameters)
-      made.command += fmt::format(" --define {}={}", name, value);
+      made.command += " --define " + model_tools::shell_word(name + "=" + value);
     return {std::move(made.plan), std::move(made.reasons), std::move(made.command)};
   }
 

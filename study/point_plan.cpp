@@ -4,23 +4,30 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <optional>
 #include <sstream>
 
+#include "golden/numeric/strict_number.hpp"
 #include "golden/pipeline/prepare.hpp"
 #include "golden/planner/plan_fit.hpp"
 #include "golden/planner/planner.hpp"
+#include "verilator_tb/model/tools.hpp"
 
 namespace photonloom {
 namespace {
 
 template <class T>
-T number(const std::string& text) {
-  T value{};
-  std::from_chars(text.data(), text.data() + text.size(), value);
-  return value;
+T number(const std::string& line, const std::string& text) {
+  if (const auto value = strict_number<T>(text)) return *value;
+  throw PlanError(fmt::format("{} is {}, expected a number", line, text));
+}
+
+// Of an integer line of the plan, spelt as its file may spell it: 64, 6_4, 0x40, +64.
+int plan_integer(const std::string& line, const std::string& text, int Plan::*member) {
+  Plan plan;
+  set_plan_line(plan, line + "=" + text);
+  return plan.*member;
 }
 
 // The smallest stride that holds a photon and fills lines of whole 16 bytes.
@@ -65,19 +72,19 @@ PointPlan plan_of_point(StudyScene& scene, const Study& study, const LineValues&
   std::optional<int> rays;
   for (const auto& [name, value] : joined_lines(study.base, lines)) {
     if (name == "photons")
-      frame.photons = number<uint64_t>(value);
+      frame.photons = number<uint64_t>(name, value);
     else if (name == "caustic_photons")
-      frame.caustic_photons = number<uint64_t>(value);
+      frame.caustic_photons = number<uint64_t>(name, value);
     else if (name == "radius_scale")
-      radius_scale = number<double>(value);
+      radius_scale = number<double>(name, value);
     else if (name == "packed")
       packed = value == "true";
     else if (name == "frame.spp")
-      frame.spp = number<int>(value);
+      frame.spp = plan_integer(name, value, &Plan::spp);
     else if (name == "frame.gather_rays")
-      rays = number<int>(value);
+      rays = plan_integer(name, value, &Plan::gather_rays);
     else if (name == "gather.k")
-      frame.k = number<int>(value);
+      frame.k = plan_integer(name, value, &Plan::k);
     else
       request.set.push_back(name + "=" + value);
   }
@@ -131,9 +138,10 @@ PointPlan plan_of_point(StudyScene& scene, const Study& study, const LineValues&
   result.command = fmt::format(
       "photonloom plan {} -o plan.toml --size {}x{} --seed {} --spp {} --gather-rays {} --photons "
       "{} --caustic-photons {} --k {}",
-      scene.file(), study.width, study.height, study.seeds[0], request.spp, request.gather_rays,
-      request.photons, request.caustic_photons, request.k);
-  for (const std::string& line : request.set) result.command += " --set " + line;
+      model_tools::shell_word(scene.file()), study.width, study.height, study.seeds[0], request.spp,
+      request.gather_rays, request.photons, request.caustic_photons, request.k);
+  for (const std::string& line : request.set)
+    result.command += " --set " + model_tools::shell_word(line);
   return result;
 }
 

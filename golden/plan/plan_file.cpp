@@ -679,4 +679,19 @@ void set_plan_line(Plan& plan, const std::string& assignment) {
   derive_plan(plan);
 }
 
+std::vector<std::string> plan_line_words(const std::string& line) {
+  std::vector<std::string> words;
+  Plan plan;
+  Plan::visit(plan, [&](const std::string& section, const std::string& key, auto& value, auto, auto,
+                        const char*) {
+    using T = std::remove_cvref_t<decltype(value)>;
+    if (section + "." + key != line) return;
+    if constexpr (std::is_enum_v<T>)
+      words.assign(names_of(value).begin(), names_of(value).end());
+    else if constexpr (std::is_same_v<T, bool>)
+      words = {"false", "true"};
+  });
+  return words;
+}
+
 }  // namespace photonloom

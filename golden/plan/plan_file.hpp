@@ -5,6 +5,7 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include "golden/plan/plan.hpp"
 
@@ -61,6 +62,10 @@ void write_plan(const Plan& plan, const std::string& path, const PlanReasons& re
 // Sets one line from "section.key=value", the value spelt as in the file (quotes may be left out);
 // what follows from it is derived again. Checks the value's type and range, not the whole plan.
 void set_plan_line(Plan& plan, const std::string& assignment);
+
+// All that a line of the plan may be which is true or false, or one of some words; empty for lines
+// of other values.
+std::vector<std::string> plan_line_words(const std::string& line);
 
 // Sets what is no line of the file but follows from the lines: r2_max of both maps.
 void derive_plan(Plan& plan);

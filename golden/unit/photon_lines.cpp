@@ -8,6 +8,8 @@
 #include <optional>
 #include <stdexcept>
 
+#include "golden/plan/plan_file.hpp"
+
 namespace photonloom {
 namespace {
 
@@ -315,7 +317,7 @@ std::vector<uint8_t> photon_lines(const Plan& plan, const PhotonMap& map, bool i
     std::vector<uint8_t> bytes = compressed_lines(plan, map, is_caustic);
     const uint64_t lines = bytes.size() / static_cast<size_t>(plan.line_bytes());
     if (lines > plan.memory_lines(plan.map(is_caustic)))
-      throw std::runtime_error(
+      throw PlanError(
           fmt::format("{} map: its {} leaves take {} lines, the plan has room for {}; expected "
                       "photon.further_percent of at least {}",
                       name, map.lines, lines, plan.memory_lines(plan.map(is_caustic)),

@@ -156,6 +156,12 @@ TEST_CASE("plan --error: wrong command lines name the option and what was expect
       {"--error 0.1 --set packed=3" + end, "packed is 3, expected true or false", 1},
       {"--error 0.1 --set scene.extent=0.5" + end, "does not hold the scene", 1},
       {"--error 0.1 --set photon.channels=1" + end, "expected 3", 1},
+      {"--error 0.1 --set gather.k+gather.leaf_limit=7" + end,
+       "--set: 'gather.k+gather.leaf_limit=7', expected section.key=value", 2},
+      {"--error 0.1 --set photons=1_000" + end, "photons is 1_000, expected an integer", 1},
+      {"--error 0.1 --seed 18446744073709551615" + end,
+       "expected an integer from 0 to 18446744073709551613", 2},
+      {"--error 0.1 -o '" + s / "none/p.toml" + "'", "none/p.toml: cannot be created", 1},
   };
   for (const auto& w : wrong) {
     const auto o = run("plan" + cornell_box() + small(s) + w.arguments);
@@ -165,9 +171,65 @@ TEST_CASE("plan --error: wrong command lines name the option and what was expect
     CHECK(o.out == "");  // no table is begun
     CHECK(o.err.find("measured") == std::string::npos);
   }
+  write_file(s / "file", "");
+  const auto work = run("plan" + cornell_box() + "--error 0.1 --work '" + s / "file" + "'" + end);
+  CHECK(work.status == 1);
+  CHECK(work.err.find("--work: " + s / "file" + " cannot be made a folder") != std::string::npos);
   const auto size = run("plan" + cornell_box() + "--error 0.1 --measure-size 16x" + end);
   CHECK(size.status == 2);
   CHECK(size.err.find("--measure-size: '16x', expected WIDTHxHEIGHT") != std::string::npos);
+}
+
+TEST_CASE(
+    "plan --error: lines of --set are spelt as in a plan, and the command told is a shell's") {
+  const Scratch s;
+  const std::string folder = s / "sp ace";
+  std::filesystem::create_directories(folder);
+  std::filesystem::create_directory_symlink(photonloom::test::source("scenes/meshes"),
+                                            folder + "/meshes");
+  write_file(folder + "/it's.xml", read_file(photonloom::test::source("scenes/cornell.xml")));
+  const auto o = run("plan '" + s / "sp ace/it'\\''s.xml" +
+                     "' --size 4x4 --photons 1000 --reference-spp 8 --points 2 --seeds 2 --work '" +
+                     s / "work" +
+                     "' --error 50 --set frame.spp=+2 --set frame.gather_rays=0x4 --set "
+                     "gather.k=2_4 --set 'reorder.key=\"hash\"' --json -o '" +
+                     s / "plan.toml" + "'");
+  INFO(o.err);
+  REQUIRE(o.status == 0);
+  const Plan plan = read_plan(s / "plan.toml");
+  CHECK(plan.spp == 2);
+  CHECK(plan.gather_rays == 4);
+  CHECK(plan.k == 24);
+  std::string command = nlohmann::json::parse(o.out)["command"].get<std::string>();
+  command = command.substr(command.find(' ') + 1);
+  const std::string same = s / "same.toml";
+  command.replace(command.find("plan.toml"), 9, "'" + same + "'");
+  INFO(command);
+  REQUIRE(run(command).status == 0);
+  CHECK(plan_hash_text(read_plan(same)) == plan_hash_text(plan));
+}
+
+TEST_CASE("plan --explain: all words of a line, and both truth values") {
+  const Scratch s;
+  const auto values = [&](const std::string& line) {
+    const auto o = run("plan" + cornell_box() +
+                       "--size 4x4 --spp 1 --gather-rays 2 --photons 1000 --reference-spp 8 "
+                       "--points 2 --seeds 2 --work '" +
+                       s / "work" + "' --json --explain " + line);
+    INFO(line << "\n" << o.err);
+    REQUIRE(o.status == 0);
+    std::vector<std::string> said;
+    const auto points = nlohmann::json::parse(o.out)["curves"][line];
+    for (const auto& p : points) said.push_back(p["value"].get<std::string>());
+    return said;
+  };
+  using Words = std::vector<std::string>;
+  CHECK(values("sampler.combine") == Words{"sum", "product", "weighted", "photons", "cosine"});
+  CHECK(values("frame.order") == Words{"pixel", "tile", "direction_bins"});
+  CHECK(values("photon.lines") == Words{"plain", "compressed"});
+  CHECK(values("board.photon_memory") == Words{"block_ram", "sdram"});
+  CHECK(values("global.present") == Words{"false", "true"});
+  CHECK(values("cache.present") == Words{"false", "true"});
 }
 
 TEST_CASE("plan --points: no more plans are measured in a search, each told once") {
