@@ -4,10 +4,11 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <charconv>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <set>
+
+#include "golden/numeric/strict_size.hpp"
 
 namespace photonloom {
 namespace {
@@ -39,16 +40,9 @@ constexpr const char* kDerivation[] = {"--plan",
 bool is_plan(const std::string& path) { return std::filesystem::path(path).extension() == ".toml"; }
 
 std::pair<int, int> parse_size(const std::string& text, const std::string& option) {
-  int width = 0, height = 0;
-  const char* end = text.data() + text.size();
-  const auto w = std::from_chars(text.data(), end, width);
-  const bool ok = w.ec == std::errc() && w.ptr != end && (*w.ptr == 'x' || *w.ptr == 'X');
-  const auto h = ok ? std::from_chars(w.ptr + 1, end, height) : w;
-  if (!ok || h.ec != std::errc() || h.ptr != end || width < 1 || height < 1 || width > 16384 ||
-      height > 16384)
-    throw UsageError(
-        fmt::format("{}: '{}', expected WIDTHxHEIGHT of 1 to 16384 pixels each", option, text));
-  return {width, height};
+  if (const auto size = strict_size(text, 16384)) return *size;
+  throw UsageError(
+      fmt::format("{}: '{}', expected WIDTHxHEIGHT of 1 to 16384 pixels each", option, text));
 }
 
 CLI::Validator radius_number() {

@@ -87,12 +87,12 @@ std::span<const uint64_t> seeds_of(const Point& point, const std::vector<uint64_
   return std::span(seeds).first(count == 0 ? seeds.size() : std::min(count, seeds.size()));
 }
 
-uint32_t points_of_scene(const Study& study, size_t scene) {
-  auto n = static_cast<uint32_t>(fixed_points(study, scene).size());
+uint32_t points_of_scene(const Study& study, size_t scene, bool with_searches) {
+  uint64_t points = 1;  // the baseline
   for (const PointSet& set : study.sets)
-    if (set.strategy == Strategy::kSearch && set.has_scene(scene))
-      n += static_cast<uint32_t>(set.population * set.generations);
-  return n;
+    if (set.has_scene(scene) && (with_searches || set.strategy != Strategy::kSearch))
+      points += set.points();
+  return static_cast<uint32_t>(points);
 }
 
 }  // namespace photonloom

@@ -24,8 +24,8 @@ struct Point {
 std::vector<Point> fixed_points(const Study& study, size_t scene);
 // The seeds that a point is measured with.
 std::span<const uint64_t> seeds_of(const Point& point, const std::vector<uint64_t>& seeds);
-// How many points a scene has, those of searches included.
-uint32_t points_of_scene(const Study& study, size_t scene);
+// How many points a scene has; without those of searches as many as fixed_points() gives.
+uint32_t points_of_scene(const Study& study, size_t scene, bool with_searches = true);
 
 // `count` points of a Latin hypercube: each line's values, or its range in `count` equal parts,
 // come evenly often; which go together follows from the seed.

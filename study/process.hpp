@@ -6,9 +6,6 @@
 
 namespace photonloom {
 
-// As one word of a shell's command line.
-std::string quoted(const std::string& text);
-
 // A shell command's exit status, 128 where it was killed, and what it printed on both streams,
 // without newlines at its end.
 std::pair<int, std::string> output_of(const std::string& command);

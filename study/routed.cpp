@@ -11,6 +11,7 @@
 #include "golden/plan/plan_file.hpp"
 #include "golden/plan/units.hpp"
 #include "study/process.hpp"
+#include "verilator_tb/model/tools.hpp"
 
 namespace photonloom {
 namespace {
@@ -23,7 +24,7 @@ constexpr const char* kBoard = "ulx3s-85f";
 
 std::string routing_missing() {
   const auto [status, said] =
-      output_of(fmt::format("{} --tools --board {}", quoted(kFlow), kBoard));
+      output_of(fmt::format("{} --tools --board {}", model_tools::quoted(kFlow), kBoard));
   return status == 0 ? ""
                      : "measure routed needs the tools of the open FPGA flow: " +
                            said.substr(said.rfind('\n') + 1);
@@ -36,8 +37,9 @@ RoutedResources routed_gatherer(const Plan& plan, const std::string& folder) {
   std::filesystem::create_directories(folder);
   write_plan(plan, file, {});
   // Exit status 1 says too that a clock was missed, which is a figure here.
-  const auto [status, said] = output_of(fmt::format("{} {} --board {} --units {} --seeds 1",
-                                                    quoted(kFlow), quoted(file), kBoard, unit));
+  const auto [status, said] =
+      output_of(fmt::format("{} {} --board {} --units {} --seeds 1", model_tools::quoted(kFlow),
+                            model_tools::quoted(file), kBoard, unit));
   try {
     if (status > 1) throw std::runtime_error(said);
     const auto json = nlohmann::json::parse(read_file(report));

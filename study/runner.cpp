@@ -58,7 +58,7 @@ class Sweep {
   // Refused before anything is written.
   static Study study_of(const SweepRequest& request) {
     Study study = parse_study(read_file(request.study_file), request.study_file, measure_names());
-    if (!request.scenes.empty()) study.scenes = request.scenes;
+    if (!request.scenes.empty()) replace_scenes(study, request.scenes);
     uint64_t points = 0;
     for (size_t s = 0; s < study.scenes.size(); ++s) points += points_of_scene(study, s);
     for (const uint32_t n : request.only)
@@ -124,6 +124,7 @@ class Sweep {
         PointTable old = parse_point_table(read_file(file));
         if (old.source == table_.source) {
           table_.points = std::move(old.points);
+          if (!request_.is_task) mend_plans();
           return;
         }
         say(fmt::format("{}: is of another study or scene; points are planned again", file));
@@ -131,10 +132,11 @@ class Sweep {
         say(fmt::format("{}: cannot be read; points are planned again", file));
       }
     for (size_t s = 0; s < scenes_.size(); ++s) {
-      const std::vector<Point> fixed = fixed_points(study_, s);
-      for (uint32_t i = 0; i < points_of_scene(study_, s); ++i) {
+      std::vector<Point> fixed = fixed_points(study_, s);
+      const uint32_t of_scene = points_of_scene(study_, s);
+      for (uint32_t i = 0; i < of_scene; ++i) {
         PlannedPoint p;
-        if (i < fixed.size()) p.point = fixed[i];
+        if (i < fixed.size()) p.point = std::move(fixed[i]);
         p.point.number = static_cast<uint32_t>(table_.points.size());
         p.point.scene = s;
         if (i >= fixed.size()) p.point.origin = "search";
@@ -177,7 +179,7 @@ class Sweep {
       if (!p.plan.empty() && p.plan != hash)
         throw std::runtime_error(fmt::format(
             "{}/points.json: point {} has plan {}, expected {}: this program plans otherwise; "
-            "remove the file",
+            "remove the file, and the points are planned again",
             request_.folder, number, p.plan, hash));
       p.plan = hash;
       p.command = made.command;
@@ -191,10 +193,42 @@ class Sweep {
 
   // plans/HASH.toml: the plan with the reason for each line.
   void keep_plan(const std::string& hash, const PointPlan& made) const {
-    const std::string folder = request_.folder + "/plans", file = folder + "/" + hash + ".toml";
-    if (std::filesystem::exists(file)) return;
-    std::filesystem::create_directories(folder);
-    write_plan(made.plan, file, made.reasons);
+    if (is_kept(hash)) return;
+    std::filesystem::create_directories(request_.folder + "/plans");
+    write_plan(made.plan, plan_file(hash), made.reasons);
+  }
+
+  std::string plan_file(const std::string& hash) const {
+    return fmt::format("{}/plans/{}.toml", request_.folder, hash);
+  }
+
+  // By its hash: points of one plan may have different reasons for it.
+  bool is_kept(const std::string& hash) const {
+    try {
+      return plan_hash_text(read_plan(plan_file(hash))) == hash;
+    } catch (const std::runtime_error&) {
+      return false;
+    }
+  }
+
+  // Writes again the plans of points.json that are lost or damaged.
+  void mend_plans() {
+    std::vector<uint32_t> numbers;  // a point of each plan
+    std::set<std::string> seen;
+    for (const PlannedPoint& p : table_.points)
+      if (scenes_[p.point.scene] && !p.plan.empty() && seen.insert(p.plan).second)
+        numbers.push_back(p.point.number);
+    std::vector<char> lost(numbers.size());
+    each_on_worker(request_.workers, numbers.size(),
+                   [&](size_t i) { lost[i] = !is_kept(table_.points[numbers[i]].plan); });
+    std::vector<uint32_t> again;
+    for (size_t i = 0; i < numbers.size(); ++i) {
+      if (!lost[i]) continue;
+      again.push_back(numbers[i]);
+      say(fmt::format("{}: is not there or damaged; it is written again",
+                      plan_file(table_.points[numbers[i]].plan)));
+    }
+    if (!again.empty()) plan_these(again);
   }
 
   std::vector<uint32_t> chosen() const {
@@ -400,7 +434,7 @@ class Sweep {
     uint32_t of_scene = 0;  // its first point
     for (size_t s = 0; s < scenes_.size(); of_scene += points_of_scene(study_, s), ++s) {
       if (!scenes_[s]) continue;
-      uint32_t first = of_scene + static_cast<uint32_t>(fixed_points(study_, s).size());
+      uint32_t first = of_scene + points_of_scene(study_, s, false);
       for (const PointSet& set : study_.sets) {
         if (set.strategy != Strategy::kSearch || !set.has_scene(s)) continue;
         std::vector<std::vector<double>> told;

@@ -10,6 +10,7 @@
 
 #include "golden/numeric/output_file.hpp"
 #include "study/points.hpp"
+#include "verilator_tb/model/tools.hpp"
 
 namespace photonloom {
 namespace {
@@ -46,8 +47,10 @@ std::vector<LineValues> next_generation(const PointSet& set, int generation,
                             {"told", objectives}};
   write_file(question, j.dump() + "\n");
   std::filesystem::remove(answer);
-  if (std::system(fmt::format("{} '{}' '{}' '{}'", python(), kProgram, question, answer).c_str()) !=
-      0)
+  using model_tools::quoted;
+  if (std::system(
+          fmt::format("{} {} {} {}", python(), quoted(kProgram), quoted(question), quoted(answer))
+              .c_str()) != 0)
     throw std::runtime_error("scripts/nsga2 failed; see its message above");
   std::vector<LineValues> points;
   for (const auto& place : nlohmann::json::parse(read_file(answer))) {

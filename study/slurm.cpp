@@ -12,9 +12,12 @@
 
 #include "golden/numeric/output_file.hpp"
 #include "study/process.hpp"
+#include "verilator_tb/model/tools.hpp"
 
 namespace photonloom {
 namespace {
+
+using model_tools::quoted;
 
 constexpr size_t kTasks = 1000;  // of an array: Slurm's own default limit is 1001
 

@@ -43,6 +43,100 @@ std::vector<double> numbers_of(const Json& array) {
   return values;
 }
 
+bool is_hex(const std::string& text, size_t digits) {
+  return text.size() == digits && text.find_first_not_of("0123456789abcdef") == std::string::npos;
+}
+
+// SCENE-PLAN-SEED.json below PP.
+bool is_result_name(const std::string& name, const std::string& folder) {
+  return name.size() > 39 && is_hex(name.substr(0, 16), 16) && name[16] == '-' &&
+         is_hex(name.substr(17, 16), 16) && name[33] == '-' && name.substr(17, 2) == folder &&
+         name.ends_with(".json") &&
+         name.find_first_not_of("0123456789", 34) == name.size() - std::strlen(".json");
+}
+
+// Without what follows the name of a file that is being written.
+std::string final_name(const std::filesystem::path& path) {
+  const std::string name = path.filename().string();
+  return name.substr(0, name.find(".partial-"));
+}
+
+template <class Holds>
+bool all_entries(const std::filesystem::path& folder, const Holds& holds) {
+  std::error_code error;
+  if (!std::filesystem::is_directory(folder, error)) return false;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, error))
+    if (!holds(entry.path())) return false;
+  return !error;
+}
+
+// PP of results/.
+bool is_results_part(const std::filesystem::path& folder) {
+  const std::string part = folder.filename().string();
+  return is_hex(part, 2) && all_entries(folder, [&](const std::filesystem::path& file) {
+           return is_result_name(final_name(file), part);
+         });
+}
+
+bool has_a_result(const std::filesystem::path& folder) {
+  std::error_code error;
+  for (const auto& part : std::filesystem::directory_iterator(folder / "results", error))
+    for (const auto& file : std::filesystem::directory_iterator(part.path(), error))
+      if (is_result_name(file.path().filename().string(), part.path().filename().string()))
+        return true;
+  return false;
+}
+
+// As point_table_text() writes it, also where it is cut short.
+bool is_point_table(const std::filesystem::path& file) {
+  const std::string text = read_file(file.string());
+  const bool begins = text.starts_with("{\n \"study\": \"");
+  if (begins && text.find("\n \"source\": \"") != std::string::npos) return true;
+  const Json j = Json::parse(text, nullptr, false);
+  if (j.is_discarded()) return begins;
+  return j.is_object() && j.contains("study") && j.contains("source") && j.contains("points");
+}
+
+// Of a process, as FolderLock writes it.
+bool is_lock(const std::filesystem::path& file) {
+  std::error_code error;
+  return std::filesystem::is_regular_file(file, error) &&
+         std::filesystem::file_size(file, error) < 32 &&
+         read_file(file.string()).find_first_not_of("0123456789\n") == std::string::npos;
+}
+
+// Whether a sweep may have left this in its folder; a name alone says so of no folder.
+bool is_sweeps(const std::filesystem::path& path) {
+  const auto entries_end = [&](const char* ending) {
+    return all_entries(path, [&](const auto& file) { return final_name(file).ends_with(ending); });
+  };
+  const std::string name = final_name(path);
+  if (name == "results") return all_entries(path, is_results_part);
+  if (name == "plans")
+    return all_entries(path, [](const std::filesystem::path& file) {
+      const std::string plan = final_name(file);
+      return plan.ends_with(".toml") && is_hex(plan.substr(0, plan.size() - 5), 16);
+    });
+  if (name == "references") return entries_end(".exr");
+  if (name == "lock") return is_lock(path);
+  // Others have tables of these names too, but beside no lock.
+  const bool is_table = name == kPointsFile || name == "results.sqlite" || name == "results.csv" ||
+                        name == "summary.json" || name == "host.csv";
+  std::error_code error;
+  return is_table && std::filesystem::is_regular_file(path, error) &&
+         (path.filename() != name || std::filesystem::is_empty(path, error) ||
+          (name != kPointsFile && is_lock(path.parent_path() / "lock")));
+}
+
+bool is_sweep_folder(const std::filesystem::path& folder) {
+  std::error_code error;
+  const std::filesystem::path points = folder / kPointsFile;
+  if (std::filesystem::is_regular_file(points, error) && is_point_table(points)) return true;
+  // Its points were lost, or it was stopped before they were written, or is a plan search's, which
+  // has no list of them.
+  return has_a_result(folder) || all_entries(folder, is_sweeps);
+}
+
 }  // namespace
 
 std::string result_text(const Result& r) {
@@ -89,32 +183,22 @@ Result parse_result(const std::string& text) {
   }
 }
 
-bool is_sweep_folder(const std::string& folder) {
-  const std::filesystem::path path(folder);
+void check_sweep_folder(const std::string& folder) {
   std::error_code error;
-  if (!std::filesystem::exists(path, error)) return true;
-  if (!std::filesystem::is_directory(path, error)) return false;
-  if (std::filesystem::exists(path / kPointsFile, error)) return true;
-  // One that was stopped before its points were written, or a plan search's, which has no list.
-  for (const auto& entry : std::filesystem::directory_iterator(path, error)) {
-    const std::string name = entry.path().filename().string();
-    if (name != "results" && name != "lock" && name != "references" && name != "plans" &&
-        name.find(".partial-") == std::string::npos)
-      return false;
-  }
-  return !error;
+  if (!std::filesystem::exists(folder, error)) return;
+  if (!std::filesystem::is_directory(folder, error))
+    throw std::runtime_error(
+        fmt::format("{}: is not a folder, expected a new one or a sweep's", folder));
+  if (!is_sweep_folder(folder))
+    throw std::runtime_error(
+        fmt::format("{}: is no sweep's folder: it holds files but no {} of a sweep, expected a new "
+                    "folder, an empty one, or a sweep's to go on with",
+                    folder, kPointsFile));
 }
 
 ResultStore::ResultStore(std::string folder) : folder_(std::move(folder)) {
+  check_sweep_folder(folder_);
   std::error_code error;
-  if (std::filesystem::exists(folder_, error) && !std::filesystem::is_directory(folder_, error))
-    throw std::runtime_error(
-        fmt::format("{}: is not a folder, expected a new one or a sweep's", folder_));
-  if (!is_sweep_folder(folder_))
-    throw std::runtime_error(
-        fmt::format("{}: is no sweep's folder: it holds files but no {}, expected a new folder, an "
-                    "empty one, or a sweep's to go on with",
-                    folder_, kPointsFile));
   std::filesystem::create_directories(folder_ + "/results", error);
   if (error)
     throw std::runtime_error(

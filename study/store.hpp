@@ -37,8 +37,9 @@ Result parse_result(const std::string& text);
 // By which a sweep's folder is known.
 inline constexpr const char* kPointsFile = "points.json";
 
-// Whether a sweep may write into the folder: there is none, it is empty, or it is a sweep's.
-bool is_sweep_folder(const std::string& folder);
+// Throws std::runtime_error unless a sweep may write into the folder: there is none, it is empty,
+// or it is a sweep's.
+void check_sweep_folder(const std::string& folder);
 
 class ResultStore {
  public:

@@ -9,7 +9,9 @@
 #include <filesystem>
 #include <set>
 #include <sstream>
+#include <tuple>
 
+#include "golden/numeric/strict_size.hpp"
 #include "golden/plan/plan_file.hpp"
 #include "golden/plan/toml.hpp"
 
@@ -25,6 +27,19 @@ std::string listed(const Names& names) {
   return list;
 }
 
+std::string scene_name(const std::string& file) {
+  return std::filesystem::path(file).stem().string();
+}
+
+// Each scene's baseline, and the points of the sets.
+uint64_t point_count(const Study& study) {
+  uint64_t points = study.scenes.size();
+  for (const PointSet& set : study.sets)
+    points += set.points() * (set.scenes.empty() ? study.scenes.size() : set.scenes.size());
+  return points;
+}
+
+// As a plan's line takes it: without quotes. Messages have toml_text, which shows them.
 std::string value_text(const toml::node& node) {
   if (const auto* s = node.as_string()) return s->get();
   return toml_text(node);
@@ -48,6 +63,9 @@ bool is_bare(const std::string& text) {
   return text == "true" || text == "false" ||
          (r.ec == std::errc() && r.ptr == text.data() + text.size());
 }
+
+// By any of which a table is a range of values; no line of a plan is called so.
+constexpr const char* kRangeKeys[] = {"from", "to", "log"};
 
 class Parser {
  public:
@@ -79,6 +97,10 @@ class Parser {
       for (const toml::node& set : *sets) {
         if (!set.is_table()) fail(set, "points holds a value, expected [[points]] tables");
         study_.sets.push_back(point_set(*set.as_table()));
+        if (point_count(study_) > kMostPoints)
+          fail(set, fmt::format("with these the study has too many points, expected at most {} in "
+                                "all scenes",
+                                kMostPoints));
       }
     }
     if (const std::string name = study_.referenced();
@@ -121,7 +143,7 @@ class Parser {
                   int64_t high) const {
     const auto* value = node.as_integer();
     if (!value || value->get() < low || value->get() > high)
-      fail(node, fmt::format("{} is {}, expected an integer from {} to {}", name, value_text(node),
+      fail(node, fmt::format("{} is {}, expected an integer from {} to {}", name, toml_text(node),
                              low, high));
     return value->get();
   }
@@ -134,7 +156,7 @@ class Parser {
   std::string text(const toml::node& node, const std::string& name) const {
     const auto* value = node.as_string();
     if (!value || value->get().empty())
-      fail(node, fmt::format("{} is {}, expected a text", name, value_text(node)));
+      fail(node, fmt::format("{} is {}, expected a text", name, toml_text(node)));
     return value->get();
   }
 
@@ -142,7 +164,7 @@ class Parser {
                            const char* expected) const {
     const toml::array* values = node.as_array();
     if (!values || values->empty())
-      fail(node, fmt::format("{} is {}, expected {}", name, value_text(node), expected));
+      fail(node, fmt::format("{} is {}, expected {}", name, toml_text(node), expected));
     return *values;
   }
 
@@ -162,9 +184,8 @@ class Parser {
     for (const toml::node& n :
          array(needed(*t, "study", "scenes", scenes), "study.scenes", scenes)) {
       study_.scenes.push_back(beside(text(n, "study.scenes")));
-      if (!stems.insert(std::filesystem::path(study_.scenes.back()).stem().string()).second)
-        fail(n, fmt::format("study.scenes has two scenes of the name {}",
-                            std::filesystem::path(study_.scenes.back()).stem().string()));
+      if (const std::string name = scene_name(study_.scenes.back()); !stems.insert(name).second)
+        fail(n, fmt::format("study.scenes has two scenes of the name {}", name));
     }
     const char* seeds = "an array of different integers of at least 0";
     for (const toml::node& n : array(needed(*t, "study", "seeds", seeds), "study.seeds", seeds)) {
@@ -174,12 +195,11 @@ class Parser {
     }
     const toml::node& size = needed(*t, "study", "size", "\"WIDTHxHEIGHT\"");
     const std::string pixels = text(size, "study.size");
-    char x = 0, more = 0;
-    if (std::sscanf(pixels.c_str(), "%d%c%d%c", &study_.width, &x, &study_.height, &more) != 3 ||
-        x != 'x' || study_.width < 1 || study_.height < 1 || study_.width > 4096 ||
-        study_.height > 4096)
+    const auto edges = strict_size(pixels, 4096);
+    if (!edges)
       fail(size, fmt::format("study.size is {}, expected \"WIDTHxHEIGHT\" of 1 to 4096 pixels each",
-                             pixels));
+                             toml_text(size)));
+    std::tie(study_.width, study_.height) = *edges;
     std::vector<std::string> names;
     for (const auto& [name, columns] : measures_) names.push_back(name);
     const std::string measures = "an array of " + listed(names);
@@ -203,7 +223,7 @@ class Parser {
       for (const char* mark : {"{scene}", "{n}"})
         if (study_.reference_files.find(mark) == std::string::npos)
           fail(*n, fmt::format("references.files is {}, expected a path with {{scene}} and {{n}}",
-                               value_text(*n)));
+                               toml_text(*n)));
     }
   }
 
@@ -230,9 +250,22 @@ class Parser {
     if (!problem.empty()) fail(at, problem);
   }
 
-  // The lines of a table, sections as TOML nests them, in the order of the file.
+  // The lines of a table in the order of the file; of one that is set twice, under whatever names,
+  // only one value could count.
   template <class Take>
-  void each_line(const toml::table& table, const std::string& prefix, Take&& take) const {
+  void each_line(const toml::table& table, Take&& take) const {
+    std::set<std::string> seen;
+    each_entry(table, "", [&](const std::string& names, const toml::node& node) {
+      take(names, node);
+      for (const std::string& line : split(names))
+        if (!seen.insert(line).second)
+          fail(node, fmt::format("{} is set twice, expected once", line));
+    });
+  }
+
+  // Sections as TOML nests them.
+  template <class Take>
+  void each_entry(const toml::table& table, const std::string& prefix, Take&& take) const {
     std::vector<std::pair<const toml::key*, const toml::node*>> entries;
     for (const auto& [key, node] : table) entries.emplace_back(&key, &node);
     std::sort(entries.begin(), entries.end(), [](const auto& a, const auto& b) {
@@ -244,8 +277,10 @@ class Parser {
     for (const auto& [key, node] : entries) {
       const std::string name = prefix + std::string(key->str());
       const toml::table* inner = node->as_table();
-      if (inner && !inner->contains("from"))
-        each_line(*inner, name + ".", take);
+      const bool is_range = inner && std::any_of(std::begin(kRangeKeys), std::end(kRangeKeys),
+                                                 [&](auto k) { return inner->contains(k); });
+      if (inner && !is_range)
+        each_entry(*inner, name + ".", take);
       else
         take(name, *node);
     }
@@ -253,7 +288,7 @@ class Parser {
 
   LineValues line_values(const toml::table& table) const {
     LineValues values;
-    each_line(table, "", [&](const std::string& name, const toml::node& node) {
+    each_line(table, [&](const std::string& name, const toml::node& node) {
       if (node.is_array() || node.is_table())
         fail(node, fmt::format("{} has several values, expected one", name));
       check_value(node, name);
@@ -279,11 +314,11 @@ class Parser {
       c.values.push_back(value_text(node));
       return c;
     }
-    expect_keys(*range, name, {"from", "to", "log"});
+    expect_keys(*range, name, {std::begin(kRangeKeys), std::end(kRangeKeys)});
     const auto bound = [&](const char* key) {
       const toml::node& n = needed(*range, name, key, "a number");
       if (!n.is_number())
-        fail(n, fmt::format("{}.{} is {}, expected a number", name, key, value_text(n)));
+        fail(n, fmt::format("{}.{} is {}, expected a number", name, key, toml_text(n)));
       check_value(n, name);
       c.whole &= n.is_integer();
       return n.is_integer() ? static_cast<double>(n.as_integer()->get())
@@ -296,7 +331,7 @@ class Parser {
            fmt::format("{} goes from {} to {}, expected the smaller first", name, c.from, c.to));
     if (const toml::node* log = range->get("log")) {
       if (!log->is_boolean())
-        fail(*log, fmt::format("{}.log is {}, expected true or false", name, value_text(*log)));
+        fail(*log, fmt::format("{}.log is {}, expected true or false", name, toml_text(*log)));
       c.logarithmic = log->as_boolean()->get();
       if (c.logarithmic && !(c.from > 0))
         fail(*log,
@@ -308,8 +343,7 @@ class Parser {
   // Of the scenes that points.scenes names, by their files' names without folder and extension.
   std::vector<size_t> scene_numbers(const toml::node& node) const {
     std::vector<std::string> names;
-    for (const std::string& file : study_.scenes)
-      names.push_back(std::filesystem::path(file).stem().string());
+    for (const std::string& file : study_.scenes) names.push_back(scene_name(file));
     const std::string expected = "an array of " + listed(names);
     std::set<size_t> numbers;
     for (const toml::node& n : array(node, "points.scenes", expected.c_str())) {
@@ -374,7 +408,7 @@ class Parser {
     const toml::node& lines = needed(t, "points", "lines", "a table of lines");
     if (!lines.is_table() || lines.as_table()->empty())
       fail(lines, "points.lines is no table, expected lines with values");
-    each_line(*lines.as_table(), "", [&](const std::string& line, const toml::node& node) {
+    each_line(*lines.as_table(), [&](const std::string& line, const toml::node& node) {
       set.choices.push_back(choice(line, node));
       if (set.strategy == Strategy::kGrid && set.choices.back().values.empty())
         fail(node, fmt::format("{} is a range, expected an array of values in a grid", line));
@@ -406,6 +440,45 @@ class Parser {
 
 bool PointSet::has_scene(size_t scene) const {
   return scenes.empty() || std::binary_search(scenes.begin(), scenes.end(), scene);
+}
+
+uint64_t PointSet::points() const {
+  if (strategy == Strategy::kList) return list.size();
+  if (strategy == Strategy::kLatinHypercube) return static_cast<uint64_t>(count);
+  if (strategy == Strategy::kSearch)
+    return static_cast<uint64_t>(population) * static_cast<uint64_t>(generations);
+  uint64_t points = 1;
+  for (const LineChoice& c : choices)
+    if (points <= kMostPoints) points *= c.values.size();
+  return points;
+}
+
+void replace_scenes(Study& study, const std::vector<std::string>& files) {
+  std::vector<std::string> names;
+  for (const std::string& file : files) {
+    names.push_back(scene_name(file));
+    if (std::count(names.begin(), names.end(), names.back()) > 1)
+      throw StudyError(
+          fmt::format("SCENE {}: a scene of the name {} is there already, expected scenes of "
+                      "different names",
+                      file, names.back()));
+  }
+  std::erase_if(study.sets, [&](PointSet& set) {
+    if (set.scenes.empty()) return false;
+    std::vector<size_t> kept;
+    for (const size_t scene : set.scenes) {
+      const auto at = std::find(names.begin(), names.end(), scene_name(study.scenes[scene]));
+      if (at != names.end()) kept.push_back(static_cast<size_t>(at - names.begin()));
+    }
+    std::sort(kept.begin(), kept.end());
+    set.scenes = kept;
+    return kept.empty();
+  });
+  study.scenes = files;
+  if (point_count(study) > kMostPoints)
+    throw StudyError(
+        fmt::format("{}: has too many points with {} scenes, expected at most {} in all of them",
+                    study.file, files.size(), kMostPoints));
 }
 
 std::string Study::referenced() const {
@@ -459,9 +532,6 @@ Study parse_study(const std::string& text, const std::string& file, const Measur
   return Parser(file, measures).parse(text);
 }
 
-// Points of a study at most.
-constexpr uint32_t kMostNumbers = 1000000;
-
 std::vector<uint32_t> parse_numbers(const std::string& text, const std::string& option) {
   std::set<uint32_t> numbers;
   std::istringstream stream(text);
@@ -478,11 +548,11 @@ std::vector<uint32_t> parse_numbers(const std::string& text, const std::string& 
     if (a.ptr != end) {
       if (*a.ptr != '-') bad(part);
       const auto b = std::from_chars(a.ptr + 1, end, last);
-      if (b.ec != std::errc() || b.ptr != end || last < first || last - first >= kMostNumbers)
+      if (b.ec != std::errc() || b.ptr != end || last < first || last - first >= kMostPoints)
         bad(part);
     }
     for (uint64_t i = first; i <= last; ++i) numbers.insert(static_cast<uint32_t>(i));
-    if (numbers.size() > kMostNumbers) bad(part);
+    if (numbers.size() > kMostPoints) bad(part);
   }
   return {numbers.begin(), numbers.end()};
 }

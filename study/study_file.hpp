@@ -34,6 +34,9 @@ struct LineChoice {
 
 enum class Strategy { kList, kGrid, kLatinHypercube, kSearch };
 
+// Points of a study at most, of all its scenes together.
+inline constexpr uint32_t kMostPoints = 1000000;
+
 // One [[points]] of the file.
 struct PointSet {
   Strategy strategy = Strategy::kList;
@@ -48,6 +51,8 @@ struct PointSet {
   std::vector<size_t> scenes;           // of the study's, ascending; empty: all
 
   bool has_scene(size_t scene) const;
+  // How many there are in each of its scenes. Beyond kMostPoints any number may stand for it.
+  uint64_t points() const;
 };
 
 struct Study {
@@ -70,6 +75,10 @@ struct Study {
 
   std::string referenced() const;  // the first measure that needs references; empty: none does
 };
+
+// Takes these scenes instead of the study's. Points of some scenes only keep to those of the same
+// names. Throws StudyError for two scenes of one name and for too many points.
+void replace_scenes(Study& study, const std::vector<std::string>& files);
 
 // Why no plan can have this value in these lines, a name of LineValues; empty: one may. The frame's
 // size is no line of theirs: `size` is what decides it.

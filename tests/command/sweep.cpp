@@ -14,6 +14,7 @@
 #include <thread>
 #include <vector>
 
+#include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
 #include "golden/numeric/random.hpp"
@@ -205,6 +206,25 @@ TEST_CASE("a folder of other files is refused and left as it is") {
     refused(std::string("study ") + name + " cornell -o '" + s / "study.toml" + "'",
             "study.toml: is not a folder");
   refused(command(s / "study.toml", s / "study.toml"), "study.toml: is not a folder");
+  // Neither a file's name makes a sweep's folder, nor a folder's.
+  const std::vector<std::vector<std::string>> others = {{"points.json", "results.csv"},
+                                                        {"results/mine.csv"},
+                                                        {"plans/mine.toml"},
+                                                        {"results/ab/mine.json"},
+                                                        {"results.csv"},
+                                                        {"results/ab/mine.json", "points.json"}};
+  for (const auto& files : others) {
+    std::filesystem::remove_all(s / "foreign");
+    for (const std::string& file : files) {
+      std::filesystem::create_directories(
+          std::filesystem::path(s / ("foreign/" + file)).parent_path());
+      write_file(s / ("foreign/" + file), "{\"points\": []}\n");
+    }
+    refused(command(s / "study.toml", s / "foreign"), "foreign: is no sweep's folder");
+    for (const std::string& file : files)
+      CHECK(read_file(s / ("foreign/" + file)) == "{\"points\": []}\n");
+    CHECK_FALSE(std::filesystem::exists(s / "foreign/lock"));
+  }
   CHECK(std::distance(std::filesystem::directory_iterator(s / "docs"), {}) == 1);
   CHECK(read_file(s / "docs/sampling.md") == "mine");
   CHECK(run(command(s / "study.toml", s / "empty")).status == 0);
@@ -261,6 +281,56 @@ TEST_CASE("a damaged result is computed again, and that is said") {
   CHECK(again.err.find("it is computed again") != std::string::npos);
   CHECK(again.out.find("3 results computed") != std::string::npos);
   CHECK(tables(s / "a") == before);
+}
+
+TEST_CASE("a sweep whose points or plans were lost or damaged goes on") {
+  const Scratch s;
+  write_file(s / "study.toml", small_study(cornell(),
+                                           "[[points]]\nstrategy = \"list\"\n"
+                                           "lines = [{ gather.k = 4 }]\n"));
+  const std::string a = s / "a", points = a + "/points.json";
+  REQUIRE(run(command(s / "study.toml", a)).status == 0);
+  const auto before = tables(a);
+  const std::string table = read_file(points);
+  const auto goes_on = [&] {
+    const auto o = run(command(s / "study.toml", a));
+    INFO(o.err);
+    CHECK(o.status == 0);
+    CHECK(o.out.find("0 results computed") != std::string::npos);
+    CHECK(tables(a) == before);
+    CHECK(read_file(points) == table);
+    return o;
+  };
+  for (const size_t length : {table.size() / 2, size_t{15}, size_t{0}}) {
+    write_file(points, table.substr(0, length));
+    goes_on();
+  }
+  std::filesystem::remove(points);
+  write_file(a + "/layouts.md", "a study's page");
+  goes_on();
+  // Points of a program that plans otherwise: what the message says to do does it.
+  const std::string plan = nlohmann::json::parse(table)["points"][1]["plan"], other(16, 'b');
+  std::string changed = table;
+  changed.replace(changed.find(plan), plan.size(), other);
+  write_file(points, changed);
+  const auto refused = run(command(s / "study.toml", a));
+  INFO(refused.err);
+  CHECK(refused.status == 1);
+  CHECK(refused.err.find("has plan " + other + ", expected " + plan) != std::string::npos);
+  CHECK(refused.err.find("remove the file") != std::string::npos);
+  std::filesystem::remove(points);
+  goes_on();
+  // Plans.
+  const std::string file = a + "/plans/" + plan + ".toml", text = read_file(file);
+  write_file(file, text.substr(0, text.size() / 2));
+  const auto mended = goes_on();
+  CHECK(mended.err.find(plan + ".toml: is not there or damaged; it is written again") !=
+        std::string::npos);
+  CHECK(read_file(file) == text);
+  std::filesystem::remove(file);
+  std::filesystem::remove(points);
+  goes_on();
+  CHECK(read_file(file) == text);
 }
 
 TEST_CASE("results of other settings are computed again, those of other points are not") {
@@ -353,6 +423,58 @@ TEST_CASE("a wrong study is refused with file, line and what was expected") {
   text.replace(text.find("\"gather\", "), 10, "\"gathre\", ");
   refused(text, "6", "expected one of visible, ");
   refused("[study\n", "1", "");
+  for (const char* size : {"4294967300x4", "4x4294967300", " 4x4", "4x 4", "+4x+4", "4x", "0x4",
+                           "4x4097", "4x4x", "4"}) {
+    text = good;
+    text.replace(text.find("12x12"), 5, size);
+    refused(text, "5", std::string("study.size is '") + size + "', expected \"WIDTHxHEIGHT\"");
+  }
+  text = good;
+  text.replace(text.find("[1, 2]"), 6, "[\"1\"]");
+  refused(text, "4", "study.seeds is '1', expected an integer");
+  const std::string range =
+      "[[points]]\nstrategy = \"latin_hypercube\"\ncount = 2\nlines.gather.k = ";
+  refused(with(range + "{ to = 8 }\n"), "19", "gather.k.from is missing, expected a number");
+  refused(with(range + "{ from = 8, log = true }\n"), "19", "gather.k.to is missing");
+  refused(with(range + "{ from = \"1\", to = 8 }\n"), "19",
+          "gather.k.from is '1', expected a number");
+  for (const char* lines : {"gather.k = 8, \"gather.k\" = 8", "\"gather.k+gather.k\" = 8",
+                            "gather.k = 8, \"gather.leaf_limit+gather.k\" = 9"})
+    refused(with(list + "lines = [{ " + lines + " }]\n"), "18", "gather.k is set twice");
+  refused(with("[[points]]\nstrategy = \"grid\"\nlines = { gather.k = [8], \"gather.k\" = [9] }\n"),
+          "18", "gather.k is set twice");
+  // More points than can be counted one by one.
+  std::string values = "1";
+  for (int i = 2; i <= 256; ++i) values += fmt::format(", {}", i);
+  std::string grid;
+  for (const char* key : {"gather.k", "gather.leaf_limit", "reorder.packets", "gatherer.contexts",
+                          "photons", "caustic_photons", "frame.spp", "frame.tile"})
+    grid += fmt::format("lines.{} = [{}]\n", key,
+                        key == std::string("gatherer.contexts") ? "1, 2, 4"
+                        : key == std::string("frame.tile")      ? "8, 16"
+                                                                : values);
+  refused(with("[[points]]\nstrategy = \"grid\"\n" + grid), "16", "expected at most 1000000");
+  refused(with("[[points]]\nstrategy = \"search\"\npopulation = 10000\ngenerations = 10000\n"
+               "objectives = [\"gather.cycles\"]\nlines = { gather.k = [8, 9] }\n"),
+          "16", "expected at most 1000000");
+}
+
+TEST_CASE("each point is made once, however many there are") {
+  const Scratch s;
+  std::string values;
+  for (int i = 1; i <= 60; ++i) values += fmt::format("{}{}", i == 1 ? "" : ", ", i);
+  // No plan has photons of 5 bytes: nothing is as slow here as making the points was.
+  write_file(s / "study.toml",
+             small_study(cornell(),
+                         "[[points]]\nstrategy = \"grid\"\n"
+                         "lines.photon.photon_bytes = [5]\nlines.gather.k = [" +
+                             values + "]\nlines.gather.leaf_limit = [" + values + "]\n"));
+  const auto start = std::chrono::steady_clock::now();
+  const auto o = run(command(s / "study.toml", s / "a") + " --points 0");
+  INFO(o.err);
+  CHECK(o.status == 0);
+  CHECK(o.out.find("3601 points, 3600 refused") != std::string::npos);
+  CHECK(std::chrono::steady_clock::now() - start < std::chrono::seconds(10));
 }
 
 TEST_CASE("a full disk stops the sweep with a sentence and loses nothing") {
@@ -406,6 +528,20 @@ TEST_CASE("the command beside a point writes its plan") {
   INFO(o.err);
   REQUIRE(o.status == 0);
   CHECK(o.out.find("(hash " + text_after("plan") + ")") != std::string::npos);
+}
+
+TEST_CASE("the command beside a point is a shell's") {
+  const Scratch s;
+  std::filesystem::create_directory_symlink(photonloom::test::source("scenes/meshes"),
+                                            s / "meshes");
+  write_file(s / "it's a box.xml", read_file(photonloom::test::source("scenes/cornell.xml")));
+  write_file(s / "study.toml", small_study("\"it's a box.xml\"",
+                                           "[[points]]\nstrategy = \"list\"\n"
+                                           "lines = [{ scene.extent = 8.0 }]\n"));
+  REQUIRE(run(command(s / "study.toml", s / "a") + " --points 0").status == 0);
+  const auto points = nlohmann::json::parse(read_file(s / "a/points.json"))["points"];
+  CHECK(points[0]["command"].get<std::string>().starts_with(
+      "photonloom plan '" + s / "it'\\''s a box.xml" + "' -o plan.toml --size 12x12 "));
 }
 
 TEST_CASE("a shipped study's conclusion: tables from the stored results, goals, plots") {
