@@ -66,21 +66,21 @@ std::string RayCurve::data() const {
   return lines;
 }
 
-void plot_curves(const std::string& folder, const std::string& name, const std::string& title,
-                 const RayKind& kind, const std::vector<RayCurve>& curves) {
+Plot plot_curves(const std::string& name, const std::string& title, const RayKind& kind,
+                 const std::vector<RayCurve>& curves) {
   std::string blocks, plots;
   for (size_t i = 0; i < curves.size(); ++i) {
     blocks += fmt::format("$c{} << EOD\n{}EOD\n", i, curves[i].data());
-    plots += fmt::format("{}$c{} using 1:2:3 with yerrorlines title \"{}\" noenhanced",
-                         i == 0 ? "plot " : ", ", i, curves[i].name());
+    plots += fmt::format("{}$c{} using 1:2:3 with yerrorlines title {} noenhanced",
+                         i == 0 ? "plot " : ", ", i, gnuplot_text(curves[i].name()));
   }
-  write_plot(folder, name,
-             fmt::format("set logscale xy 2\nset grid\nset key outside right top\n"
-                         "set xlabel \"{} a sample\"\n"
-                         "set ylabel \"noise (relMSE)\"\nset format y \"%.2g\"\n"
-                         "set title \"{}\" noenhanced\n{}{}\n",
-                         kind.name, title, blocks, plots),
-             900, 420);
+  return {name,
+          fmt::format("set logscale xy 2\nset grid\nset key outside right top\n"
+                      "set xlabel \"{} a sample\"\n"
+                      "set ylabel \"noise (relMSE)\"\nset format y \"%.2g\"\n"
+                      "set title {} noenhanced\n{}{}\n",
+                      kind.name, gnuplot_text(title), blocks, plots),
+          900, 420};
 }
 
 }  // namespace photonloom

@@ -57,8 +57,8 @@ class RayCurve {
   std::vector<Point> points_;  // by rays
 };
 
-// A plot of noise against rays, FOLDER/NAME.svg and .png.
-void plot_curves(const std::string& folder, const std::string& name, const std::string& title,
-                 const RayKind& kind, const std::vector<RayCurve>& curves);
+// Noise against rays.
+Plot plot_curves(const std::string& name, const std::string& title, const RayKind& kind,
+                 const std::vector<RayCurve>& curves);
 
 }  // namespace photonloom

@@ -17,7 +17,11 @@
 #include "command/console.hpp"
 #include "golden/numeric/output_file.hpp"
 #include "rtl/generate/data_files.hpp"
+#include "study/measures.hpp"
 #include "study/runner.hpp"
+#include "study/store.hpp"
+#include "study/study_file.hpp"
+#include "verilator_tb/model/tools.hpp"
 
 namespace photonloom {
 namespace {
@@ -26,32 +30,42 @@ struct ShippedStudy {
   const char* name;
   const char* summary;
   std::vector<std::string> files;  // studies/FILE.toml
+  // Measures that it concludes from, by the name of the study that has them; "": any name.
+  std::vector<std::pair<std::string, std::vector<std::string>>> needed;
   Conclusion (*conclude)(const StudyOutcome&);
 };
 const ShippedStudy kStudies[] = {
     {"reordering",
      "Bytes from the photon map in every order of the final gathers",
      {"reordering"},
+     {{"", {"traffic"}}},
      conclude_reordering},
     {"layouts",
      "Bytes from the photon map in other layouts, compressed lines among them",
      {"layouts"},
+     {{"", {"layouts"}}},
      conclude_layouts},
     {"caching",
      "Final gathers that an irradiance cache avoids, and the error it adds",
      {"caching", "caching_converged"},
+     {{"caching", {"caching"}}, {"caching_converged", {"caching", "visible"}}},
      conclude_caching},
     {"sampling",
      "Final gather rays that the sampler's tables save, and whether their light is the same",
      {"sampling", "sampling_means"},
+     {{"sampling", {"noise"}}, {"sampling_means", {"ray_means"}}},
      conclude_sampling},
     {"adaptive",
      "Final gather rays that two passes save",
      {"adaptive", "adaptive_means", "adaptive_shadows"},
+     {{"adaptive", {"noise"}},
+      {"adaptive_means", {"ray_means"}},
+      {"adaptive_shadows", {"shadows"}}},
      conclude_adaptive},
     {"system",
      "Units, memory and area that the dissertation's load would take",
      {"system"},
+     {{"system", {"gather", "resources"}}},
      conclude_system},
 };
 
@@ -92,6 +106,51 @@ void check_folder(const std::string& folder, const std::vector<std::string>& fil
                   folder, names));
 }
 
+// Throws StudyError for a file whose figures the study has nothing to say of.
+void check_needed(const ShippedStudy& study, const std::string& file) {
+  const Study asked = parse_study(read_file(file), file, measure_names());
+  std::string names;
+  for (const auto& [name, measures] : study.needed) {
+    names += (names.empty() ? "" : ", ") + name;
+    if (!name.empty() && name != asked.name) continue;
+    for (const std::string& m : measures)
+      if (std::find(asked.measures.begin(), asked.measures.end(), m) == asked.measures.end())
+        throw StudyError(
+            fmt::format("{}: study.measure has no \"{}\", expected it, as study {} "
+                        "concludes from it",
+                        file, m, study.name));
+    return;
+  }
+  throw StudyError(
+      fmt::format("{}: study.name is {}, expected one of {}, by which study {} knows "
+                  "its figures",
+                  file, asked.name, names, study.name));
+}
+
+// Whether it was drawn; says so where it was not, and leaves the commands.
+bool draw(const std::string& folder, const Plot& plot) {
+  // Absolute, as no name then begins with '-'.
+  const std::string beside = std::filesystem::absolute(folder) / plot.name, file = beside + ".gp";
+  write_file(file, plot.commands);
+  using model_tools::quoted;
+  for (const char* kind : {"svg", "png"}) {
+    const std::string terminal = fmt::format("set terminal {} size {},{} background \"white\"",
+                                             kind, plot.width, plot.height),
+                      drawn = fmt::format("{}.{}", beside, kind);
+    if (std::system(
+            fmt::format("gnuplot -e {} {} >{}", quoted(terminal), quoted(file), quoted(drawn))
+                .c_str()) != 0) {
+      std::filesystem::remove(drawn);
+      fmt::print(stderr,
+                 "photonloom: {}: gnuplot did not draw it (Debian package gnuplot-nox); the tables "
+                 "are whole\n",
+                 file);
+      return false;
+    }
+  }
+  return true;
+}
+
 // Every file's folder is DIR, or where a study has several DIR/FILE.
 void run_study(const ShippedStudy& study, const StudyOptions& o) {
   const std::unique_ptr<Progress> progress = make_progress_or_log();
@@ -109,9 +168,12 @@ void run_study(const ShippedStudy& study, const StudyOptions& o) {
     fmt::print(stderr, "photonloom: {}\n", sentence);
   };
   StudyOutcome outcome;
-  outcome.folder = o.output;
   size_t failures = 0;
-  if (files.size() > 1) check_folder(o.output, files);
+  if (files.size() > 1)
+    check_folder(o.output, files);
+  else
+    check_sweep_folder(o.output);
+  for (const std::string& file : files) check_needed(study, file);
   for (const std::string& file : files) {
     request.study_file = file;
     request.folder = o.output;
@@ -122,6 +184,8 @@ void run_study(const ShippedStudy& study, const StudyOptions& o) {
     read_outcome(request.folder, outcome);
   }
   Conclusion conclusion = study.conclude(outcome);
+  bool has_plots = false;
+  for (const Plot& plot : conclusion.plots) has_plots |= draw(o.output, plot);
   for (const Goal& goal : conclusion.goals) {
     const std::string line = fmt::format("{}: {:.4g}, goal {} {:.4g}{}", goal.text, goal.reached,
                                          goal.at_least ? "at least" : "at most", goal.wanted,
@@ -130,8 +194,8 @@ void run_study(const ShippedStudy& study, const StudyOptions& o) {
     conclusion.page += "- " + line + "\n";
   }
   write_file(fmt::format("{}/{}.md", o.output, study.name), conclusion.page);
-  fmt::print("wrote {0}/{1}.md, plots, and {2}/results.csv and summary.json\n", o.output,
-             study.name, files.size() > 1 ? o.output + "/*" : o.output);
+  fmt::print("wrote {}/{}.md{}, and {}/results.csv and summary.json\n", o.output, study.name,
+             has_plots ? ", plots" : "", files.size() > 1 ? o.output + "/*" : o.output);
   if (failures > 0)
     throw CheckFailed(
         fmt::format("{} of scenes and points failed; what they said stands above", failures));
@@ -225,25 +289,11 @@ void read_outcome(const std::string& folder, StudyOutcome& outcome) {
   }
 }
 
-void write_plot(const std::string& folder, const std::string& name, const std::string& commands,
-                int width, int height) {
-  const std::string file = fmt::format("{}/{}.gp", folder, name);
-  write_file(file, commands);
-  for (const char* kind : {"svg", "png"}) {
-    const std::string terminal =
-        fmt::format("set terminal {} size {},{} background \\\"white\\\"", kind, width, height);
-    const std::string command = fmt::format(
-        "cd '{0}' && gnuplot -e \"{1}; set output '{2}.{3}'\" "
-        "'{2}.gp'",
-        folder, terminal, name, kind);
-    if (std::system(command.c_str()) != 0) {
-      fmt::print(stderr,
-                 "photonloom: {}: gnuplot did not draw it (Debian package gnuplot-nox); the tables "
-                 "are whole\n",
-                 file);
-      return;
-    }
-  }
+std::string gnuplot_text(const std::string& text) {
+  std::string out = "'";
+  for (const char c : text)
+    out += c == '\'' ? "''" : std::string(1, static_cast<unsigned char>(c) < 0x20 ? ' ' : c);
+  return out + "'";
 }
 
 }  // namespace photonloom

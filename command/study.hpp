@@ -26,7 +26,6 @@ struct StudyRow {
 };
 
 struct StudyOutcome {
-  std::string folder;
   std::vector<std::string> scenes;
   std::vector<uint64_t> seeds;  // of the first file
   std::vector<StudyRow> rows;   // of all files
@@ -44,22 +43,26 @@ struct Goal {
   bool holds() const { return at_least ? reached >= wanted : reached <= wanted; }
 };
 
-// What a study's figures say: tables as Markdown, and the goals of the scenes that are there.
+// Drawn by gnuplot: NAME.gp with the commands, NAME.svg, NAME.png.
+struct Plot {
+  std::string name, commands;
+  int width = 0, height = 0;
+};
+// A text of such commands, quotes included: within single quotes gnuplot runs nothing.
+std::string gnuplot_text(const std::string& text);
+
+// What a study's figures say: tables as Markdown, and the goals and plots of the scenes that are
+// there.
 struct Conclusion {
   std::string page;
   std::vector<Goal> goals;
+  std::vector<Plot> plots;
 };
-// Writes plots into the folder.
 Conclusion conclude_reordering(const StudyOutcome& outcome);
 Conclusion conclude_layouts(const StudyOutcome& outcome);
 Conclusion conclude_caching(const StudyOutcome& outcome);
 Conclusion conclude_sampling(const StudyOutcome& outcome);
 Conclusion conclude_adaptive(const StudyOutcome& outcome);
 Conclusion conclude_system(const StudyOutcome& outcome);
-
-// FOLDER/NAME.svg and FOLDER/NAME.png from gnuplot commands, which stay beside them as NAME.gp.
-// Says so where gnuplot is missing, and leaves the commands.
-void write_plot(const std::string& folder, const std::string& name, const std::string& commands,
-                int width, int height);
 
 }  // namespace photonloom

@@ -45,10 +45,9 @@ struct Block {
   std::function<double(const StudyRow&)> value;
 };
 
-// Avoided gathers, and error beside them, over the accuracy.
-void plot(const std::string& folder, const std::string& scene,
-          const std::vector<const StudyRow*>& counted,
-          const std::vector<const StudyRow*>& converged) {
+// Adds avoided gathers, and error beside them, over the accuracy.
+void plot(const std::string& scene, const std::vector<const StudyRow*>& counted,
+          const std::vector<const StudyRow*>& converged, std::vector<Plot>& to) {
   const std::vector<Block> blocks = {
       {"avoided", "256 × 256: gathers avoided", counted,
        [](const StudyRow& r) { return caching(r, "avoided"); }},
@@ -69,14 +68,14 @@ void plot(const std::string& folder, const std::string& scene,
                          b.title);
   }
   if (plots.empty()) return;
-  write_plot(folder, "caching_" + scene,
-             fmt::format("set logscale x 2\nset logscale y2 10\nset grid\nset ytics nomirror\n"
-                         "set y2tics\nset yrange [0:1]\nset key outside bottom center\n"
-                         "set xlabel \"accuracy\"\nset ylabel \"part of the gathers avoided\"\n"
-                         "set y2label \"relMSE\"\nset format y2 \"%g\"\n"
-                         "set title \"{}: irradiance cache\" noenhanced\n{}{}\n",
-                         scene, data, plots),
-             900, 480);
+  to.push_back({"caching_" + scene,
+                fmt::format("set logscale x 2\nset logscale y2 10\nset grid\nset ytics nomirror\n"
+                            "set y2tics\nset yrange [0:1]\nset key outside bottom center\n"
+                            "set xlabel \"accuracy\"\nset ylabel \"part of the gathers avoided\"\n"
+                            "set y2label \"relMSE\"\nset format y2 \"%g\"\n"
+                            "set title {} noenhanced\n{}{}\n",
+                            gnuplot_text(scene + ": irradiance cache"), data, plots),
+                900, 480});
 }
 
 }  // namespace
@@ -135,7 +134,7 @@ Conclusion conclude_caching(const StudyOutcome& outcome) {
                  scene, kDifference, kAgainstPaths, most_at),
              kAvoided, most});
     }
-    plot(outcome.folder, scene, counted, converged);
+    plot(scene, counted, converged, conclusion.plots);
   }
   return conclusion;
 }

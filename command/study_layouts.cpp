@@ -49,13 +49,14 @@ Conclusion conclude_layouts(const StudyOutcome& outcome) {
     for (const StudyRow* row : rows)
       conclusion.page += fmt::format(" {:.1f} % |", 100 * row->value("layouts.further"));
     conclusion.page += "\n\n";
-    write_plot(outcome.folder, "layouts_" + scene,
-               fmt::format("set logscale xy 2\nset grid\nset key outside right top\n"
-                           "set xlabel \"k\"\nset ylabel \"bytes a gather\"\n"
-                           "set format y \"%g\"\nset format x \"%g\"\n"
-                           "set title \"{}: layouts of the photon map\" noenhanced\n{}{}\n",
-                           scene, blocks, plots),
-               900, 420);
+    conclusion.plots.push_back(
+        {"layouts_" + scene,
+         fmt::format("set logscale xy 2\nset grid\nset key outside right top\n"
+                     "set xlabel \"k\"\nset ylabel \"bytes a gather\"\n"
+                     "set format y \"%g\"\nset format x \"%g\"\n"
+                     "set title {} noenhanced\n{}{}\n",
+                     gnuplot_text(scene + ": layouts of the photon map"), blocks, plots),
+         900, 420});
     for (const StudyRow* row : rows) {
       const std::string what = fmt::format("{}, k = {}: ", scene, row->line("gather.k"));
       conclusion.goals.push_back({what + "compressed over plain lines without padding", 0.85,

@@ -123,16 +123,14 @@ std::vector<Cell> where(const std::vector<Cell>& cells, const Keep& keep) {
   return kept;
 }
 
-void plot(const std::string& folder, const std::string& scene, const std::vector<Cell>& cells) {
+Plot plot(const std::string& scene, const std::vector<Cell>& cells) {
   std::string commands =
       "set logscale xy 2\nset grid\nset key outside right top noenhanced\n"
       "set xlabel \"cache, KB\"\nset ylabel \"MB from the photon map an image\"\n"
       "set format y \"%g\"\nset format x \"%g\"\n";
   const std::set<double> buffers = sorted(cells, [](const Cell& c) { return c.buffer; });
-  commands += fmt::format(
-      "set multiplot layout {},1 title \"{}: bytes from the photon map\" "
-      "noenhanced\n",
-      buffers.size(), scene);
+  commands += fmt::format("set multiplot layout {},1 title {} noenhanced\n", buffers.size(),
+                          gnuplot_text(scene + ": bytes from the photon map"));
   for (const double buffer : buffers) {
     const std::vector<Cell> here = where(cells, [&](const Cell& c) { return c.buffer == buffer; });
     std::string plots;
@@ -144,13 +142,13 @@ void plot(const std::string& folder, const std::string& scene, const std::vector
       for (const Cell& c : here)
         if (c.order == order) commands += fmt::format("{} {}\n", c.cache / 1024, c.image_mb());
       commands += "EOD\n";
-      plots += fmt::format("{}{} using 1:2 with linespoints title \"{}\" noenhanced",
-                           plots.empty() ? "plot " : ", ", name, order);
+      plots += fmt::format("{}{} using 1:2 with linespoints title {} noenhanced",
+                           plots.empty() ? "plot " : ", ", name, gnuplot_text(order));
     }
     commands += fmt::format("set title \"buffer: {}\"\n{}\n", size_text(buffer), plots);
   }
-  write_plot(folder, "reordering_" + scene, commands + "unset multiplot\n", 900,
-             static_cast<int>(320 * buffers.size()));
+  return {"reordering_" + scene, commands + "unset multiplot\n", 900,
+          static_cast<int>(320 * buffers.size())};
 }
 
 }  // namespace
@@ -175,7 +173,7 @@ Conclusion conclude_reordering(const StudyOutcome& outcome) {
           fmt::format("MB an image, buffer {}:", size_text(buffer)), "order, by cache",
           [](const Cell& c) { return c.cache; },
           [](const Cell& c) { return fmt::format("{:.1f}", c.image_mb()); });
-    plot(outcome.folder, scene, cells);
+    conclusion.plots.push_back(plot(scene, cells));
     if (scene == "atrium")
       for (const auto& [limit, wanted] : {std::pair{1048576.0, 30.0}, std::pair{262144.0, 11.5}}) {
         for (const bool any_tile : {false, true}) {

@@ -103,17 +103,17 @@ std::vector<RowCurves> part_table(const StudyOutcome& outcome, const std::string
   return rows;
 }
 
-// A plot a scene of the rows of a table, in the study's folder.
-void plot_rows(const StudyOutcome& outcome, const std::string& study, const RayKind& kind,
-               const std::vector<std::string>& scenes, const std::vector<RowCurves>& rows) {
+// Adds a plot a scene of the rows of a table.
+void plot_rows(const std::string& study, const RayKind& kind,
+               const std::vector<std::string>& scenes, const std::vector<RowCurves>& rows,
+               std::vector<Plot>& to) {
   for (size_t s = 0; s < scenes.size(); ++s) {
     std::vector<RayCurve> curves;
     for (const RowCurves& row : rows) curves.push_back(row.by_scene[s]);
-    plot_curves(
-        outcome.folder,
+    to.push_back(plot_curves(
         fmt::format("{}_{}{}", study, scenes[s],
                     std::string_view(kind.rays) == "rays" ? "" : fmt::format("_{}", kind.rays)),
-        fmt::format("{}: noise of {}", scenes[s], kind.name), kind, curves);
+        fmt::format("{}: noise of {}", scenes[s], kind.name), kind, curves));
   }
 }
 
@@ -163,7 +163,7 @@ void compare_passes(const StudyOutcome& outcome, const std::string& study, const
   std::vector<std::string> scenes;
   const std::vector<RowCurves> rows =
       part_table(outcome, study, kind, rays, name, "frame", conclusion.page, scenes);
-  plot_rows(outcome, study, kind, scenes, rows);
+  plot_rows(study, kind, scenes, rows, conclusion.plots);
   const RowCurves* best = nullptr;
   std::vector<size_t> order;
   for (size_t r = 1; r < rows.size(); ++r) {
@@ -205,7 +205,7 @@ void compare_combinations(const StudyOutcome& outcome, double rays, Conclusion& 
   const std::vector<RowCurves> rows =
       part_table(outcome, "sampling", kGatherRays, rays, combination, "combine | levels | photons",
                  conclusion.page, scenes);
-  if (rays == kRays) plot_rows(outcome, "sampling", kGatherRays, scenes, rows);
+  if (rays == kRays) plot_rows("sampling", kGatherRays, scenes, rows, conclusion.plots);
   const auto concentrated = [&](size_t scene) {
     return std::find(kConcentrated.begin(), kConcentrated.end(), scenes[scene]) !=
            kConcentrated.end();

@@ -579,6 +579,98 @@ TEST_CASE("a shipped study's conclusion: tables from the stored results, goals, 
   CHECK(run("study no_such_study -o '" + s / "other" + "'").status == 2);
 }
 
+TEST_CASE("a shipped study of scenes that the user names, and of files that are none of its own") {
+  const Scratch s;
+  const auto study = [](const std::string& name, const std::string& measure) {
+    return "[study]\nname = \"" + name + "\"\nscenes = [" + cornell() + ", \"" +
+           photonloom::test::source("scenes/cornell_glossy.xml") +
+           "\"]\nseeds = [1]\nsize = \"4x4\"\nmeasure = [\"" + measure +
+           "\"]\n[base]\nphotons = 500\ncaustic_photons = 100\nframe.spp = 1\n"
+           "frame.gather_rays = 2\n[[points]]\nstrategy = \"list\"\nscenes = [\"cornell_glossy\"]\n"
+           "lines = [{ gather.k = 4 }]\n[[points]]\nstrategy = \"list\"\nscenes = [\"cornell\"]\n"
+           "lines = [{ gather.k = 8 }]\n";
+  };
+  write_file(s / "study.toml", study("some", "layouts"));
+  // Sets of points keep to the scenes of their names, whatever place those have.
+  const std::string layouts = " --study '" + s / "study.toml" + "' -o '";
+  const auto o = run("study layouts cornell_glossy" + layouts + s / "a" + "'");
+  INFO(o.err);
+  REQUIRE(o.status == 0);
+  const auto summary = nlohmann::json::parse(read_file(s / "a/summary.json"));
+  REQUIRE(summary["points"].size() == 2);
+  CHECK(summary["points"][1]["lines"]["gather.k"] == "4");
+  const auto refused = [&](const std::string& arguments, const std::string& expected) {
+    const auto r = run(arguments + s / "b" + "'");
+    INFO(arguments << "\n" << r.err);
+    CHECK(r.status == 1);
+    CHECK(r.one_error_line());
+    CHECK(r.err.find(expected) != std::string::npos);
+    CHECK_FALSE(std::filesystem::exists(s / "b"));
+  };
+  std::filesystem::create_directories(s / "other");
+  std::filesystem::create_directory_symlink(photonloom::test::source("scenes/meshes"),
+                                            s / "other/meshes");
+  write_file(s / "other/cornell.xml", read_file(photonloom::test::source("scenes/cornell.xml")));
+  refused("study layouts cornell cornell" + layouts,
+          "a scene of the name cornell is there already");
+  refused("study layouts cornell '" + s / "other/cornell.xml" + "'" + layouts,
+          "a scene of the name cornell is there already");
+  for (const char* name : {"reordering", "caching", "sampling", "adaptive", "system"})
+    refused(std::string("study ") + name + " cornell" + layouts,
+            name == std::string("reordering") ? "study.measure has no \"traffic\""
+                                              : "study.name is some, expected one of");
+  write_file(s / "study.toml", study("caching_converged", "caching"));
+  refused("study caching" + layouts, "study.measure has no \"visible\"");
+}
+
+TEST_CASE("plots are drawn whatever folder and scene are called, and told of where they were") {
+  const Scratch s;
+  std::filesystem::create_directories(s / "bin");
+  std::filesystem::create_directories(s / "scenes");
+  std::filesystem::create_directory_symlink(photonloom::test::source("scenes/meshes"),
+                                            s / "scenes/meshes");
+  write_file(s / "bin/gnuplot", "#!/bin/sh\nprintf '%s|' \"$@\"\ntest -f \"$3\"\n");
+  std::filesystem::permissions(s / "bin/gnuplot", std::filesystem::perms::owner_all);
+  const std::string scene = "it's`touch ran`\"$(touch ran)";
+  write_file(s / ("scenes/" + scene + ".xml"),
+             read_file(photonloom::test::source("scenes/cornell.xml")));
+  write_file(s / "study.toml",
+             "[study]\nname = \"small\"\nscenes = ['''scenes/" + scene +
+                 ".xml''']\nseeds = [1]\nsize = \"4x4\"\nmeasure = [\"layouts\"]\n"
+                 "[base]\nphotons = 500\ncaustic_photons = 100\nframe.spp = 1\n"
+                 "frame.gather_rays = 2\n[[points]]\nstrategy = \"list\"\n"
+                 "lines = [{ gather.k = 4 }]\n");
+  const std::string study = "study layouts --study study.toml -o 'o'\\''\"$(touch ran)'",
+                    out = s / "o'\"$(touch ran)";
+  const auto path = std::filesystem::current_path();
+  const std::string old = photonloom::test::environment("PATH");
+  const auto studied = [&](const std::string& programs) {
+    std::filesystem::current_path(s.path);
+    setenv("PATH", programs.c_str(), 1);
+    const auto o = run(study);
+    setenv("PATH", old.c_str(), 1);
+    std::filesystem::current_path(path);
+    INFO(o.err);
+    CHECK(o.status == 0);
+    CHECK_FALSE(std::filesystem::exists(s / "ran"));
+    return o;
+  };
+  const auto drawn = studied(s / "bin" + ":" + old);
+  CHECK(drawn.err.find("did not draw") == std::string::npos);
+  CHECK(drawn.out.find(".md, plots, and") != std::string::npos);
+  for (const char* kind : {"svg", "png"})
+    CHECK(read_file(out + "/layouts_" + scene + "." + kind) ==
+          fmt::format("-e|set terminal {} size 900,420 background \"white\"|{}|", kind,
+                      out + "/layouts_" + scene + ".gp"));
+  CHECK(read_file(out + "/layouts_" + scene + ".gp")
+            .find("set title 'it''s`touch ran`\"$(touch ran): layouts") != std::string::npos);
+  write_file(s / "bin/gnuplot", "#!/bin/sh\nexit 1\n");
+  std::filesystem::permissions(s / "bin/gnuplot", std::filesystem::perms::owner_all);
+  const auto none = studied(s / "bin" + ":" + old);
+  CHECK(none.err.find("gnuplot did not draw it") != std::string::npos);
+  CHECK(none.out.find("plots") == std::string::npos);
+}
+
 TEST_CASE("a study of several files: a folder each, one page") {
   const Scratch s;
   const std::string head = "\nscenes = [" + cornell() + "]\nseeds = [1]\n",
