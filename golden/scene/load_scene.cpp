@@ -47,6 +47,8 @@ class Loader {
       scene_.substitutions = findings_.substitutions();
     }
     scene_.hash = scene_hash(scene_);
+    scene_.files.push_back(path_);
+    scene_.files.insert(scene_.files.end(), document_.found.begin(), document_.found.end());
     return std::move(scene_);
   }
 
@@ -137,7 +139,8 @@ class Loader {
       const int64_t depth = p.integer("max_depth", -1);
       if (depth != -1 && (depth < 1 || depth > std::numeric_limits<int>::max()))
         fail(p.element("max_depth"),
-             fmt::format("the depth is {}, expected -1 for no limit or at least 1", depth));
+             fmt::format("{} is {}, expected -1 for no limit or 1 to {}",
+                         describe(p.element("max_depth")), depth, std::numeric_limits<int>::max()));
       scene_.max_depth = static_cast<int>(depth);
       if (p.has("rr_depth")) scene_.rr_depth = roulette_depth(p);
       found = true;
@@ -155,7 +158,9 @@ class Loader {
   static int roulette_depth(Properties& p) {
     const int64_t depth = p.integer("rr_depth", 5);
     if (depth < 1 || depth > std::numeric_limits<int>::max())
-      fail(p.element("rr_depth"), fmt::format("the depth is {}, expected at least 1", depth));
+      fail(p.element("rr_depth"),
+           fmt::format("{} is {}, expected 1 to {}", describe(p.element("rr_depth")), depth,
+                       std::numeric_limits<int>::max()));
     return static_cast<int>(depth);
   }
 

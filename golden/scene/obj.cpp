@@ -61,13 +61,13 @@ class ObjVertices {
   std::vector<uint32_t> groups_;  // of each vertex
 };
 
-// Words between blanks, into a list whose room is used again.
+// Words between blanks up to a comment, into a list whose room is used again.
 void split_at_blanks(std::string_view line, std::vector<std::string_view>& words) {
   const auto blank = [](char c) { return c == ' ' || c == '\t'; };
   words.clear();
   for (const char *at = line.data(), *const end = at + line.size();;) {
     while (at != end && blank(*at)) ++at;
-    if (at == end) return;
+    if (at == end || *at == '#') return;
     const char* const begin = at;
     while (at != end && !blank(*at)) ++at;
     words.emplace_back(begin, static_cast<size_t>(at - begin));
@@ -85,7 +85,7 @@ class ObjReader {
     std::vector<std::string_view> words;
     while (next_line(line, joined)) {
       split_at_blanks(line, words);
-      if (!words.empty() && words[0][0] != '#') statement(words);
+      if (!words.empty()) statement(words);
     }
     if (out_.mesh.triangles.empty())
       throw SceneError(fmt::format("{}: the file has no faces, expected at least one", path_));
@@ -123,7 +123,7 @@ class ObjReader {
     for (size_t i = 0; i < count; ++i) {
       const auto value = parse_double(words[i + 1]);
       if (!value || !std::isfinite(*value))
-        fail(fmt::format("'{}' is not a finite number", std::string(words[i + 1].substr(0, 40))));
+        fail(fmt::format("'{}' is not a finite number", shown(words[i + 1])));
       v[static_cast<int>(i)] = *value;
     }
     return v;
@@ -148,7 +148,7 @@ class ObjReader {
                key != "mg" && key != "lod" && key != "usemap" && key != "maplib" &&
                key != "bevel" && key != "c_interp" && key != "d_interp") {
       // What stands in this list has no surface; free-form surfaces do.
-      fail(fmt::format("'{}' is not supported in an OBJ file", std::string(key.substr(0, 40))));
+      fail(fmt::format("'{}' is not supported in an OBJ file", shown(key)));
     }
   }
 
@@ -156,9 +156,12 @@ class ObjReader {
   uint32_t index(std::string_view text, size_t count, const char* what) const {
     const auto i = parse_integer(text);
     const int64_t n = static_cast<int64_t>(count);
+    if (i && n == 0)
+      fail(fmt::format("'{}' is the number of a {}, but there is none above this line", shown(text),
+                       what));
     if (!i || *i == 0 || *i > n || *i < -n)
-      fail(fmt::format("'{}' is not the number of a {}, expected 1 to {}",
-                       std::string(text.substr(0, 40)), what, count));
+      fail(fmt::format("'{}' is not the number of a {}, expected 1 to {}", shown(text), what,
+                       count));
     return static_cast<uint32_t>(*i > 0 ? *i - 1 : n + *i);
   }
 
@@ -176,7 +179,7 @@ class ObjReader {
         rest = slash == std::string_view::npos ? std::string_view() : rest.substr(slash + 1);
         if (i == 2 && slash != std::string_view::npos)
           fail(fmt::format("'{}' is not a face vertex, expected v, v/t, v//n or v/t/n",
-                           std::string(words[w].substr(0, 40))));
+                           shown(words[w])));
       }
       const uint32_t v = index(part[0], positions_.size(), "vertex");
       Corner c{.group = group_};

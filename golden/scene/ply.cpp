@@ -20,7 +20,7 @@ struct TypeName {
   size_t bytes;
   double lowest, highest;  // of the integer types
 };
-constexpr std::string_view kBlanks = " \t\r\n";  // of ASCII bodies
+constexpr std::string_view kBlanks = " \t\r";  // within a line of an ASCII body
 constexpr double kAny = std::numeric_limits<double>::infinity();
 constexpr TypeName kTypes[] = {
     {"char", "int8", PlyType::kInt8, 1, -128, 127},
@@ -169,6 +169,8 @@ class Reader {
       }
     }
     for (uint64_t row = 0; row < element.rows; ++row) {
+      if (row > 0) end_line(element);
+      skip_empty_lines();
       for (PlyColumn& c : element.columns) {
         if (!c.is_list) {
           c.values.push_back(value(c.type, element, c));
@@ -182,19 +184,42 @@ class Reader {
         c.starts.push_back(c.values.size());
       }
     }
+    if (element.rows > 0) end_line(element);
   }
 
   // A count in the header that is too small would lose rows without a word.
   void end() {
-    if (table_.format == PlyFormat::kAscii) skip_blanks();
+    skip_empty_lines();
     if (at_ < bytes_.size())
       fail(fmt::format("expected the file's end after the last element's last row; bytes left: {}",
                        bytes_.size() - at_));
   }
 
-  void skip_blanks() {
-    while (at_ < bytes_.size() && kBlanks.find(bytes_[at_]) != std::string_view::npos)
-      line_ += bytes_[at_++] == '\n';
+  void skip_blanks() { at_ = std::min(bytes_.find_first_not_of(kBlanks, at_), bytes_.size()); }
+
+  bool at_line_end() const { return at_ < bytes_.size() && bytes_[at_] == '\n'; }
+
+  void skip_empty_lines() {
+    if (table_.format != PlyFormat::kAscii) return;
+    for (skip_blanks(); at_line_end(); skip_blanks()) {
+      ++at_;
+      ++line_;
+    }
+  }
+
+  std::string_view word() const {
+    return bytes_.substr(at_, bytes_.find_first_of(" \t\r\n", at_) - at_);
+  }
+
+  // A row is a line: a value too many or too few would else move all that follow.
+  void end_line(const PlyElement& element) {
+    if (table_.format != PlyFormat::kAscii) return;
+    skip_blanks();
+    if (at_ < bytes_.size() && !at_line_end())
+      fail(
+          fmt::format("expected the line's end after the last value of a row of element '{}', not "
+                      "'{}'",
+                      element.name, shown(word())));
   }
 
   double value(PlyType type, const PlyElement& element, const PlyColumn& column) {
@@ -207,14 +232,16 @@ class Reader {
     if (at_ >= bytes_.size())
       fail(fmt::format("the file ends early, in property '{}' of element '{}'", column.name,
                        element.name));
-    const size_t end = std::min(bytes_.find_first_of(kBlanks, at_), bytes_.size());
-    const std::string_view text = bytes_.substr(at_, end - at_);
-    at_ = end;
+    if (at_line_end())
+      fail(fmt::format("the line ends early, before property '{}', expected a whole row of '{}'",
+                       column.name, element.name));
+    const std::string_view text = word();
+    at_ += text.size();
     const auto number = parse_double(text);
     const TypeName& t = info(type);
     if (!number || (is_integer(type) && (!(*number >= t.lowest && *number <= t.highest) ||
                                          *number != std::floor(*number))))
-      fail(fmt::format("'{}' in property '{}' of element '{}' is not a {}", text.substr(0, 40),
+      fail(fmt::format("'{}' in property '{}' of element '{}' is not a {}", shown(text),
                        column.name, element.name, t.name));
     return type == PlyType::kFloat ? static_cast<double>(static_cast<float>(*number)) : *number;
   }

@@ -220,6 +220,7 @@ struct Scene {
   std::vector<Shape> shapes;
   std::vector<Instance> instances;
   std::vector<Light> lights;
+  std::vector<std::string> files;     // read for it, its own first
   std::vector<std::string> warnings;  // with file and line
   // What is not supported and what stands for it, with file and line; only where asked for.
   std::vector<std::string> substitutions;

@@ -23,6 +23,10 @@ std::vector<std::string_view> split(std::string_view text, std::string_view sepa
 template <std::same_as<std::string> Text>
 std::vector<std::string_view> split(Text&& text, std::string_view separators) = delete;
 
+// The beginning of a text from a file, as a message may show it: bytes that end a text or move the
+// cursor as \x00.
+std::string shown(std::string_view text);
+
 // A to Z as a to z, whatever the locale.
 std::string lower(std::string text);
 

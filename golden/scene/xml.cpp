@@ -380,7 +380,13 @@ std::string Document::find_file(const Element& element, const std::string& name)
   }
   std::error_code ignored;
   for (const std::string& path : tries)
-    if (std::filesystem::is_regular_file(path, ignored)) return path;
+    if (std::filesystem::is_regular_file(path, ignored)) return *found.insert(path).first;
+  for (const std::string& path : tries)
+    if (std::filesystem::exists(path, ignored))
+      photonloom::fail(
+          element, fmt::format("'{}' is {}, expected a file", path,
+                               std::filesystem::is_directory(path, ignored) ? "a folder"
+                                                                            : "no regular file"));
   photonloom::fail(element, fmt::format("file '{}' does not exist", tries.front()));
 }
 

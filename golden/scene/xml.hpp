@@ -5,6 +5,7 @@
 #include <deque>
 #include <map>
 #include <memory>
+#include <set>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -43,6 +44,7 @@ struct Document {
   const Element& resolve(const Element& element) const;
   // An existing file for a name in `element`; throws SceneError naming it otherwise.
   std::string find_file(const Element& element, const std::string& name) const;
+  mutable std::set<std::string> found;  // by it
 };
 
 // Reads `path` and what it includes. Refuses what is not XML, elements nested more than 64 deep,

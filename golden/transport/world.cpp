@@ -351,7 +351,8 @@ void World::measure() {
   const double across = max_component(upper_ - lower_);
   if (!(across >= kSmallest && across <= kLargest))
     throw SceneError(fmt::format("{}: the scene is {:g} units across, expected {:g} to {:g}",
-                                 scene_.name, across, kSmallest, kLargest));
+                                 scene_.files.empty() ? scene_.name : scene_.files.front(), across,
+                                 kSmallest, kLargest));
   centre_ = (lower_ + upper_) * 0.5;
   for (uint32_t i = world.begin; i < world.end; ++i) {
     const Primitive& p = primitives_[i];

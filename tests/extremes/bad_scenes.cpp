@@ -140,6 +140,15 @@ TEST_CASE("meshes that are missing, empty or not meshes") {
              ContainsSubstring("a.obj:3: the face has 2"));
   CHECK_THAT(mesh_error("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1/1/1/1 2 3\n"),
              ContainsSubstring("a.obj:4"));
+  CHECK_THAT(mesh_error("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1//1 2 3\n"),
+             ContainsSubstring(
+                 "a.obj:4: '1' is the number of a normal, but there is none above this line"));
+  CHECK_THAT(mesh_error("a.obj", std::string("v 0 0 1\0x\n", 10)),
+             ContainsSubstring("a.obj:1: '1\\x00x' is not a finite number"));
+  CHECK(mesh_error("a.obj", "# c\nv 0 0 0 # c\nv 1 0 0\nv 0 1 0\nf 1 2 3 # c d\n") == "");
+  CHECK_THAT(
+      body_error("<shape type=\"ply\"><string name=\"filename\" value=\"/tmp\"/></shape>"),
+      ContainsSubstring("scene.xml:2") && ContainsSubstring("'/tmp' is a folder, expected a file"));
   CHECK_THAT(mesh_error("a.ply", "plz\n"), ContainsSubstring("a.ply:1: not a PLY file"));
   CHECK_THAT(mesh_error("a.ply", ply(kThree, "", 3, 0)), ContainsSubstring("no faces"));
   CHECK_THAT(mesh_error("a.ply", ply(kThree, "3 0 1 3\n")),
@@ -147,7 +156,28 @@ TEST_CASE("meshes that are missing, empty or not meshes") {
   CHECK_THAT(mesh_error("a.ply", ply(kThree, "3 0 1 -1\n")), ContainsSubstring("vertex number -1"));
   CHECK_THAT(mesh_error("a.ply", ply(kThree, "2 0 1\n")),
              ContainsSubstring("the face has 2 vertices"));
+  // A row is a line.
+  CHECK_THAT(mesh_error("a.ply", ply("0 0 0\n1 0 0 9\n0 1 0\n", "3 0 1 2\n")),
+             ContainsSubstring("a.ply:11: expected the line's end after the last value of a row of "
+                               "element 'vertex', not '9'"));
+  CHECK_THAT(mesh_error("a.ply", ply("0 0 0\n1 0\n0 0 1 0\n", "3 0 1 2\n")),
+             ContainsSubstring("a.ply:11: the line ends early, before property 'z'"));
+  CHECK_THAT(mesh_error("a.ply", ply(kThree, "3 0 1 2 7\n")),
+             ContainsSubstring("a.ply:13: expected the line's end") && ContainsSubstring("'7'"));
+  CHECK(mesh_error("a.ply", ply("\n 0 0 0 \r\n\n1 0 0\t\n0 1 0\n", "3 0 1 2")) == "");
   CHECK_THAT(mesh_error("a.ply", ply("0 0 0\n1 0\n", "", 2, 1)), ContainsSubstring("ends early"));
+}
+
+TEST_CASE("depths are named as the file names them, with both limits") {
+  const auto depth = [](const std::string& line) {
+    return load_error(scene_text("<integrator type=\"path\">\n<integer name=\"" + line +
+                                 "\"/></integrator>" + kSensor + kLamp));
+  };
+  CHECK_THAT(depth("maxDepth\" value=\"99999999999"),
+             ContainsSubstring("scene.xml:3: <integer name=\"maxDepth\"> is 99999999999, expected "
+                               "-1 for no limit or 1 to 2147483647"));
+  CHECK_THAT(depth("rrDepth\" value=\"0"),
+             ContainsSubstring("<integer name=\"rrDepth\"> is 0, expected 1 to 2147483647"));
 }
 
 TEST_CASE("NaN and infinite vertices") {
