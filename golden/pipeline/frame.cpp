@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "golden/numeric/memory.hpp"
 #include "golden/numeric/octahedral.hpp"
 #include "golden/pipeline/batch.hpp"
 #include "golden/pipeline/light.hpp"
@@ -855,9 +856,11 @@ FrameUnits make_golden_units(const Plan& plan) {
 
 Image render_frame(const FrameInput& in, FrameUnits& units, FrameCounts& counts,
                    Progress* progress) {
-  if (in.arithmetic == Arithmetic::kReference)
-    return Renderer<Arithmetic::kReference>(in, units, counts, progress).render();
-  return Renderer<Arithmetic::kGolden>(in, units, counts, progress).render();
+  return with_memory_for_pixels(in.plan.width, in.plan.height, [&] {
+    if (in.arithmetic == Arithmetic::kReference)
+      return Renderer<Arithmetic::kReference>(in, units, counts, progress).render();
+    return Renderer<Arithmetic::kGolden>(in, units, counts, progress).render();
+  });
 }
 
 }  // namespace photonloom

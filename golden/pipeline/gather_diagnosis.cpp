@@ -9,6 +9,7 @@
 #include <limits>
 #include <map>
 
+#include "golden/numeric/memory.hpp"
 #include "golden/numeric/octahedral.hpp"
 #include "golden/numeric/random.hpp"
 
@@ -164,7 +165,9 @@ std::string message_for(const ShortRegion& r, const Plan& plan, double radius, d
 }  // namespace
 
 GatherWatch::GatherWatch(const Plan& plan) : plan_(plan), record_(std::make_shared<Record>()) {
-  record_->pixels.resize(static_cast<size_t>(plan.width) * static_cast<size_t>(plan.height));
+  with_memory_for_pixels(plan.width, plan.height, [&] {
+    record_->pixels.resize(static_cast<size_t>(plan.width) * static_cast<size_t>(plan.height));
+  });
 }
 
 std::unique_ptr<PhotonGatherer> GatherWatch::wrap(std::unique_ptr<PhotonGatherer> unit) {

@@ -9,6 +9,7 @@
 #include <span>
 #include <vector>
 
+#include "golden/numeric/memory.hpp"
 #include "golden/transport/bidirectional.hpp"
 #include "golden/transport/camera.hpp"
 #include "golden/transport/direct.hpp"
@@ -317,9 +318,7 @@ class FilteredFilm {
   std::vector<PixelSum> pixels_;
 };
 
-}  // namespace
-
-Image render_path(const World& world, const RayCaster& caster, const PathOptions& options) {
+Image traced(const World& world, const RayCaster& caster, const PathOptions& options) {
   const Film film = world.scene().film;
   Image image;
   image.width = film.width;
@@ -402,6 +401,14 @@ Image render_path(const World& world, const RayCaster& caster, const PathOptions
     tbb::parallel_for(0, tiles_x * tiles_y, render_tile);
   }
   return image;
+}
+
+}  // namespace
+
+Image render_path(const World& world, const RayCaster& caster, const PathOptions& options) {
+  const Film& film = world.scene().film;
+  return with_memory_for_pixels(film.width, film.height,
+                                [&] { return traced(world, caster, options); });
 }
 
 }  // namespace photonloom

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <fmt/core.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 
+#include "golden/numeric/memory.hpp"
 #include "golden/transport/beam.hpp"
 #include "golden/transport/bsdf.hpp"
 #include "golden/transport/caustic_emission.hpp"
@@ -100,8 +102,8 @@ constexpr uint64_t kBlocksPerRound = 64;   // traced before their photons are co
 constexpr uint64_t kPathsPerPhoton = 100;  // a map still short after this many is used as it is
 constexpr uint64_t kCastPerPhoton = 32;    // the same for a caustic one, of paths towards a caster
 
-PhotonPass trace(const World& world, const RayCaster& caster, uint64_t stored, uint64_t seed,
-                 Progress* progress, bool caustic) {
+PhotonPass traced(const World& world, const RayCaster& caster, uint64_t stored, uint64_t seed,
+                  Progress* progress, bool caustic) {
   PhotonPass pass;
   const int depth = world.scene().max_depth;
   const int taken = caustic ? 1 : 2;  // segments from the camera to where the photons are asked for
@@ -155,6 +157,12 @@ PhotonPass trace(const World& world, const RayCaster& caster, uint64_t stored, u
   pass.short_of_request = pass.photons.size() < stored;
   for (Photon& p : pass.photons) p.power /= static_cast<double>(pass.paths);
   return pass;
+}
+
+PhotonPass trace(const World& world, const RayCaster& caster, uint64_t stored, uint64_t seed,
+                 Progress* progress, bool caustic) {
+  return with_memory_for(fmt::format("{} {} photons", stored, caustic ? "caustic" : "global"),
+                         [&] { return traced(world, caster, stored, seed, progress, caustic); });
 }
 
 }  // namespace
