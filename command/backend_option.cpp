@@ -42,11 +42,7 @@ std::optional<Backend> parse_backend(const std::string& text) {
     }
     if (!text.starts_with(k.name + ":")) continue;
     const std::string device = text.substr(k.name.size() + 1);
-    try {
-      parse_device(device);
-    } catch (const std::runtime_error& error) {
-      throw UsageError(fmt::format("--backend: {}", error.what()));
-    }
+    as_usage("--backend: ", [&] { parse_device(device); });
     return Backend{k, device};
   }
   return std::nullopt;
@@ -57,6 +53,7 @@ std::string waveform_of(const Backend& backend) {
 }
 
 void BoardFlags::add_to(CLI::App& command) {
+  command_ = &command;
   command
       .add_option("--board-wait", wait_,
                   "Seconds for a board that is silent or went away to come back (default 10)")
@@ -64,6 +61,12 @@ void BoardFlags::add_to(CLI::App& command) {
       ->type_name("S");
   command.add_flag("--no-resume", no_resume_,
                    "Ask a board everything, also what an interrupted run has answers to");
+}
+
+void BoardFlags::refuse_alone() const {
+  for (const char* option : {"--board-wait", "--no-resume"})
+    if (command_->count(option) > 0)
+      throw UsageError(fmt::format("{}: has no effect, no unit is a board", option));
 }
 
 void BoardFlags::check(const Plan& plan, const std::string& device) const {

@@ -21,6 +21,8 @@ class BoardFlags {
   void add_to(CLI::App& command);
   // The board is there and holds the plan's bitstream, or an error says what is wrong.
   void check(const Plan& plan, const std::string& device) const;
+  // Throws UsageError where an option is given although no unit is a board.
+  void refuse_alone() const;
   // Says on stderr when the board goes away and comes back; keeps its journal in `work_dir`. Each
   // unit of BoardPlace::kLink has one.
   std::unique_ptr<PhotonGatherer> make(std::type_identity<PhotonGatherer>, const Plan& plan,
@@ -28,6 +30,7 @@ class BoardFlags {
                                        const std::string& work_dir) const;
 
  private:
+  CLI::App* command_ = nullptr;
   double wait_ = 10;
   bool no_resume_ = false;
 };

@@ -35,11 +35,7 @@ struct DeviceOptions {
   }
   Board open() const {
     DeviceName name;
-    try {
-      name = parse_device(device);
-    } catch (const std::runtime_error& error) {
-      throw UsageError(error.what());
-    }
+    as_usage("DEVICE: ", [&] { name = parse_device(device); });
     return Board(open_serial(name, wait), wait);
   }
 };

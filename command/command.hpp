@@ -16,10 +16,6 @@
 
 namespace photonloom {
 
-struct UsageError : std::runtime_error {
-  using std::runtime_error::runtime_error;
-};
-
 // What was asked does not hold (a threshold exceeded, packets that differ): exit status 1, after
 // the command has printed its report; `what` is the last line on stderr.
 struct CheckFailed : std::runtime_error {
@@ -44,6 +40,16 @@ class ThreadsOption {
  private:
   int given_ = 0;
 };
+
+// Calls f(), whose std::runtime_error is that of a wrong command line: `before`, then its text.
+template <class F>
+void as_usage(const std::string& before, const F& f) {
+  try {
+    f();
+  } catch (const std::runtime_error& error) {
+    throw UsageError(before + error.what());
+  }
+}
 
 // Throws UsageError unless `path`, given by `option`, ends in `suffix`: the format that is written.
 void require_suffix(const std::string& option, const std::string& path, const std::string& suffix);

@@ -192,11 +192,16 @@ void cosim(const CosimOptions& o) {
   const std::string name = hardware_name(hardware);
   for (const std::string& unit : unit_names()) o.rig.options(unit);  // bad values before long work
   std::set<std::string> units_with_waves;
-  size_t netlists = 0;
+  std::set<ModelKind> models;
+  size_t netlists = 0, boards = 0;
   for (const auto& [unit, backend] : hardware) {
+    if (backend.kind.model) models.insert(*backend.kind.model);
+    boards += !backend.device.empty();
     if (!waveform_of(backend).empty()) units_with_waves.insert(unit);
     netlists += backend.kind.model == ModelKind::kNetlist;
   }
+  o.rig.refuse_unread(models);
+  if (boards == 0) o.board.refuse_alone();
   o.rig.check_netlist(netlists);
   o.rig.check_waveform(units_with_waves);
   o.threads.apply();

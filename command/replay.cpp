@@ -190,9 +190,18 @@ void replay(const ReplayOptions& o) {
   if (!gatherer && !(o.photons.empty() && o.caustics.empty()))
     throw UsageError(fmt::format("{} has no meaning for {}",
                                  o.photons.empty() ? "--caustics" : "--photons", o.unit));
-  o.rig.check_netlist(backend->kind.model == ModelKind::kNetlist);
+  std::set<ModelKind> models;
+  if (backend->kind.model) models.insert(*backend->kind.model);
+  o.rig.refuse_unread(models);
+  if (backend->device.empty()) o.board.refuse_alone();
+  o.rig.check_netlist(models.count(ModelKind::kNetlist));
   const std::string waveform = waveform_of(*backend);
   o.rig.check_waveform(waveform.empty() ? std::set<std::string>{} : std::set{o.unit});
+  std::vector<std::string> outputs{o.output, o.rig.options(o.unit).waveform};
+  if (gatherer) outputs.push_back(beside(o.output, "photons"));
+  if (!o.photons.empty()) outputs.push_back(beside(o.output, "addresses"));
+  if (!o.caustics.empty()) outputs.push_back(beside(o.output, "caustic_addresses"));
+  check_outputs(outputs, {o.plan, o.packets, o.photons, o.caustics, o.rig.netlist()});
   const Plan plan = read_plan(o.plan);
   try {
     with_unit(o.unit, [&](auto unit) { replay_unit(unit, o, plan); });

@@ -207,6 +207,18 @@ void refuse_to_replace_input(const std::string& output, const std::string& input
                              ": is the input, which would be lost; expected another file to write");
 }
 
+void check_outputs(const std::vector<std::string>& outputs,
+                   const std::vector<std::string>& inputs) {
+  for (const std::string& output : outputs) {
+    if (output.empty()) continue;
+    for (const std::string& input : inputs) refuse_to_replace_input(output, input);
+    // Who reads a pipe would take an end of the probe for the end of the output.
+    std::error_code error;
+    const auto type = std::filesystem::status(output, error).type();
+    if (type != std::filesystem::file_type::fifo) const OutputFile probe(output);
+  }
+}
+
 void write_file(const std::string& path, std::string_view bytes) {
   OutputFile file(path);
   file.write(bytes);

@@ -62,6 +62,10 @@ class OutputFolder {
 // Throws where an output would replace the file that it is made of.
 void refuse_to_replace_input(const std::string& output, const std::string& input);
 
+// Before long work: throws where one of the outputs, which are files, would replace one of the
+// inputs or cannot be written. Nothing is left of it. Empty names stand for what was not asked for.
+void check_outputs(const std::vector<std::string>& outputs, const std::vector<std::string>& inputs);
+
 void write_file(const std::string& path, std::string_view bytes);
 
 // The bytes of a regular file or pipe; throws std::runtime_error naming it.

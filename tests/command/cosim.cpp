@@ -201,17 +201,27 @@ TEST_CASE("wrong use") {
   CHECK(run(cosim("--backend shader=rtl")).status == 2);
   CHECK(run(cosim("--backend cdf_sampler=golden")).status == 2);
   CHECK(run(cosim("--backend cdf_sampler=rtl,cdf_sampler=rtl")).status == 2);
-  for (const char* bad : {"--stall sometimes", "--latency 0", "--wave x.fst", "--wave-cycles 3:4",
-                          "--wave x.fst --wave-unit reorder_buffer --wave-cycles 9:3",
-                          "--wave x.fst --wave-unit reorder_buffer --wave-cycles -1:3",
-                          "--wave x.fst --wave-unit irradiance_cache", "--stall bernoulli",
-                          "--stall 'bernoulli: 0.5'", "--stall bernoulli:0x0.8", "--latency ' 5'",
-                          "--backend reorder_buffer=netlist --yosys no-such-yosys"}) {
+  for (const char* bad :
+       {"--stall sometimes", "--stall-memory sometimes", "--latency 0", "--wave x.fst",
+        "--wave-cycles 3:4", "--wave x.fst --wave-unit reorder_buffer --wave-cycles 9:3",
+        "--wave x.fst --wave-unit reorder_buffer --wave-cycles -1:3", "--stall bernoulli",
+        "--stall 'bernoulli: 0.5'", "--stall bernoulli:0x0.8", "--latency ' 5'", "--yosys x",
+        "--board-wait 3", "--no-resume", "--backend photon_gatherer=board:/dev/null --stall bursts",
+        "--backend photon_gatherer=board:/dev/null --initial-seed 3"}) {
     INFO(bad);
     const Outcome o = run(cosim(bad));
-    CHECK(o.status == 1);
+    CHECK(o.status == 2);
     CHECK(o.one_error_line());
+    const std::string text = bad, option = text.substr(text.rfind("--"));
+    CHECK_THAT(o.err, ContainsSubstring(option.substr(0, option.find(' '))) ||
+                          ContainsSubstring("--wave"));
   }
+  const Outcome yosys = run(cosim("--backend reorder_buffer=netlist --yosys no-such-yosys"));
+  CHECK(yosys.status == 1);
+  CHECK(yosys.one_error_line());
+  const Outcome absent = run(cosim("--wave x.fst --wave-unit irradiance_cache"));  // of this plan
+  CHECK(absent.status == 1);
+  CHECK(absent.one_error_line());
   for (const std::string option : {"--rig-seed", "--initial-seed", "--stall-out", "--latency",
                                    "--banks", "--bank-cycles", "--watchdog", "--wave"}) {
     const Outcome o = run(cosim(option + " 3 " + option + " 4"));

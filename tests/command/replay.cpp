@@ -128,7 +128,7 @@ TEST_CASE("a CXXRTL model leaves the same packets as golden", "[slow]") {
   CHECK(read_file(f.scratch / "out.jsonl") == golden);
   const Outcome netlist =
       f.replay("reorder_buffer", "queries.jsonl", "--backend rtl --netlist netlist.v");
-  CHECK(netlist.status == 1);
+  CHECK(netlist.status == 2);
   CHECK_THAT(netlist.err, ContainsSubstring("--netlist netlist.v: is of one unit, but 0 run with "
                                             "backend netlist"));
 }
@@ -136,19 +136,19 @@ TEST_CASE("a CXXRTL model leaves the same packets as golden", "[slow]") {
 TEST_CASE("a waveform that cannot be written is an error, not silence") {
   Files f;
   const std::string wave = f.scratch / "y.fst";
-  const auto refused = [&](const std::string& unit, const std::string& more) {
+  const auto refused = [&](const std::string& unit, const std::string& more, int status) {
     const Outcome o = f.replay(unit, "queries.jsonl", "--wave " + wave + " " + more);
     INFO(unit << " " << more << ": " << o.err);
-    CHECK(o.status == 1);
+    CHECK(o.status == status);
     CHECK(o.one_error_line());
     CHECK_FALSE(std::filesystem::exists(wave));
     return o.err;
   };
-  CHECK_THAT(refused("reorder_buffer", "--backend golden"),
+  CHECK_THAT(refused("reorder_buffer", "--backend golden", 2),
              ContainsSubstring("--wave: no unit runs by a backend that writes a waveform"));
-  CHECK_THAT(refused("photon_gatherer", "--wave-unit reorder_buffer"),
+  CHECK_THAT(refused("photon_gatherer", "--wave-unit reorder_buffer", 2),
              ContainsSubstring("--wave-unit reorder_buffer: no such unit runs as hardware"));
-  CHECK_THAT(refused("reorder_buffer", "--wave-cycles 999999:9999999"),
+  CHECK_THAT(refused("reorder_buffer", "--wave-cycles 999999:9999999", 1),
              ContainsSubstring("--wave-cycles 999999:9999999: reorder_buffer ran for "));
   CHECK(std::filesystem::exists(f.scratch / "out.jsonl"));
 }
@@ -219,4 +219,16 @@ TEST_CASE("wrong use ends with status 2") {
   CHECK(f.replay("reorder_buffer", "queries.jsonl", "--backend brute").status == 2);
   CHECK(f.replay("reorder_buffer", "queries.jsonl", "--photons x").status == 2);
   CHECK(f.replay("ray_caster", "queries.jsonl", "").status == 2);
+  // What the backend does not read.
+  for (const std::string option :
+       {"--stall bursts", "--latency 5", "--seed 3", "--initial-seed 3", "--rtl .", "--yosys x",
+        "--banks 3", "--watchdog 9", "--board-wait 3", "--no-resume", "--netlist x"})
+    for (const char* backend : {"golden", "brute"}) {
+      const Outcome o = f.replay("photon_gatherer", "queries.jsonl",
+                                 fmt::format("--backend {} {}", backend, option));
+      INFO(backend << " " << option << ": " << o.err);
+      CHECK(o.status == 2);
+      CHECK(o.one_error_line());
+      CHECK_THAT(o.err, ContainsSubstring(option.substr(0, option.find(' '))));
+    }
 }

@@ -6,11 +6,17 @@
 #include <cstdint>
 #include <functional>
 #include <limits>
+#include <stdexcept>
 #include <string>
 
 #include "golden/numeric/strict_number.hpp"
 
 namespace photonloom {
+
+// A wrong command line: the error names the option and what was expected.
+struct UsageError : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
 
 // A number for which `holds`; `expected` says which ones those are.
 CLI::Validator number_value(const std::string& expected,

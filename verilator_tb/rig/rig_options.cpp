@@ -10,6 +10,8 @@
 namespace photonloom {
 
 void RigFlags::add_to(CLI::App& command, const std::string& seed_flag) {
+  command_ = &command;
+  seed_flag_ = seed_flag;
   const auto add = [&](const std::string& flag, auto& value, const std::string& help) {
     return command.add_option(flag, value, help);
   };
@@ -53,12 +55,17 @@ RunOptions RigFlags::options(const std::string& unit) const {
   RunOptions o;
   o.seed = seed_;
   o.initial_seed = initial_seed_;
-  const auto policy = [&](const std::string& own) {
-    return StallPolicy::parse(own.empty() ? stall_ : own);
+  const auto policy = [&](const char* option, const std::string& text) {
+    try {
+      return StallPolicy::parse(text);
+    } catch (const std::runtime_error& error) {
+      throw UsageError(fmt::format("{}: {}", option, error.what()));
+    }
   };
-  o.stall_in = policy(stall_in_);
-  o.stall_out = policy(stall_out_);
-  o.stall_memory = policy(stall_memory_);
+  const StallPolicy all = policy("--stall", stall_);
+  o.stall_in = stall_in_.empty() ? all : policy("--stall-in", stall_in_);
+  o.stall_out = stall_out_.empty() ? all : policy("--stall-out", stall_out_);
+  o.stall_memory = stall_memory_.empty() ? all : policy("--stall-memory", stall_memory_);
   std::string latency = latency_;
   if (latency == "random") latency = "random:20";
   if (latency.starts_with("random:")) {
@@ -67,7 +74,7 @@ RunOptions RigFlags::options(const std::string& unit) const {
   }
   const auto cycles = strict_number<int>(latency);
   if (!cycles || *cycles < 1 || *cycles > 1000000)
-    throw std::runtime_error(
+    throw UsageError(
         fmt::format("--latency {}: expected 1 to 1000000 cycles, random or random:MEAN", latency_));
   o.latency = *cycles;
   o.banks = banks_;
@@ -84,7 +91,7 @@ RunOptions RigFlags::options(const std::string& unit) const {
     const auto from = strict_number<uint64_t>(wave_cycles_.substr(0, colon)),
                to = strict_number<uint64_t>(wave_cycles_.substr(colon + 1));
     if (!from || !to || *from > *to)
-      throw std::runtime_error(
+      throw UsageError(
           fmt::format("--wave-cycles {}: expected FROM:TO, FROM not after TO", wave_cycles_));
     o.waveform_from = *from;
     o.waveform_to = *to;
@@ -96,21 +103,33 @@ std::string RigFlags::results_dir() const { return work_.empty() ? default_resul
 
 void RigFlags::check_netlist(size_t units) const {
   if (!netlist_.empty() && units != 1)
-    throw std::runtime_error(fmt::format(
-        "--netlist {}: is of one unit, but {} run with backend netlist", netlist_, units));
+    throw UsageError(fmt::format("--netlist {}: is of one unit, but {} run with backend netlist",
+                                 netlist_, units));
+}
+
+void RigFlags::refuse_unread(const std::set<ModelKind>& kinds) const {
+  std::vector<std::string> unread;
+  if (kinds.empty())
+    unread = {seed_flag_,      "--initial-seed", "--stall",   "--stall-in",
+              "--stall-out",   "--stall-memory", "--latency", "--banks",
+              "--bank-cycles", "--watchdog",     "--rtl"};
+  if (!kinds.count(ModelKind::kNetlist) && !kinds.count(ModelKind::kCxxrtl))
+    unread.push_back("--yosys");
+  for (const std::string& option : unread)
+    if (command_->count(option) > 0)
+      throw UsageError(
+          fmt::format("{}: has no effect, no unit runs by a backend that reads it", option));
 }
 
 void RigFlags::check_waveform(const std::set<std::string>& units) const {
   if (wave_.empty() && (!wave_unit_.empty() || !wave_cycles_.empty()))
-    throw std::runtime_error("--wave-unit and --wave-cycles need --wave FILE");
+    throw UsageError("--wave-unit and --wave-cycles need --wave FILE");
   if (wave_.empty()) return;
-  if (units.empty())
-    throw std::runtime_error("--wave: no unit runs by a backend that writes a waveform");
+  if (units.empty()) throw UsageError("--wave: no unit runs by a backend that writes a waveform");
   if (wave_unit_.empty() && units.size() > 1)
-    throw std::runtime_error("--wave: several units run as hardware; name one with --wave-unit");
+    throw UsageError("--wave: several units run as hardware; name one with --wave-unit");
   if (!wave_unit_.empty() && !units.count(wave_unit_))
-    throw std::runtime_error(
-        fmt::format("--wave-unit {}: no such unit runs as hardware", wave_unit_));
+    throw UsageError(fmt::format("--wave-unit {}: no such unit runs as hardware", wave_unit_));
 }
 
 void RigFlags::check_cycles_came(const std::string& unit, uint64_t cycles) const {

@@ -14,7 +14,7 @@ class RigFlags {
  public:
   // `seed_flag` names the flag that seeds the rig.
   void add_to(CLI::App& command, const std::string& seed_flag);
-  // The options for one unit; throws std::runtime_error for a bad value.
+  // The options for one unit; throws UsageError for a bad value.
   RunOptions options(const std::string& unit) const;
   // Where a run's results go that has no folder of its own: --work, or default_results_dir().
   std::string results_dir() const;
@@ -26,13 +26,18 @@ class RigFlags {
     return {"--wave", "--wave-unit", "--wave-cycles"};
   }
   const std::string& wave_unit() const { return wave_unit_; }
+  const std::string& netlist() const { return netlist_; }  // a file, or empty
   // After a run: an error where the waveform is of `unit`, but of no cycle that came.
   void check_cycles_came(const std::string& unit, uint64_t cycles) const;
   // A netlist is of one unit too: an error where --netlist is given and not just one unit runs as
   // netlist.
   void check_netlist(size_t units) const;
+  // Throws UsageError where an option is given that no model of these kinds reads.
+  void refuse_unread(const std::set<ModelKind>& kinds) const;
 
  private:
+  CLI::App* command_ = nullptr;
+  std::string seed_flag_;
   uint64_t seed_ = 1, initial_seed_ = 1;
   std::string stall_ = "none", stall_in_, stall_out_, stall_memory_;
   std::string latency_ = "20";
