@@ -9,6 +9,7 @@
 
 #include "command/command.hpp"
 #include "golden/image/image.hpp"
+#include "golden/numeric/output_file.hpp"
 
 namespace photonloom {
 namespace {
@@ -29,6 +30,7 @@ void average(const AverageOptions& o) {
   require_suffix("--output", o.output, ".exr");
   if (std::set<std::string>(o.channels.begin(), o.channels.end()).size() != o.channels.size())
     throw UsageError("--channels: a name stands twice");
+  check_outputs({o.output}, o.inputs);
   std::vector<Image> images;
   for (const std::string& path : o.inputs) {
     images.push_back(read_exr(path));

@@ -9,6 +9,7 @@
 
 #include "command/command.hpp"
 #include "golden/image/metrics.hpp"
+#include "golden/numeric/output_file.hpp"
 
 namespace photonloom {
 namespace {
@@ -88,6 +89,7 @@ void write_heat(const std::vector<double>& values, int width, int height, const 
 
 void compare(const CompareOptions& o) {
   if (!o.error_map.empty()) require_suffix("--error-map", o.error_map, ".png");
+  check_outputs({o.error_map}, {o.a, o.b});
   const Image a = read_exr(o.a), b = read_exr(o.b);
   if (a.width != b.width || a.height != b.height)
     throw std::runtime_error(fmt::format("{} is {}x{}, but {} is {}x{}: expected the same size",

@@ -20,6 +20,13 @@ constexpr const char* kPlanned[] = {"--size", "--spp",    "--photons",      "--c
 constexpr const char* kPhotonOnly[] = {"--photons", "--caustic-photons", "--gather-rays",
                                        "--k",       "--radius",          "--format-error"};
 
+// What a line of --set may not decide beside it. --radius is of both maps, and --set may make one
+// of them another: what render advises where photons are short.
+const Shortcut kShortcuts[] = {
+    {"--size", {"frame.width", "frame.height"}}, {"--spp", {"frame.spp"}},
+    {"--photons", {"global.photons"}},           {"--caustic-photons", {"caustic.photons"}},
+    {"--gather-rays", {"frame.gather_rays"}},    {"--k", {"gather.k"}}};
+
 // What a plan that is there already does not take: neither a scene nor another plan's lines.
 constexpr const char* kDerivation[] = {"--plan",
                                        "--size",
@@ -34,6 +41,9 @@ constexpr const char* kDerivation[] = {"--plan",
                                        "--define",
                                        "--load-photons",
                                        "--load-caustics"};
+
+// Of a NAME=VALUE.
+std::string set_name(const std::string& line) { return line.substr(0, line.find('=')); }
 
 }  // namespace
 
@@ -50,13 +60,28 @@ CLI::Validator radius_number() {
                       [](double radius) { return radius >= 0; });
 }
 
-void refuse_lines_set_twice(const std::vector<std::string>& lines) {
+void check_set_lines(const std::vector<std::string>& lines, SetLines names) {
   std::set<std::string> seen;
   for (const std::string& line : lines) {
-    const std::string name = line.substr(0, line.find('='));
+    const std::string name = set_name(line);
+    if (name.size() == line.size() ||
+        (names == SetLines::kOfPlan && name.find('.') == std::string::npos))
+      throw UsageError(fmt::format("--set: '{}', expected section.key=value", line));
     if (!seen.insert(name).second)
       throw UsageError(fmt::format("--set {}: {} is set twice", line, name));
   }
+}
+
+void refuse_decided(const std::vector<std::string>& lines, const Shortcut& shortcut) {
+  for (const std::string& line : lines)
+    for (const char* decided : shortcut.lines)
+      if (set_name(line) == decided)
+        throw UsageError(
+            fmt::format("--set {}: {} is decided by {}", line, decided, shortcut.option));
+}
+
+std::vector<std::string> frame_inputs(const FrameRequest& request) {
+  return {request.scene_file, request.plan_file, request.load_photons, request.load_caustics};
 }
 
 void FrameOptions::add_to(CLI::App& c) {
@@ -114,14 +139,16 @@ void FrameOptions::add_to(CLI::App& c) {
       ->type_name("PLY");
 }
 
-FrameRequest FrameOptions::request() const {
+FrameRequest FrameOptions::request(SetLines lines) const {
   FrameRequest request = request_;
   if (!request.plan_file.empty())
     for (const char* option : kPlanned)
       if (command_->count(option) > 0)
         throw UsageError(fmt::format(
             "{}: the plan given by --plan decides it; change its line with --set", option));
-  refuse_lines_set_twice(request.set);
+  check_set_lines(request.set, lines);
+  for (const Shortcut& shortcut : kShortcuts)
+    if (command_->count(shortcut.option) > 0) refuse_decided(request.set, shortcut);
   if (!size_.empty()) request.size = parse_size(size_);
   request.scene_file = scene_.path();
   request.parameters = scene_.parameters();

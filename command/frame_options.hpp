@@ -12,13 +12,16 @@
 
 namespace photonloom {
 
+// Which lines --set may name: a plan's, or those of a study too, which stand for several.
+enum class SetLines { kOfPlan, kOfStudy };
+
 class FrameOptions {
  public:
   // SCENE and all that chooses photons, plan and samples.
   void add_to(CLI::App& command);
 
   // Checked; throws UsageError for options that exclude each other.
-  FrameRequest request() const;
+  FrameRequest request(SetLines lines = SetLines::kOfPlan) const;
 
   // Throws UsageError where an option is given that changes a plan which is derived: `plan_file` is
   // there already.
@@ -42,8 +45,19 @@ std::pair<int, int> parse_size(const std::string& text, const std::string& optio
 // Of --radius.
 CLI::Validator radius_number();
 
-// Throws UsageError where two lines of --set are of one name.
-void refuse_lines_set_twice(const std::vector<std::string>& lines);
+// Throws UsageError where a line of --set is no NAME=VALUE, or two are of one name.
+void check_set_lines(const std::vector<std::string>& lines, SetLines names = SetLines::kOfPlan);
+
+// An option that decides lines of the plan.
+struct Shortcut {
+  const char* option;
+  std::vector<const char*> lines;
+};
+// Throws UsageError where one of --set is among them.
+void refuse_decided(const std::vector<std::string>& lines, const Shortcut& shortcut);
+
+// The files that a frame is made of, as far as the command line names them.
+std::vector<std::string> frame_inputs(const FrameRequest& request);
 
 // What a photon-mapped image says of itself; the same from every command, so that equal pixels are
 // equal files.

@@ -203,15 +203,14 @@ void gather_reference(const Job& job, const GatherOptions& o, OutputFile& out,
   }
 }
 
-// Refuses a line of --set that the command decides itself, or that no gather reads. Lines of the
-// gatherer stay: others are valid only beside theirs.
+const Shortcut kDecided[] = {{"--k", {"gather.k"}},
+                             {"--radius", {"global.radius", "caustic.radius"}},
+                             {"--photons", {"global.photons", "global.present"}}};
+
+// Refuses a line of --set that no gather reads. Lines of the gatherer stay: others are valid only
+// beside theirs.
 void refuse_without_effect(const std::string& line, const GatherOptions& o) {
   const std::string name = line.substr(0, line.find('=')), section = line.substr(0, line.find('.'));
-  for (const auto& [decided, by] :
-       {std::pair("gather.k", "--k"), std::pair("global.radius", "--radius"),
-        std::pair("caustic.radius", "--radius"), std::pair("global.photons", "--photons"),
-        std::pair("global.present", "--photons")})
-    if (name == decided) throw UsageError(fmt::format("--set {}: {} decides it", line, by));
   const bool of_the_points =
       name == "scene.origin" || name == "scene.extent" || name == "global.power_exponent";
   if (of_the_points && o.plan.empty())
@@ -227,8 +226,10 @@ void gather(const GatherOptions& o) {
   o.threads.apply();
   if (o.kernel != "flat" && o.arithmetic == "golden")
     throw UsageError("--kernel epanechnikov needs --arithmetic reference: golden's kernel is flat");
-  refuse_lines_set_twice(o.set);
+  check_set_lines(o.set);
+  for (const Shortcut& shortcut : kDecided) refuse_decided(o.set, shortcut);
   for (const std::string& line : o.set) refuse_without_effect(line, o);
+  check_outputs({o.output}, {o.photons, o.queries, o.plan});
   const Job job = prepare(o);
   OutputFile out(o.output);
   ConsoleProgress progress;

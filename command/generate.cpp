@@ -2,6 +2,7 @@
 // photonloom generate PLAN|SCENE -o DIR
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <map>
@@ -94,6 +95,18 @@ void generate(const GenerateOptions& o) {
   }
   if (o.output.empty()) throw UsageError("generate needs -o DIR, or --check");
   if (o.clock_mhz != 0 && o.board.empty()) throw UsageError("--clock is a board's; give --board");
+  if (!o.boards.empty() && o.board.empty())
+    throw UsageError("--boards is where --board is looked for; give --board");
+  if (!o.unit.empty()) as_usage("--unit: ", [&] { find_unit(o.unit); });
+  const std::vector<std::string> boards = board_names(o.boards);
+  if (!o.board.empty() && std::find(boards.begin(), boards.end(), o.board) == boards.end())
+    as_usage("--board: ", [&] { read_board(o.board, o.boards); });
+  if (is_plan(source)) o.frame.refuse_derivation(source);
+  OutputFolder folder(o.output,  // here, so that one that cannot be is told before the work
+                      {"package.json",
+                       "\"clock_khz\"",
+                       {"Makefile", "README.md", "board", "build", "files.f", "hls", "images",
+                        "photonloom.core", "photonloom.lock", "plan.toml", "rtl"}});
   HardwareRequest request;
   request.unit = o.unit;
   request.board = o.board;
@@ -102,7 +115,6 @@ void generate(const GenerateOptions& o) {
   request.boards_dir = o.boards;
   std::map<std::string, std::string> files;
   if (is_plan(source)) {
-    o.frame.refuse_derivation(source);
     request.plan = read_plan(source);
     for (const std::string& line : asked.set) set_plan_line(request.plan, line);
     files = generate_hardware(request);
@@ -121,11 +133,6 @@ void generate(const GenerateOptions& o) {
     warn_of_block_ram(source, request.plan, read_board(o.board, o.boards));
   if (o.hls)
     for (auto& [name, text] : write_kernel_package(request.plan)) files["hls/" + name] = text;
-  OutputFolder folder(o.output,
-                      {"package.json",
-                       "\"clock_khz\"",
-                       {"Makefile", "README.md", "board", "build", "files.f", "hls", "images",
-                        "photonloom.core", "photonloom.lock", "plan.toml", "rtl"}});
   for (const auto& [name, text] : files) {
     const std::filesystem::path path = std::filesystem::path(folder.temporary()) / name;
     std::filesystem::create_directories(path.parent_path());

@@ -69,10 +69,19 @@ int run(int argc, char** argv) {
   std::sort(registered_commands().begin(), registered_commands().end());
   for (const auto& [place, add] : registered_commands()) add(app);
   check_values(app);
-  const std::string first = argc > 1 ? argv[1] : "";
-  const auto named = [&first](const CLI::App* command) { return command->get_name() == first; };
-  if (!first.empty() && first[0] != '-' && app.get_subcommands(named).empty())
-    throw UsageError(fmt::format("'{}' is no command; photonloom --help lists them", first));
+  const CLI::App* above = &app;
+  std::string path = "photonloom";
+  for (int i = 1; i < argc && above->get_require_subcommand_min() > 0; ++i) {
+    const std::string word = argv[i];
+    if (word.empty() || word[0] == '-') break;
+    const auto found = above->get_subcommands(
+        [&](const CLI::App* command) { return command->get_name() == word; });
+    if (found.empty())
+      throw UsageError(fmt::format("'{}' is no command{}; {} --help lists them", word,
+                                   above == &app ? "" : " of " + above->get_name(), path));
+    above = found.front();
+    path += " " + word;
+  }
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -104,7 +113,7 @@ int main(int argc, char** argv) {
     fmt::print(stderr, "photonloom: {}\n", error.what());
     return 1;
   } catch (const std::bad_alloc&) {
-    fmt::print(stderr, "photonloom: not enough memory\n");
+    fmt::print(stderr, "photonloom: not enough memory, expected fewer pixels or photons\n");
     return 1;
   } catch (const std::exception& error) {
     fmt::print(stderr, "photonloom: {}\n", error.what());

@@ -25,10 +25,13 @@ struct PhotonsOptions {
 };
 
 void photons(const PhotonsOptions& o) {
-  refuse_to_replace_input(o.output, o.scene.path());
+  require_suffix("--output", o.output, ".ply");
+  check_outputs({o.output}, {o.scene.path()});
   o.threads.apply();
   ConsoleProgress progress;
-  World world(o.scene.load());
+  Scene read = o.scene.load();
+  check_outputs({o.output}, read.files);
+  World world(std::move(read));
   const auto caster = make_double_bvh(world);
   PhotonPass pass = o.caustic ? trace_caustic_photons(world, *caster, o.photons, o.seed, &progress)
                               : trace_global_photons(world, *caster, o.photons, o.seed, &progress);

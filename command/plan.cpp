@@ -2,6 +2,7 @@
 // photonloom plan SCENE -o plan.toml
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -14,6 +15,7 @@
 #include "golden/planner/resources.hpp"
 #include "rtl/generate/board_file.hpp"
 #include "rtl/generate/hardware.hpp"
+#include "study/board_room.hpp"
 
 namespace photonloom {
 namespace {
@@ -155,9 +157,27 @@ void plan_a_board(const FrameRequest& request, const PlanOptions& o) {
   if (!o.json) fmt::print("{}", engine_text(found, board));
 }
 
+void check_board(const std::string& board) {
+  const std::vector<std::string> all = board_names();
+  if (!board.empty() && std::find(all.begin(), all.end(), board) == all.end())
+    as_usage("", [&] { predicted_board(board); });
+}
+
 void plan(const PlanOptions& o) {
-  const FrameRequest request = o.frame.request();
-  if (!is_plan(request.scene_file)) refuse_to_replace_input(o.output, request.scene_file);
+  FrameRequest request =
+      o.frame.request(o.for_error.wanted() ? SetLines::kOfStudy : SetLines::kOfPlan);
+  if (o.output == "-") {
+    if (o.json)
+      throw UsageError("--json: with -o - standard output is the plan's; expected -o FILE");
+  } else if (!o.output.empty()) {
+    require_suffix("--output", o.output, ".toml");
+    // A plan may take the place of the one that it is an edit of.
+    std::vector<std::string> inputs = frame_inputs(request);
+    if (is_plan(request.scene_file)) std::erase(inputs, request.scene_file);
+    request.outputs = {o.output};
+    check_outputs(request.outputs, inputs);
+  }
+  check_board(o.for_error.board());
   if (o.for_error.wanted())
     return o.for_error.run(request, o.output, o.json, o.threads.threads(),
                            [&](const Plan& plan) { describe(plan, o.output, o); });

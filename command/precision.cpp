@@ -77,6 +77,8 @@ void precision(const PrecisionOptions& o) {
   o.threads.apply();
   FrameRequest request = o.request;
   request.size = parse_size(o.size);
+  request.outputs = {o.output};
+  check_outputs(request.outputs, o.scenes);
   uint64_t runs = 0;
   for (const Factor& f : kFactors) runs += static_cast<uint64_t>(f.largest - f.smallest + 1);
   ConsoleProgress progress;

@@ -22,7 +22,7 @@ namespace {
 struct RenderOptions {
   FrameOptions frame;
   ThreadsOption threads;
-  std::string output, integrator = "photonmap", arithmetic = "golden", record;
+  std::string output, integrator = "photonmap", arithmetic, record;
   bool json = false, substitute = false;
 };
 
@@ -46,7 +46,8 @@ void record_substitutions(const Scene& scene, Image& image, Json& summary) {
 Image photon_map(const RenderOptions& o, const FrameRequest& request, ConsoleProgress& progress,
                  Json& summary) {
   const Arithmetic arithmetic =
-      o.arithmetic == "golden" ? Arithmetic::kGolden : Arithmetic::kReference;
+      o.arithmetic == "reference" ? Arithmetic::kReference : Arithmetic::kGolden;
+  const char* const arithmetic_name = arithmetic == Arithmetic::kGolden ? "golden" : "reference";
   PreparedFrame frame = prepare_frame(request, arithmetic, &progress);
   print_warnings(frame.warnings);
   UnitTimes times;
@@ -72,7 +73,7 @@ Image photon_map(const RenderOptions& o, const FrameRequest& request, ConsolePro
     throw std::runtime_error(fmt::format("{} results answer no query and {} queries have no result",
                                          counts.unmatched, counts.unanswered));
   const Plan& plan = frame.plan;
-  describe_frame(image, frame, request, o.arithmetic);
+  describe_frame(image, frame, request, arithmetic_name);
   record_substitutions(frame.world->scene(), image, summary);
   summary["pixels_sha256"] = pixel_sha256(image);  // of what the plan decides
   if (arithmetic == Arithmetic::kGolden) {
@@ -90,7 +91,7 @@ Image photon_map(const RenderOptions& o, const FrameRequest& request, ConsolePro
   summary["k"] = plan.k;
   summary["radius"] = plan.global.radius;
   summary["caustic_radius"] = plan.caustic.radius;
-  summary["arithmetic"] = o.arithmetic;
+  summary["arithmetic"] = arithmetic_name;
   summary["plan_hash"] = plan_hash_text(plan);
   summary["scene_hash"] = fmt::format("{:016x}", frame.world->scene().hash);
   summary["counts"] = counts_json(counts);
@@ -135,6 +136,7 @@ void render(const RenderOptions& o) {
   if (path)
     for (const auto& [option, given] : {std::pair{"--plan", !request.plan_file.empty()},
                                         {"--record", !o.record.empty()},
+                                        {"--arithmetic", !o.arithmetic.empty()},
                                         {"--set", !request.set.empty()},
                                         {"--load-photons", !request.load_photons.empty()},
                                         {"--load-caustics", !request.load_caustics.empty()}})
@@ -147,8 +149,8 @@ void render(const RenderOptions& o) {
       print_warnings(
           {fmt::format("{} changes nothing with --integrator {}", option, o.integrator)});
   o.threads.apply();
-  // An unwritable target is found before the work, not after it.
-  for (const std::string& file : {o.output, png_beside(o.output)}) const OutputFile probe(file);
+  request.outputs = {o.output, png_beside(o.output)};
+  check_outputs(request.outputs, frame_inputs(request));
 
   ConsoleProgress progress;
   Json summary;

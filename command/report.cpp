@@ -23,7 +23,7 @@ struct ReportOptions {
 ExtraImage extra_image(const std::string& text) {
   const size_t equals = text.find('='), slash = text.find('/');
   if (slash == std::string::npos || equals == std::string::npos || slash > equals || slash == 0 ||
-      equals == slash + 1)
+      equals == slash + 1 || equals + 1 == text.size())
     throw UsageError(fmt::format("--image: '{}', expected SCENE/LABEL=FILE.exr", text));
   return {text.substr(0, slash), text.substr(slash + 1, equals - slash - 1),
           text.substr(equals + 1)};
@@ -31,6 +31,7 @@ ExtraImage extra_image(const std::string& text) {
 
 void report(const ReportOptions& o) {
   require_suffix("-o", o.output, ".html");
+  check_outputs({o.output}, {});
   ConsoleProgress progress;
   ReportRequest request;
   request.folders = o.folders;

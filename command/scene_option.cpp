@@ -3,6 +3,8 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
+
 namespace photonloom {
 
 void SceneOption::add_to(CLI::App& command) {
@@ -21,7 +23,11 @@ Parameters SceneOption::parameters() const {
     const size_t at = definition.find('=');
     if (at == 0 || at == std::string::npos)
       throw UsageError(fmt::format("-D {}: expected NAME=VALUE", definition));
-    parameters.emplace_back(definition.substr(0, at), definition.substr(at + 1));
+    const std::string name = definition.substr(0, at);
+    if (std::any_of(parameters.begin(), parameters.end(),
+                    [&](const auto& known) { return known.first == name; }))
+      throw UsageError(fmt::format("parameter '{}' is given twice with -D", name));
+    parameters.emplace_back(name, definition.substr(at + 1));
   }
   return parameters;
 }

@@ -9,6 +9,7 @@
 
 #include "command/command.hpp"
 #include "golden/image/sheet.hpp"
+#include "golden/numeric/output_file.hpp"
 
 namespace photonloom {
 namespace {
@@ -22,15 +23,19 @@ struct SheetOptions {
 
 void sheet(const SheetOptions& o) {
   require_suffix("--output", o.output, ".png");
+  std::vector<std::string> paths;
+  for (const std::string& tile : o.tiles) {
+    paths.push_back(tile.substr(tile.find('=') + 1));
+    if (paths.back().empty())
+      throw UsageError(fmt::format("TILE: '{}', expected LABEL=FILE or FILE", tile));
+  }
+  check_outputs({o.output}, paths);
   std::vector<Tile> tiles;
   double exposure = o.exposure.value_or(0);
   bool row_exposed = false;
   for (size_t i = 0; i < o.tiles.size(); ++i) {
     const size_t equals = o.tiles[i].find('=');
-    const std::string path =
-        equals == std::string::npos ? o.tiles[i] : o.tiles[i].substr(equals + 1);
-    if (path.empty())
-      throw UsageError(fmt::format("TILE: '{}', expected LABEL=FILE or FILE", o.tiles[i]));
+    const std::string& path = paths[i];
     const std::string label = equals == std::string::npos
                                   ? std::filesystem::path(path).filename().string()
                                   : o.tiles[i].substr(0, equals);

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "golden/numeric/output_file.hpp"
 #include "golden/planner/plan_fit.hpp"
 #include "golden/unit/photon_file.hpp"
 
@@ -88,6 +89,7 @@ int gather_rays_per_sample(const FrameRequest& request, int spp) {
 
 std::unique_ptr<World> load_world(const FrameRequest& request) {
   Scene scene = load_scene(request.scene_file, request.parameters, request.unsupported);
+  check_outputs(request.outputs, scene.files);
   if (request.size) scene.film.resize(request.size->first, request.size->second);
   return std::make_unique<World>(std::move(scene));
 }

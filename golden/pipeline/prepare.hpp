@@ -29,6 +29,7 @@ struct FrameRequest {
   std::vector<std::string> set;             // lines of the plan
   std::string plan_file;                    // empty: the planner's
   std::string load_photons, load_caustics;  // photon files; empty: traced
+  std::vector<std::string> outputs;         // files to write: none that the scene is made of
   uint64_t seed = 1;
 };
 

@@ -51,4 +51,7 @@ TEST_CASE("average refuses sizes and channels that do not fit, in one line") {
   CHECK(channel.err.find("no channel X") != std::string::npos);
   CHECK_FALSE(std::filesystem::exists(s / "m.exr"));
   CHECK(run("average -o " + s / "m.exr").status == 2);
+  const Outcome nowhere = run("average " + s / "a.exr -o " + s / "none/m.exr");
+  CHECK(nowhere.status == 1);
+  CHECK(nowhere.one_error_line());
 }

@@ -153,9 +153,9 @@ TEST_CASE("another plan's bitstream, and a board that goes away") {
   const Scratch scratch;
   make_plan(scratch);
   SimulatedBoard board(scratch);
-  const Outcome wrong =
-      run(fmt::format("cosim {} {} --set gather.k=5 --backend photon_gatherer=board:{} -o {}",
-                      scene(), kFrame, board.tty, scratch / "out"));
+  const Outcome wrong = run(
+      fmt::format("cosim {} {} --set gather.leaf_limit=5 --backend photon_gatherer=board:{} -o {}",
+                  scene(), kFrame, board.tty, scratch / "out"));
   CHECK(wrong.status == 1);
   CHECK(wrong.one_error_line());
   CHECK_THAT(wrong.err, ContainsSubstring(": holds the bitstream of plan ") &&

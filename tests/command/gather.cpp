@@ -186,9 +186,9 @@ TEST_CASE("gather and photons refuse what they cannot do, in one line") {
            Case{"gather --photons " + s / "q.ply" + " --queries " + s / "q.ply" +
                     " --kernel epanechnikov -o " + s / "o",
                 2},
-           Case{"photons " + scene + " --caustic --photons 10 -o " + s / "o", 1},
-           Case{"photons " + scene + " --photons 10 -D novalue -o " + s / "o", 2},
-           Case{"photons " + scene + " --photons 10 -o " + s / "no/such/folder/o", 1},
+           Case{"photons " + scene + " --caustic --photons 10 -o " + s / "o.ply", 1},
+           Case{"photons " + scene + " --photons 10 -D novalue -o " + s / "o.ply", 2},
+           Case{"photons " + scene + " --photons 10 -o " + s / "no/such/folder/o.ply", 1},
        }) {
     INFO(c.arguments);
     const Outcome o = run(c.arguments);

@@ -340,6 +340,15 @@ TEST_CASE("bad plans and wrong use") {
   CHECK(run("generate").status == 2);
   CHECK(run("generate " + (scratch / "none.toml") + " -o " + (scratch / "hw")).status == 1);
   CHECK(run("generate --check a --unit b").status == 2);
+  for (const auto& [option, said] :
+       {std::pair{"--unit foo", "--unit: there is no unit foo, expected "},
+        {"--board foo", "--board: there is no board foo, expected one of "},
+        {"--boards /nowhere", "--boards is where --board is looked for; give --board"}}) {
+    const Outcome o = run("generate a.toml -o b " + std::string(option));
+    INFO(o.err);
+    CHECK(o.status == 2);
+    CHECK_THAT(o.err, ContainsSubstring(said));
+  }
   CHECK(run("generate a.toml -o b --k 5").status == 2);
   std::string text = plan_text(gatherer_plan());
   const auto refused = [&](const std::string& from, const std::string& to) {
@@ -392,7 +401,7 @@ TEST_CASE("a plan takes no option that derives one") {
     const std::string name = std::string(option).substr(0, std::string(option).find(' '));
     for (const char* command : {"generate", "plan"}) {
       const Outcome refused =
-          run(fmt::format("{} {} {} -o {}", command, plan, option, scratch / "out"));
+          run(fmt::format("{} {} {} -o {}", command, plan, option, scratch / "out.toml"));
       CHECK(refused.status == 2);
       CHECK(refused.err.find(name + ": " + plan +
                              " already is a plan; change its lines with --set") !=

@@ -142,13 +142,13 @@ TEST_CASE("plan --error: wrong command lines name the option and what was expect
       {"--error 0.1 --minimise money" + end, "--minimise", 2},
       {"--error 0.1 --format-error 0.1" + end, "--format-error", 2},
       {"--error 0.1 --board nowhere" + end, "there is no board nowhere, expected one of ulx3s-85f",
-       1},
+       2},
       {"--error 0.1 --board up5k" + end, "up5k states no ", 1},
       {"--error 0.1 --set gather.k=0" + end, "gather.k", 1},
       {"--error 0.1 --set gather.no_line=0" + end, "gather.no_line", 1},
       // Frames of another size than the measured film's.
-      {"--error 0.1 --set frame.width=64" + end, "frame.width is decided by --size", 1},
-      {"--error 0.1 --set frame.height=3" + end, "frame.height is decided by --size", 1},
+      {"--error 0.1 --set frame.width=64" + end, "frame.width is decided by --size", 2},
+      {"--error 0.1 --set frame.height=3" + end, "frame.height is decided by --size", 2},
       {"--explain frame.width", "--explain: frame.width is decided by --size", 1},
       {"--explain frame.height", "--explain: frame.height is decided by --size", 1},
       {"--error 0.1 --explain gather.nothing" + end, "the plan has no line gather.nothing", 1},
@@ -290,7 +290,7 @@ TEST_CASE("plan --board: the fastest engine, the same image") {
     std::string arguments, said;
     int status;
   } wrong[] = {
-      {scene + "--board nowhere -o -", "there is no board nowhere, expected one of ulx3s-85f", 1},
+      {scene + "--board nowhere -o -", "there is no board nowhere, expected one of ulx3s-85f", 2},
       {scene + "--board up5k -o -", "up5k states no ", 1},
       {scene + "--board ulx3s-85f", "needs -o FILE", 2},
       {" '" + s / "plain.toml" + "' --board ulx3s-85f", "--board: counts the gathers of a scene",

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // render and plan as a user runs them.
+#include <fmt/core.h>
+
 #include <algorithm>
+#include <chrono>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
@@ -179,7 +182,7 @@ TEST_CASE("scenes at the edge of what can be: the right image, a warning, or one
     write_file(file, room(point_light("0", "1"), scale));
     for (const std::string integrator : {"path", "photonmap"})
       fails(scene + " --size 16x16 --integrator " + integrator + out, 1,
-            {"units across, expected 1e-12 to 1e+12"});
+            {file + ": the scene is ", "units across, expected 1e-12 to 1e+12"});
   }
 }
 
@@ -252,7 +255,9 @@ TEST_CASE("what cannot be is one clear error, and nothing is left behind") {
     fails("plan" + box() + "--photons 100 --format-error='" + error + "' -o" +
               quoted(scratch / "p.toml"),
           2, {"--format-error: '" + error + "', expected"});
-  fails("rendre" + box() + out, 2, {"'rendre' is no command"});
+  fails("rendre" + box() + out, 2, {"'rendre' is no command; photonloom --help"});
+  fails("study foo -o x", 2, {"'foo' is no command of study; photonloom study --help"});
+  fails("board foo", 2, {"'foo' is no command of board; photonloom board --help"});
   fails("render" + box() + "--arithmetic exact" + out, 2, {"--arithmetic"});
   fails("render" + box() + "-D x" + out, 2, {"-D"});
   fails("render" + box() + "-o" + quoted(scratch / "x.png"), 2, {".exr"});
@@ -263,8 +268,9 @@ TEST_CASE("what cannot be is one clear error, and nothing is left behind") {
             quoted("photon.channel_color=[0,0,0]") + out,
         1, {"photon.channel_color is black"});
   // What a path traced image does not read.
-  for (const std::string option : {"--plan p.toml", "--record r", "--set bogus.line=5",
-                                   "--load-photons none.ply", "--load-caustics none.ply"})
+  for (const std::string option :
+       {"--plan p.toml", "--record r", "--set bogus.line=5", "--load-photons none.ply",
+        "--load-caustics none.ply", "--arithmetic golden", "--arithmetic reference"})
     fails("render" + box() + "--integrator path " + option + out, 2,
           {option.substr(0, option.find(' ')) + ": has no meaning with --integrator path"});
   fails("render" + box() + "--photons 100 --set gather.k=999" + out, 1, {"gather.k", "1 to 256"});
@@ -287,6 +293,122 @@ TEST_CASE("what cannot be is one clear error, and nothing is left behind") {
   std::filesystem::create_directory(scratch / "x.png");
   fails("render" + box() + out, 1, {"x.png", "it is a folder"});
   CHECK(scratch.entries() == 2);
+}
+
+TEST_CASE("no command writes in the place of what it reads") {
+  const Scratch s;
+  const auto file = [&](const char* name) { return quoted(s / name); };
+  // A scene of its own meshes and pictures.
+  write_file(s / "scene.xml",
+             "<scene version=\"0.6.0\"><sensor type=\"perspective\"/>\n"
+             "<shape type=\"ply\"><string name=\"filename\" value=\"mesh.ply\"/></shape>\n"
+             "<emitter type=\"envmap\"><string name=\"filename\" value=\"sky.exr\"/></emitter>\n"
+             "</scene>\n");
+  good("mesh ring --triangles 200 -o" + file("mesh.ply"));
+  good("mesh sky -o" + file("sky.exr"));
+  good("photons" + box() + "--photons 100 -o" + file("g.ply"));
+  write_file(s / "q.ply",
+             "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\n"
+             "property float z\nproperty float nx\nproperty float ny\nproperty float nz\n"
+             "end_header\n1 1 1 0 0 1\n");
+  good("plan" + box() + "--photons 100 -o" + file("p.toml"));
+  for (const char* name : {"a.exr", "b.exr"})
+    good("render" + box() + kSmall + " --photons 100 -o" + file(name));
+  for (const char* name : {"in.jsonl", "x.photons.jsonl", "x.addresses.jsonl"})
+    write_file(s / name, "{}\n");
+  const std::string gather =
+      "gather --photons" + file("g.ply") + "--queries" + file("q.ply") + "-o";
+  const std::string replay = "replay photon_gatherer --backend golden --plan" + file("p.toml");
+  const std::string photons = " --photons" + file("x.photons.jsonl");
+  const struct {
+    std::string arguments;
+    const char* output;  // that would be lost
+  } wrong[] = {
+      {"render" + file("scene.xml") + kSmall + " -o" + file("sky.exr"), "sky.exr"},
+      {"render" + file("scene.xml") + "--size 16x16 --integrator path -o" + file("sky.exr"),
+       "sky.exr"},
+      {"photons" + file("scene.xml") + "--photons 100 -o" + file("mesh.ply"), "mesh.ply"},
+      {gather + file("q.ply"), "q.ply"},
+      {gather + file("g.ply"), "g.ply"},
+      {replay + "--packets" + file("in.jsonl") + "-o" + file("in.jsonl"), "in.jsonl"},
+      {replay + "--packets" + file("in.jsonl") + photons + "-o" + file("x.jsonl"),
+       "x.photons.jsonl"},
+      {replay + "--packets" + file("x.addresses.jsonl") + photons + "-o" + file("x.jsonl"),
+       "x.photons.jsonl"},
+      {replay + "--packets" + file("in.jsonl") + "-o" + file("p.toml"), "p.toml"},
+      {"average" + file("b.exr") + file("a.exr") + "-o" + file("b.exr"), "b.exr"},
+      {"sheet" + file("a.png") + "label=" + s / "b.png" + " -o" + file("b.png"), "b.png"},
+  };
+  for (const auto& w : wrong) {
+    const std::string before = read_file(s / w.output);
+    fails(w.arguments, 1, {s / w.output + ": is the input, which would be lost"});
+    CHECK(read_file(s / w.output) == before);
+  }
+  // Nor does a format take the place of another.
+  fails("plan" + box() + "--photons 100 -o" + file("a.exr"), 2,
+        {"--output: '" + s / "a.exr" + "', expected a name that ends in .toml"});
+  fails("plan" + box() + "--load-photons" + file("g.ply") + "-o" + file("g.ply"), 2, {"--output"});
+  fails("photons" + box() + "--photons 100 -o" + file("x.txt"), 2,
+        {"--output: '" + s / "x.txt" + "', expected a name that ends in .ply"});
+  good("plan" + file("p.toml") + "--set gather.k=9 -o" + file("p.toml"));  // an edit in place
+}
+
+TEST_CASE("an output that cannot be written is told before the work") {
+  const Scratch s;
+  std::filesystem::create_directory(s / "folder");
+  for (const std::string& command :
+       {"plan" + box() + "--board ulx3s-85f -o", "plan" + box() + "--photons 9000000 -o",
+        "plan" + box() + "--error 0.1 -o", "photons" + box() + "--photons 9000000 -o",
+        "precision" + box() + "-o", "generate" + box() + "--photons 9000000 -o"}) {
+    const auto began = std::chrono::steady_clock::now();
+    fails(command + " /dev/null/x" + (command.starts_with("photons") ? ".ply" : ".toml"), 1,
+          {"/dev/null/x"});
+    CHECK(std::chrono::steady_clock::now() - began < std::chrono::seconds(2));
+  }
+  fails("precision" + box() + "-o" + quoted(s / "folder"), 1, {"folder", "it is a folder"});
+}
+
+TEST_CASE("an option and --set do not decide one line") {
+  const Scratch s;
+  const std::string end = " -o" + quoted(s / "p.toml"), image = " -o" + quoted(s / "x.exr");
+  for (const auto& [option, line] : {std::pair{"--k 8", "gather.k=6"},
+                                     {"--spp 2", "frame.spp=3"},
+                                     {"--size 4x4", "frame.width=5"},
+                                     {"--size 4x4", "frame.height=5"},
+                                     {"--gather-rays 2", "frame.gather_rays=3"},
+                                     {"--photons 100", "global.photons=90"},
+                                     {"--caustic-photons 100", "caustic.photons=90"}}) {
+    const std::string both = fmt::format("{} --set {}", option, line), name = option;
+    const std::string said = fmt::format("--set {}: {} is decided by {}", line,
+                                         std::string(line).substr(0, std::string(line).find('=')),
+                                         name.substr(0, name.find(' ')));
+    fails("plan" + box() + both + end, 2, {said});
+    fails("render" + box() + both + image, 2, {said});
+  }
+  fails("cosim" + box() + "--k 8 --set gather.k=6", 2, {"gather.k is decided by --k"});
+  fails("plan" + box() + "--set foo" + end, 2, {"--set: 'foo', expected section.key=value"});
+  fails("plan" + box() + "--set foo=1" + end, 2, {"--set: 'foo=1', expected section.key=value"});
+  // Two plans of one command line, and JSON beside a plan on standard output.
+  fails("plan" + box() + "--photons 100 -o - --json", 2, {"--json: with -o - "});
+  CHECK(s.entries() == 0);
+}
+
+TEST_CASE("what does not fit in memory is told") {
+  const Scratch s;
+  for (const auto& [arguments, what] :
+       {std::pair{"photons" + box() + "--photons 268435457 -o" + quoted(s / "x.ply"),
+                  "not enough memory for 268435457 global photons"},
+        {"render" + box() + "--photons 100 --size 16384x16384 -o" + quoted(s / "x.exr"),
+         "not enough memory for a frame of 16384x16384 pixels"},
+        {"render" + box() + "--integrator path --size 16384x16384 -o" + quoted(s / "x.exr"),
+         "not enough memory for a frame of 16384x16384 pixels"}}) {
+    const std::string command = "ulimit -v 4000000; '" +
+                                photonloom::test::environment("PHOTONLOOM") + "' " + arguments +
+                                " 2>" + quoted(s / "err");
+    INFO(command);
+    CHECK(WEXITSTATUS(std::system(command.c_str())) == 1);
+    CHECK_THAT(read_file(s / "err"), ContainsSubstring(what));
+  }
 }
 
 TEST_CASE("render says why a region is short of photons, and the options that mend it do") {

@@ -260,6 +260,7 @@ TEST_CASE("a further image is the first; one of no scene or another size is refu
   };
   const std::string reference = small_run() + "/reference.exr";
   CHECK(with("cornell_balls").status == 2);
+  CHECK(with("cornell_balls/traced=").status == 2);
   const Outcome unknown = with("teapot/traced=" + reference);
   CHECK(unknown.status == 1);
   CHECK_THAT(unknown.err, ContainsSubstring("has a scene 'teapot'"));
