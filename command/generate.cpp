@@ -99,8 +99,10 @@ void generate(const GenerateOptions& o) {
     throw UsageError("--boards is where --board is looked for; give --board");
   if (!o.unit.empty()) as_usage("--unit: ", [&] { find_unit(o.unit); });
   const std::vector<std::string> boards = board_names(o.boards);
-  if (!o.board.empty() && std::find(boards.begin(), boards.end(), o.board) == boards.end())
+  if (!o.board.empty() && std::find(boards.begin(), boards.end(), o.board) == boards.end()) {
+    if (boards.empty()) read_board(o.board, o.boards);  // the folder is wrong, not the name
     as_usage("--board: ", [&] { read_board(o.board, o.boards); });
+  }
   if (is_plan(source)) o.frame.refuse_derivation(source);
   OutputFolder folder(o.output,  // here, so that one that cannot be is told before the work
                       {"package.json",

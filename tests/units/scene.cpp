@@ -88,7 +88,7 @@ TEST_CASE("depths in both spellings, no limit by default") {
   CHECK(s.rr_depth == 9);
   CHECK_THAT(body_error("<integrator type=\"path\"><integer name=\"maxDepth\" value=\"0\"/>"
                         "</integrator>"),
-             ContainsSubstring("expected -1 for no limit or at least 1"));
+             ContainsSubstring("expected -1 for no limit or 1 to 2147483647"));
 }
 
 TEST_CASE("film size, sample count, and keys that do not change pixels") {
