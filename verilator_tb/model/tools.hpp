@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the builders of model libraries share: running tools, hashing what goes in, one process at a
-// time. Only model.cpp and the builders (model_verilator, model_netlist, model_cxxrtl) include it.
+// time. Besides them (model.cpp, model_verilator, model_netlist, model_cxxrtl) only what quotes for
+// a shell includes it.
 #pragma once
 #include <cstdint>
 #include <string>
