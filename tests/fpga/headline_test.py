@@ -154,11 +154,11 @@ class Simulations(Folder):
 
     def test_golden_searches_as_the_plan_says(self) -> None:
         self.assertEqual(self.cores(7)[7].leaf_limit, 0)
-        self.assertTrue((self.work / "core_options").read_text().endswith(".queries 8 7\n"))
+        self.assertTrue((self.work / "core_options").read_text().endswith(".queries -k 8 --r2-max 7\n"))
         self.plan.path.write_text(PLAN.replace("leaf_limit = 0", "leaf_limit = 4"))
         timed = self.cores(7)[7]
         self.assertEqual((timed.leaf_limit, timed.recall), (4, 0.75))
-        self.assertTrue((self.work / "core_options").read_text().endswith(".queries 8 7 4 16\n"))
+        self.assertTrue((self.work / "core_options").read_text().endswith(".queries -k 8 --r2-max 7 --leaf-limit 4 --bucket 16\n"))
 
 
 class KeptSeeds(Folder):
