@@ -22,10 +22,12 @@ constexpr const char* kPhotonOnly[] = {"--photons", "--caustic-photons", "--gath
 
 // What a line of --set may not decide beside it. --radius is of both maps, and --set may make one
 // of them another: what render advises where photons are short.
-const Shortcut kShortcuts[] = {
-    {"--size", {"frame.width", "frame.height"}}, {"--spp", {"frame.spp"}},
-    {"--photons", {"global.photons"}},           {"--caustic-photons", {"caustic.photons"}},
-    {"--gather-rays", {"frame.gather_rays"}},    {"--k", {"gather.k"}}};
+const Shortcut kShortcuts[] = {{"--size", {"frame.width", "frame.height"}},
+                               {"--spp", {"frame.spp"}},
+                               {"--photons", {"global.photons", "photons"}},
+                               {"--caustic-photons", {"caustic.photons", "caustic_photons"}},
+                               {"--gather-rays", {"frame.gather_rays"}},
+                               {"--k", {"gather.k"}}};
 
 // What a plan that is there already does not take: neither a scene nor another plan's lines.
 constexpr const char* kDerivation[] = {"--plan",
