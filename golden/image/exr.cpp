@@ -159,10 +159,12 @@ void check_headers(const std::string& bytes, const std::string& path) {
   check();
 }
 
-// The library addresses pixel (x, y) of the data window as base + 4 x + stride y.
+// The library addresses pixel (x, y) of the data window as base + 4 x + stride y. The base of a
+// window far from 0 lies outside of memory, so it is counted as a number, where wrapping is
+// defined.
 char* base_of(std::vector<float>& pixels, int64_t min_x, int64_t min_y, int64_t stride) {
-  return reinterpret_cast<char*>(pixels.data()) - min_x * static_cast<int64_t>(sizeof(float)) -
-         min_y * stride;
+  const auto to_first = static_cast<uint64_t>(min_x * int64_t{sizeof(float)} + min_y * stride);
+  return reinterpret_cast<char*>(reinterpret_cast<uintptr_t>(pixels.data()) - to_first);
 }
 
 }  // namespace
