@@ -392,16 +392,29 @@ Coat make_coat(const Bsdf& plastic) {
     return coat;
   }
   coat.ior = plastic.ior;
-  if (plastic.kind == BsdfKind::kPlastic) {
-    // Midpoints of the square of the cosine, in which diffuse light is even.
-    for (int i = 0; i < kFine; ++i)
-      coat.inner += fresnel_dielectric(std::sqrt((i + 0.5) / kFine), 1 / plastic.ior) / kFine;
-    return coat;
-  }
-  for (int i = 0; i < kSteps; ++i) {
-    coat.table.push_back(1 - coat_reflects(plastic, i / (kSteps - 1.0), plastic.ior));
-    coat.inner += coat_reflects(plastic, std::sqrt((i + 0.5) / kSteps), 1 / plastic.ior) / kSteps;
-  }
+  const bool rough = plastic.kind != BsdfKind::kPlastic;
+  const int steps = rough ? kSteps : kFine;
+  // Of diffuse light, by midpoints of the square of the cosine, in which it is even.
+  const auto reflected = [&](double ior) {
+    double mean = 0;
+    for (int i = 0; i < steps; ++i) {
+      const double cosine = std::sqrt((i + 0.5) / steps);
+      mean +=
+          (rough ? coat_reflects(plastic, cosine, ior) : fresnel_dielectric(cosine, ior)) / steps;
+    }
+    return mean;
+  };
+  if (rough)
+    for (int i = 0; i < kSteps; ++i)
+      coat.table.push_back(
+          std::max(0.0, 1 - coat_reflects(plastic, i / (kSteps - 1.0), plastic.ior)));
+  // What gets out from below lies within the critical angle: too few of the midpoints, or none,
+  // where the index is high. By reciprocity as much passes either way, in the ratio of solid
+  // angles.
+  constexpr double kHighIndex = 4, kLeast = 0x1p-20;
+  coat.inner = plastic.ior <= kHighIndex
+                   ? reflected(1 / plastic.ior)
+                   : 1 - std::max(1 - reflected(plastic.ior), kLeast) / (plastic.ior * plastic.ior);
   return coat;
 }
 

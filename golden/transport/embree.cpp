@@ -8,6 +8,7 @@
 #include <embree3/rtcore.h>
 #endif
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <string>
@@ -245,11 +246,24 @@ void bounds_of(const RTCBoundsFunctionArguments* a) {
   static_cast<const EmbreeCaster*>(a->geometryUserPtr)->bounds(a->primID, a->bounds_o);
 }
 
+// Whether something is so small beside the scene that single precision around the scene's centre
+// moves its corners by more than 2^-7 of it.
+bool has_small_things(const World& world) {
+  constexpr double kSmall = 0x1p-18;
+  const auto is_small = [&](const Primitive& p) {
+    Vec3 low, high;
+    primitive_bounds(p, low, high);
+    const double across = max_component(high - low);
+    return across > 0 && across < kSmall * world.cube_extent();
+  };
+  return std::any_of(world.primitives().begin(), world.primitives().end(), is_small);
+}
+
 }  // namespace
 
 std::unique_ptr<RayCaster> make_embree(const World& world) {
-  // Our own hierarchy has the instances' hits to the last bit.
-  if (!world.instances().empty()) return make_double_bvh(world);
+  // Our own hierarchy has the instances' hits to the last bit, and small things in a wide scene.
+  if (!world.instances().empty() || has_small_things(world)) return make_double_bvh(world);
   return std::make_unique<EmbreeCaster>(world);
 }
 

@@ -156,7 +156,10 @@ bool sample_area(const Primitive& p, const Emitter& e, const ShadingPoint& x, co
     const double b = glm::dot(d, s.direction);
     const Vec3 across = d - s.direction * b;
     const double root = std::sqrt(std::max(0.0, p.b.x * p.b.x - glm::dot(across, across)));
-    const Vec3 out = glm::normalize(s.direction * (b - root) - d);
+    // Of a ball that is nearly a point nothing is left of the difference but rounding.
+    constexpr double kPoint = 0x1p-30;
+    const Vec3 out =
+        p.b.x < kPoint * distance ? -s.direction : glm::normalize(s.direction * (b - root) - d);
     s.hit.position = p.a + out * p.b.x;
     s.hit.normal = s.hit.shading_normal = out;
     s.hit.primitive = static_cast<uint32_t>(e.primitive);

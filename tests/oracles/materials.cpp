@@ -500,12 +500,13 @@ TEST_CASE("coats: a mirror below, absorption by Beer's law, a phong lobe below")
 }
 
 TEST_CASE("a white smooth plastic reflects what arrives, from every side of its coat") {
-  for (const bool nonlinear : {false, true})
+  // Beyond an index of 32 none of the even midpoints below the coat lies within the critical angle.
+  const auto check = [](double ior, bool nonlinear) {
     for (const double degrees : {0.0, 40.0, 80.0}) {
       Bsdf b;
       b.kind = BsdfKind::kPlastic;
       b.diffuse = b.specular = Rgb(1);
-      b.ior = 1.49;
+      b.ior = ior;
       b.nonlinear = nonlinear;
       const Sample sample(b);
       double sum = 0;
@@ -526,9 +527,31 @@ TEST_CASE("a white smooth plastic reflects what arrives, from every side of its 
           sum += diffuse_times_cosine(s, d).y / diffuse_pdf(s, d) / (kChoices * kGrid * kGrid);
         }
       }
-      INFO(degrees << " degrees, nonlinear " << nonlinear);
+      INFO("index " << ior << ", " << degrees << " degrees, nonlinear " << nonlinear);
       // One part in 64 of the choices decides between the two.
       CHECK(sum == Approx(1).margin(0.02));
+    }
+  };
+  for (const double ior : {1.49, 3.9, 4.1, 30.0, 1000.0})
+    for (const bool nonlinear : {false, true}) check(ior, nonlinear);
+}
+
+TEST_CASE("an environment of radiance 1 around white rough plastic of any index is 1 at most") {
+  for (const double ior : {1.5, 20.0, 100.0, 1000.0})
+    for (const double alpha : {1e-9, 1e-3, 0.01, 0.1}) {
+      Bsdf b = rough(BsdfKind::kRoughPlastic, Microfacets::kGgx, alpha, alpha);
+      b.diffuse = b.specular = Rgb(1);
+      b.ior = ior;
+      Scene s;
+      Light sky;
+      sky.kind = LightKind::kEnvironment;
+      s.lights.push_back(sky);
+      add_sphere(s, add_bsdf(s, b), Vec3(0), 1);
+      set_camera(s, Vec3(0, 0, 3), Vec3(0), Vec3(0, 1, 0), 30, 8, 8);
+      INFO("index " << ior << ", alpha " << alpha);
+      const double mean = channel_mean(path_image(s, 64, 1), "R");
+      CHECK(mean > 0.9);
+      CHECK(mean < 1.02);
     }
 }
 

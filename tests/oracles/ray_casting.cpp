@@ -451,3 +451,32 @@ TEST_CASE("the world's measures") {
   REQUIRE(world.emitted_power().y == Approx(kPi * 0.25 * 2 + 2 * kPi * integral).epsilon(1e-8));
   REQUIRE(world.emitters().size() == 3);
 }
+
+TEST_CASE("a room stays whole and bright however far away a ball is") {
+  for (const double far : {1e5, 1e7, 1e9}) {
+    Scene s;
+    add_room(s, add_diffuse(s, Rgb(0.5)), Vec3(-1), Vec3(1)).radiance = Rgb(1);
+    add_sphere(s, 0, Vec3(far, 0, 0), 0.5);
+    set_camera(s, Vec3(0.2, 0.1, -0.3), Vec3(0, 0, 1), Vec3(0, 1, 0), 60, 16, 16);
+    INFO("at " << far);
+    // Le / (1 - rho)
+    CHECK(channel_mean(path_image(s, 64, 1), "R") == Approx(2).epsilon(0.01));
+  }
+}
+
+TEST_CASE("ball lamps of the same power light a floor the same, down to a point") {
+  const auto lit = [](double radius) {
+    Scene s;
+    const int grey = add_diffuse(s, Rgb(0.5));
+    add_quad(s, grey, Vec3(-1, 0, 1), Vec3(2, 0, 0), Vec3(0, 0, -2));
+    add_sphere(s, grey, Vec3(0.1, 1, 0.2), radius).radiance = Rgb(1e-14 / (radius * radius));
+    set_camera(s, Vec3(0, 3, 0), Vec3(0), Vec3(0, 0, 1), 30, 8, 8);
+    return channel_mean(path_image(s, 16, 1), "R");
+  };
+  const double expected = lit(1e-3);
+  CHECK(expected > 0);
+  for (const double radius : {1e-6, 1e-9, 1e-12, 1e-15, 1e-16, 1e-17, 1e-20}) {
+    INFO("radius " << radius);
+    CHECK(lit(radius) == Approx(expected).epsilon(0.01));
+  }
+}
