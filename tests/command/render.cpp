@@ -393,6 +393,8 @@ TEST_CASE("an option and --set do not decide one line") {
   CHECK(s.entries() == 0);
 }
 
+// AddressSanitizer's shadow alone takes more than this limit.
+#ifndef __SANITIZE_ADDRESS__
 TEST_CASE("what does not fit in memory is told") {
   const Scratch s;
   for (const auto& [arguments, what] :
@@ -410,6 +412,7 @@ TEST_CASE("what does not fit in memory is told") {
     CHECK_THAT(read_file(s / "err"), ContainsSubstring(what));
   }
 }
+#endif
 
 TEST_CASE("render says why a region is short of photons, and the options that mend it do") {
   const Scratch scratch;

@@ -459,22 +459,20 @@ TEST_CASE("a wrong study is refused with file, line and what was expected") {
           "16", "expected at most 1000000");
 }
 
-TEST_CASE("each point is made once, however many there are") {
+TEST_CASE("thousands of points are planned, and those that no plan can have are counted") {
   const Scratch s;
   std::string values;
   for (int i = 1; i <= 60; ++i) values += fmt::format("{}{}", i == 1 ? "" : ", ", i);
-  // No plan has photons of 5 bytes: nothing is as slow here as making the points was.
+  // No plan has photons of 5 bytes.
   write_file(s / "study.toml",
              small_study(cornell(),
                          "[[points]]\nstrategy = \"grid\"\n"
                          "lines.photon.photon_bytes = [5]\nlines.gather.k = [" +
                              values + "]\nlines.gather.leaf_limit = [" + values + "]\n"));
-  const auto start = std::chrono::steady_clock::now();
   const auto o = run(command(s / "study.toml", s / "a") + " --points 0");
   INFO(o.err);
   CHECK(o.status == 0);
   CHECK(o.out.find("3601 points, 3600 refused") != std::string::npos);
-  CHECK(std::chrono::steady_clock::now() - start < std::chrono::seconds(10));
 }
 
 TEST_CASE("a full disk stops the sweep with a sentence and loses nothing") {
