@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // sources: rtl/common/lut_ram.sv rtl/common/block_ram.sv rtl/common/fifo.sv rtl/common/cache_lines.sv rtl/common/cache_victim.sv rtl/common/cache.sv
-// cache: a read returns what memory holds, whatever the order in which lines come; each request is answered once, by
-// nobody else's line. A word holds one bit of its own address, any, so a word of another address is seen by some bit; all
+// cache: a read returns what memory holds, whatever the order in which lines come; each request is answered at most
+// once, by nobody else's line. A word holds one bit of its own address, any, so a word of another address is seen by some bit; all
 // words may change before an invalidate. No tag is asked for twice at a time, a line begins only where there is room for it.
 module cache_reads #(
     parameter int unsigned AddressBits = 2,

@@ -3,7 +3,7 @@
 // sources: rtl/common/less_than.sv rtl/common/multiplier.sv rtl/common/squared_distance.sv
 // sources: rtl/irradiance_cache/irradiance_weight.sv rtl/irradiance_cache/irradiance_list.sv
 // sources: rtl/irradiance_cache/irradiance_cache.sv tests/formal/harness/stream_checks.sv
-// irradiance_cache, whole, at its ports: each lookup is answered once, in order, the word being its pixel, which the unit
+// irradiance_cache, whole, at its ports: lookups are answered in order, each once at most, the word being its pixel, which the unit
 // only carries; and the law of streams, for any bit of the answer.
 module irradiance_cache_stream #(
     parameter int unsigned Order = 1,
