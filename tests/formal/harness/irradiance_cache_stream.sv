@@ -3,8 +3,8 @@
 // sources: rtl/common/less_than.sv rtl/common/multiplier.sv rtl/common/squared_distance.sv
 // sources: rtl/irradiance_cache/irradiance_weight.sv rtl/irradiance_cache/irradiance_list.sv
 // sources: rtl/irradiance_cache/irradiance_cache.sv tests/formal/harness/stream_checks.sv
-// irradiance_cache, whole, at its ports: lookups are answered in order, each once at most, the word being its pixel, which the unit
-// only carries; and the law of streams, for any bit of the answer.
+// irradiance_cache, whole, at its ports: lookups are answered in order, each once at most, the word being its pixel, which
+// the unit only carries; and the law of streams, for any bit of the answer. That each is: irradiance_cache_progress.
 module irradiance_cache_stream #(
     parameter int unsigned Order = 1,
     parameter int unsigned Law = 1
