@@ -247,7 +247,7 @@ void bounds_of(const RTCBoundsFunctionArguments* a) {
 }
 
 // Whether something is so small beside the scene that single precision around the scene's centre
-// moves its corners by more than 2^-7 of it.
+// may move its corners by more than 2^-8 of it.
 bool has_small_things(const World& world) {
   constexpr double kSmall = 0x1p-18;
   const auto is_small = [&](const Primitive& p) {
