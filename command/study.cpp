@@ -52,8 +52,10 @@ const ShippedStudy kStudies[] = {
      conclude_caching},
     {"sampling",
      "Final gather rays that the sampler's tables save, and whether their light is the same",
-     {"sampling", "sampling_means"},
-     {{"sampling", {"noise"}}, {"sampling_means", {"ray_means"}}},
+     {"sampling", "sampling_means", "sampling_again"},
+     {{"sampling", {"noise"}},
+      {"sampling_means", {"ray_means"}},
+      {"sampling_again", {"ray_means"}}},
      conclude_sampling},
     {"adaptive",
      "Final gather rays that two passes save",
@@ -265,7 +267,8 @@ std::vector<const StudyRow*> StudyOutcome::rows_of(const std::string& study,
 
 void read_outcome(const std::string& folder, StudyOutcome& outcome) {
   const nlohmann::json summary = nlohmann::json::parse(read_file(folder + "/summary.json"));
-  if (outcome.seeds.empty()) outcome.seeds = summary.at("seeds").get<std::vector<uint64_t>>();
+  outcome.seeds[summary.at("study").get<std::string>()] =
+      summary.at("seeds").get<std::vector<uint64_t>>();
   for (const auto& scene : summary.at("scenes")) {
     const auto name = scene.at("scene").get<std::string>();
     if (std::find(outcome.scenes.begin(), outcome.scenes.end(), name) == outcome.scenes.end())

@@ -27,8 +27,8 @@ struct StudyRow {
 
 struct StudyOutcome {
   std::vector<std::string> scenes;
-  std::vector<uint64_t> seeds;  // of the first file
-  std::vector<StudyRow> rows;   // of all files
+  std::map<std::string, std::vector<uint64_t>> seeds;  // by the name that a file has
+  std::vector<StudyRow> rows;                          // of all files
 
   std::vector<const StudyRow*> rows_of(const std::string& study, const std::string& scene) const;
 };

@@ -117,10 +117,24 @@ void plot_rows(const std::string& study, const RayKind& kind,
   }
 }
 
-// The measure `ray_means`; adds the goals that |z| of an image stays below 3.
+std::string seeds_text(const StudyOutcome& outcome, const std::string& study) {
+  std::string text;
+  const auto found = outcome.seeds.find(study);
+  if (found == outcome.seeds.end()) return "none";
+  for (const uint64_t seed : found->second)
+    text += fmt::format("{}{}", text.empty() ? "" : ", ", seed);
+  return text;
+}
+
+// The measure `ray_means`; adds the goals that |z| of an image stays below 3. Of several seeds,
+// each with photons of its own, z is that of all together (Stouffer: the sum of their z over the
+// root of their number); blocks are left out, as each seed has another farthest one.
 template <class Name>
 void means_table(const StudyOutcome& outcome, const std::string& study, const Name& name,
                  const std::string& heads, Conclusion& conclusion) {
+  const auto seeds_of = outcome.seeds.find(study);
+  const size_t seeds = seeds_of == outcome.seeds.end() ? 0 : seeds_of->second.size();
+  const double root = std::sqrt(static_cast<double>(seeds));
   std::string table;
   for (const std::string& scene : outcome.scenes) {
     double farthest = 0, saturated = 0;
@@ -130,29 +144,34 @@ void means_table(const StudyOutcome& outcome, const std::string& study, const Na
       const auto value = [&](const char* column) {
         return row->value(std::string("ray_means.") + column);
       };
-      table += fmt::format(
-          "| {} | {} | {} | {:+.2f} ± {:.2f} % | {:+.2f} | {:+.2f} | {:.1f} |\n", scene, name(*row),
-          row->line("frame.mean_rays", row->line("frame.gather_rays")), 100 * value("bias"),
-          100 * value("bias_error"), value("z"), value("worst_z"), value("chi2"));
-      if (std::fabs(value("z")) > std::fabs(farthest)) farthest = value("z");
+      const double z = value("z") * root;
+      table += fmt::format("| {} | {} | {} | {:+.2f} ± {:.2f} % | {:+.2f} |", scene, name(*row),
+                           row->line("frame.mean_rays", row->line("frame.gather_rays")),
+                           100 * value("bias"), 100 * value("bias_error") / root, z);
+      if (seeds == 1) table += fmt::format(" {:+.2f} | {:.1f} |", value("worst_z"), value("chi2"));
+      table += "\n";
+      if (std::fabs(z) > std::fabs(farthest)) farthest = z;
       saturated += value("saturated");
       ++rows;
     }
     if (rows == 0) continue;
     conclusion.goals.push_back(
-        {fmt::format("{}: farthest mean over 64 ray seeds, of {} settings, in standard errors",
-                     scene, rows),
+        {fmt::format("{}: farthest mean over {}64 ray seeds, of {} settings, in standard errors",
+                     scene, seeds == 1 ? "" : fmt::format("{} × ", seeds), rows),
          3, std::fabs(farthest), false});
     conclusion.goals.push_back({scene + ": values that did not fit a pixel", 0, saturated, false});
   }
   if (table.empty()) return;
-  std::string rule = "|---";
-  for (size_t i = 0; i < static_cast<size_t>(std::count(heads.begin(), heads.end(), '|')) + 6; ++i)
-    rule += "|---";
-  conclusion.page += fmt::format(
-      "| scene | {} | rays | light over the cosine's, minus 1 | z | farthest z of 16 blocks "
-      "| Σ z² of 16 blocks |\n{}|\n{}\n",
-      heads, rule, table);
+  std::string head =
+      fmt::format("| scene | {} | rays | light over the cosine's, minus 1 | z |", heads);
+  if (seeds == 1)
+    head += " farthest z of 16 blocks | Σ z² of 16 blocks |";
+  else
+    conclusion.page += fmt::format("The same with other photons; seeds {} together:\n\n",
+                                   seeds_text(outcome, study));
+  std::string rule;
+  for (int64_t i = std::count(head.begin(), head.end(), '|'); i > 1; --i) rule += "|---";
+  conclusion.page += fmt::format("{}\n{}|\n{}\n", head, rule, table);
 }
 
 // A table of two passes beside one, and as goals the best two scenes of the one setting whose
@@ -187,20 +206,13 @@ void compare_passes(const StudyOutcome& outcome, const std::string& study, const
            0.7, judged(best->parts[order[i]]), false});
 }
 
-std::string seeds_text(const StudyOutcome& outcome) {
-  std::string text;
-  for (const uint64_t seed : outcome.seeds)
-    text += fmt::format("{}{}", text.empty() ? "" : ", ", seed);
-  return text;
-}
-
 // Rays of each combination for the noise that so many cosine-sampled rays leave; as goals the one
 // setting that comes nearest to its goals in all scenes, and where light is concentrated the best.
 void compare_combinations(const StudyOutcome& outcome, double rays, Conclusion& conclusion) {
   conclusion.page += fmt::format(
       "Rays for the noise that {:g} cosine-sampled rays leave, as a part of those {:g}; seeds "
       "{}:\n\n",
-      rays, rays, seeds_text(outcome));
+      rays, rays, seeds_text(outcome, "sampling"));
   std::vector<std::string> scenes;
   const std::vector<RowCurves> rows =
       part_table(outcome, "sampling", kGatherRays, rays, combination, "combine | levels | photons",
@@ -248,6 +260,7 @@ Conclusion conclude_sampling(const StudyOutcome& outcome) {
   Conclusion conclusion;
   for (const double rays : {kRays, kManyRays}) compare_combinations(outcome, rays, conclusion);
   means_table(outcome, "sampling_means", combination, "combine | levels | photons", conclusion);
+  means_table(outcome, "sampling_again", combination, "combine | levels | photons", conclusion);
   return conclusion;
 }
 
@@ -256,7 +269,7 @@ Conclusion conclude_adaptive(const StudyOutcome& outcome) {
   conclusion.page = fmt::format(
       "Rays for the noise that one pass of {:g} rays leaves, as a part of those {:g}; seeds "
       "{}:\n\n",
-      kRays, kRays, seeds_text(outcome));
+      kRays, kRays, seeds_text(outcome, "adaptive"));
   compare_passes(outcome, "adaptive", kGatherRays, kRays, passes, conclusion);
   means_table(outcome, "adaptive_means", passes, "frame", conclusion);
   for (const RayKind* kind : {&kAllShadowRays, &kEmitterRays}) {
@@ -264,7 +277,7 @@ Conclusion conclude_adaptive(const StudyOutcome& outcome) {
         "Rays for the noise of direct light that one pass of {:g} shadow rays of each kind leaves, "
         "as a part of those that it casts; {}; seeds {}:\n\n",
         kShadowBaseline, kind == &kEmitterRays ? "rays towards emitters alone" : "both kinds",
-        seeds_text(outcome));
+        seeds_text(outcome, "adaptive_shadows"));
     compare_passes(outcome, "adaptive_shadows", *kind, kShadowBaseline, shadow_passes, conclusion);
   }
   return conclusion;

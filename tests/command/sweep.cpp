@@ -669,6 +669,16 @@ TEST_CASE("plots are drawn whatever folder and scene are called, and told of whe
   CHECK(none.out.find("plots") == std::string::npos);
 }
 
+TEST_CASE("the means of the sampling study come again at the same points") {
+  const auto points = [](const std::string& name) {
+    const std::string text = read_file(source("studies/" + name));
+    const size_t base = text.find("[base]");
+    REQUIRE(base != std::string::npos);
+    return text.substr(base);
+  };
+  CHECK(points("sampling_again.toml") == points("sampling_means.toml"));
+}
+
 TEST_CASE("a study of several files: a folder each, one page") {
   const Scratch s;
   const std::string head = "\nscenes = [" + cornell() + "]\nseeds = [1]\n",
@@ -684,8 +694,13 @@ TEST_CASE("a study of several files: a folder each, one page") {
                                    "size = \"4x4\"\nmeasure = [\"ray_means\"]\n" + base +
                                    "lines = { frame.gather_rays = [4], sampler.combine = "
                                    "[\"cosine\", \"sum\"] }\n");
+  std::string again_file = read_file(s / "means.toml");
+  again_file.replace(again_file.find("sampling_means"), 14, "sampling_again");
+  again_file.replace(again_file.find("[1]"), 3, "[2, 3]");
+  write_file(s / "again.toml", again_file);
   const std::string command = "study sampling --study '" + s / "sampling.toml" + "' --study '" +
-                              s / "means.toml" + "' -o '" + s / "out" + "'";
+                              s / "means.toml" + "' --study '" + s / "again.toml" + "' -o '" +
+                              s / "out" + "'";
   const auto first = run(command);
   INFO(first.err);
   REQUIRE(first.status == 0);
@@ -693,8 +708,19 @@ TEST_CASE("a study of several files: a folder each, one page") {
   CHECK(page.find("| cosine | – | – | 1 |") != std::string::npos);
   CHECK(page.find("| sum | 1 | all |") != std::string::npos);
   CHECK(page.find("farthest mean over 64 ray seeds, of 2 settings") != std::string::npos);
-  for (const char* file :
-       {"out/sampling_cornell.gp", "out/sampling/results.csv", "out/means/results.csv"})
+  CHECK(page.find("farthest mean over 2 × 64 ray seeds, of 2 settings") != std::string::npos);
+  // Their z together, of the means that the folder keeps.
+  const std::string wanted =
+      "cornell: farthest mean over 2 × 64 ray seeds, of 2 settings, in standard errors: ";
+  const auto summary = nlohmann::json::parse(read_file(s / "out/again/summary.json"));
+  double z = 0;
+  for (const auto& point : summary.at("points"))
+    if (!point.at("lines").empty())
+      z = std::max(z, std::sqrt(2.0) *
+                          std::fabs(point.at("values").at("ray_means.z").at("mean").get<double>()));
+  CHECK(page.find(fmt::format("{}{:.4g}, goal", wanted, z)) != std::string::npos);
+  for (const char* file : {"out/sampling_cornell.gp", "out/sampling/results.csv",
+                           "out/means/results.csv", "out/again/results.csv"})
     CHECK(std::filesystem::exists(s / file));
   const auto again = run(command);
   REQUIRE(again.status == 0);
