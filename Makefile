@@ -57,7 +57,7 @@ bench-rtl: ## throughput of the RTL units beside its goals
 	@cmake --preset release
 	@scripts/bench-rtl
 
-formal: ## proofs of the RTL, each beside a planted bug that must be refuted (15 minutes on two cores; docs/formal.md)
+formal: ## proofs of the RTL and of golden's error bounds, each beside a planted bug that must be refuted (15 minutes on two cores; docs/formal.md)
 	@scripts/setup formal
 	@scripts/fpga-tools
 	@scripts/formal $(FORMAL_FLAGS)

@@ -1,12 +1,17 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the runner of proofs decides by itself: which tables it takes, what counts as a path and what as passed."""
+"""What the runner of proofs decides by itself: which tables it takes, what counts as a path and what as passed; what a bound's
+script says, and when golden agrees with it."""
 import json
+import shutil
 import tempfile
 import unittest
+import unittest.mock
+from dataclasses import replace
+from fractions import Fraction
 from pathlib import Path
 
-from flow.shell import Failure
-from prover import engines, paths, properties, report
+from flow.shell import ROOT, Failure
+from prover import bounds, engines, formula, golden, paths, properties, report, script, steps, tools
 from prover.properties import Property
 
 ENTRY = """
@@ -46,6 +51,9 @@ class Table(unittest.TestCase):
         self.refused(ENTRY.format(method="path", more=""), "paths")
         self.refused(ENTRY.format(method="pdr", more="speed = 1"), "speed: no such key")
         self.refused(ENTRY.format(method="pdr", more="") * 2, "stands twice")
+        self.refused(ENTRY.format(method="pdr", more='step = "power"'), "gappa alone")
+        self.refused(ENTRY.format(method="gappa", more=""), "gappa alone")
+        self.refused(ENTRY.format(method="gappa", more='step = "s"\nranges = { m = [3, 2] }'), "LEAST, GREATEST")
 
 
 class Paths(unittest.TestCase):
@@ -71,6 +79,142 @@ class Verdicts(unittest.TestCase):
         for sound, planted in ((holds, holds), (holds, undecided), (holds, None), (undecided, None), (fails, None)):
             self.assertFalse(report.Result(read, sound, planted).passed)
         self.assertIn("UNDECIDED", report.Result(read, undecided, None).verdict)
+
+
+class Formulas(unittest.TestCase):
+    def value(self, text: str, **known: int) -> Fraction:
+        return formula.rational(formula.value(formula.parse(text), known))
+
+    def test_are_exact(self) -> None:
+        self.assertEqual(self.value("2^-m / (1 - 2^-m)", m=2), Fraction(1, 3))
+        self.assertEqual(self.value("(3 / sqrt(2) * 2^(1 - b))^2", b=3), Fraction(9, 32))
+        self.assertEqual(self.value("1 + 2^(p - 50)", p=4), 1 + Fraction(1, 1 << 46))
+        for text in ("sqrt(2)", "sqrt(2) + 1", "2^(1/2)", "x", "f(1)", "1 +"):
+            with self.assertRaises(Failure):
+                self.value(text)
+
+    def test_literals_of_gappa(self) -> None:
+        self.assertEqual(formula.literal(Fraction(-3, 8)), "-3b-3")
+        self.assertEqual(formula.literal(Fraction(1, 28)), "(1 / 28)")
+        number = formula.toward_zero(Fraction(1, 3))
+        digits, exponent = number.split("b")
+        cut = int(digits) * Fraction(2) ** int(exponent)
+        self.assertTrue(Fraction(1, 3) - Fraction(1, 1 << 60) < cut < Fraction(1, 3))
+
+    def test_words_that_are_not_known_stay(self) -> None:
+        self.assertEqual(script.fill("x = $(bound) + $(4^a);", {"a": 2}, "(1 + 4^a) / total"), "x = (17b0 / total) + 16b0;")
+
+
+SCRIPT = r"""
+@down = fixed<0,dn>;
+sum = float<ieee_64,ne>(x + 1b-1);  # golden's
+code = down(sum);
+{ @FIX(x, -2) /\ x in [0, $(2^m)] -> |code - x| <= $(bound) }
+code - x -> (code - sum) + ((sum - (x + 1b-1)) + 1b-1);
+"""
+
+
+class Scripts(unittest.TestCase):
+    def read(self, text: str = SCRIPT, bound: str = "1/2") -> script.Script:
+        return script.read(script.fill(text, {"m": 3}, bound))
+
+    def test_roundings(self) -> None:
+        for operator, number, due in (("fixed<0,dn>", Fraction(-1, 2), -1), ("fixed<0,up>", Fraction(1, 2), 1),
+                                      ("fixed<0,na>", Fraction(1, 2), 1), ("fixed<0,na>", Fraction(-1, 2), -1),
+                                      ("fixed<0,ne>", Fraction(1, 2), 0), ("fixed<1,dn>", Fraction(3), 2),
+                                      ("float<ieee_64,ne>", 1 + Fraction(1, 1 << 53), 1)):
+            self.assertEqual(script.rounded(operator, number), due)
+        with self.assertRaises(Failure):
+            script.rounded("fixed<0,od>", Fraction(1))
+
+    def test_run_as_they_say(self) -> None:
+        read = self.read()
+        self.assertEqual(read.inputs, ["x"])
+        self.assertEqual(read.evaluate(read.definitions["code"], {"x": Fraction(5, 2)}), 3)
+        self.assertEqual(script.search(read, 10), script.Tried(33, None))
+
+    def test_an_input_that_breaks_the_bound_is_found(self) -> None:
+        self.assertIsNotNone(script.search(self.read(bound="3/8"), 10).breaks)
+        self.assertIsNotNone(script.search(self.read(SCRIPT.replace("ne>(x + 1b-1)", "ne>(x)").split("code - x ->")[0]), 10).breaks)
+
+    def test_hypotheses_that_nothing_satisfies_show_nothing(self) -> None:
+        self.assertEqual(script.search(self.read(SCRIPT.replace("->", "/\\ x in [-2, -1] ->", 1)), 10).inputs, 0)
+
+    def test_hint_that_is_no_equality_is_refused(self) -> None:
+        with self.assertRaisesRegex(Failure, "not equal"):
+            script.search(self.read(SCRIPT.replace("+ 1b-1);\n", "- 1b-1);\n")), 10)
+
+
+class Steps(unittest.TestCase):
+    def test_steps_and_properties_name_each_other(self) -> None:
+        (read,) = table(ENTRY.format(method="gappa", more='step = "power"'))
+        read = replace(read, name="bound_a")
+        shown = {"power": "Gappa: bound_a"}
+        steps.check(steps.Bounds({}, {}, shown), [read])
+        for wrong in ({"power": "Gappa: bound_b"}, {"power": "not by machine: a sum"}, {"flux": "Gappa: bound_a"}, {"power": "by hand"}):
+            with self.assertRaises(Failure):
+                steps.check(steps.Bounds({}, {}, wrong), [read])
+
+
+class Golden(unittest.TestCase):
+    def setUp(self) -> None:
+        self.proved = next(proved for proved in properties.load(ROOT / "tests/formal/properties.toml") if proved.name == "bound_reciprocal")
+
+    def check(self, mantissa: int, widths: tuple[int, int] = (8, 24)) -> int:
+        lines = [f"line|gather.reciprocal_bits|{widths[0]}|{widths[1]}"]
+        for w in range(8, 25):
+            # 3 / 2 and what a cut would show.
+            lines += [f"bound_reciprocal|W={w}|x=3b{w - 1}|R={(1 << 2 * w) // (3 << w - 1)}",
+                      f"bound_reciprocal|W={w}|x={(3 << w) + 1}b-1|R={(1 << 2 * w) // ((3 << w - 1) + 1)}"] * 2
+        lines.append(f"bound_reciprocal|W=8|x=256|R={mantissa}")
+        with tempfile.TemporaryDirectory() as folder:
+            return golden.check(ROOT, self.proved, golden.read("\n".join(lines)), Path(folder))
+
+    def test_equal_numbers_pass_and_others_not(self) -> None:
+        self.assertEqual(self.check(256), 69)
+        with self.assertRaisesRegex(Failure, "R is 255 in golden, 256 in the script"):
+            self.check(255)
+        with self.assertRaisesRegex(Failure, "W goes from 8 to 24"):
+            self.check(256, (8, 25))
+
+    def test_too_few_values_do_not_pass(self) -> None:
+        with self.assertRaisesRegex(Failure, "0 values of golden"):
+            golden.check(ROOT, self.proved, golden.read(""), Path())
+
+    def test_numbers(self) -> None:
+        self.assertEqual([golden.number(text) for text in ("-3", "0x1.8p+1", "1/3", "5b-1", "0x1p-1~1")],
+                         [-3, 3, Fraction(1, 3), Fraction(5, 2), Fraction(-1, 2)])
+
+
+@unittest.skipUnless(shutil.which("gappa"), "gappa is not installed")
+class Gappa(unittest.TestCase):
+    def outcome(self, text: str, bound: str, planted: bool = False) -> engines.Outcome:
+        (read,) = table(ENTRY.format(method="gappa", more='step = "power"\nranges = { m = [3, 4] }'))
+        with tempfile.TemporaryDirectory() as name:
+            folder = Path(name)
+            (folder / "bounds").write_text(f'STEP("power", "{bound}", "", "")\n')
+            (folder / "a.g").write_text(text)
+            run = bounds.refute if planted else bounds.prove
+            return run(tools.find(ROOT, {"gappa"}), folder, read, [Path("bounds"), Path("a.g")], folder, 60)
+
+    def test_proves_a_bound_and_nothing_tighter(self) -> None:
+        self.assertEqual(self.outcome(SCRIPT, "1/2").verdict, "holds")
+        self.assertEqual(self.outcome(SCRIPT, "3/8").verdict, "fails")
+
+    def test_a_bug_is_refuted_by_an_input(self) -> None:
+        refuted = self.outcome(SCRIPT.replace("ne>(x + 1b-1)", "ne>(x)"), "1/2", planted=True)
+        self.assertEqual((refuted.verdict, refuted.note), ("fails", "m = 3: x = 0.75"))
+        # Not proved is not refuted: without the hint nothing is found either way.
+        self.assertEqual(self.outcome(SCRIPT.split("code - x ->")[0].replace("@FIX(x, -2) /\\ ", ""), "1/2 + 2^(m - 53)", planted=True).verdict,
+                         "undecided")
+
+    def test_what_gappa_takes_for_granted_is_refused(self) -> None:
+        with self.assertRaisesRegex(Failure, "not trivially equal"):
+            self.outcome(SCRIPT.replace("+ 1b-1);\n", "- 1b-1);\n"), "1/2")
+
+    def test_without_it_a_sentence_says_so(self) -> None:
+        with self.assertRaisesRegex(Failure, "gappa: neither in .* nor on PATH"), unittest.mock.patch.dict("os.environ", PATH="/nowhere"):
+            tools.find(Path("/nowhere"), {"gappa"})
 
 
 if __name__ == "__main__":

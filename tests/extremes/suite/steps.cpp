@@ -4,7 +4,11 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
+#include <map>
+#include <stdexcept>
+#include <string_view>
 
 #include "golden/numeric/octahedral.hpp"
 #include "golden/numeric/random.hpp"
@@ -156,11 +160,110 @@ std::vector<StepError> at(std::initializer_list<int> widths, const char* line, F
 }
 using Both = std::pair<double, double>;
 
+// The bounds have one home, which the proofs read too.
+struct Bound {
+  std::string_view step, formula, remark;
+};
+constexpr Bound kBounds[] = {
+#define WORD(word, line)
+#define STEP(name, formula, remark, shown) {name, formula, remark},
+#include "tests/extremes/suite/steps.bounds"
+#undef STEP
+#undef WORD
+};
+
+const Bound& bound_of(std::string_view step) {
+  for (const Bound& b : kBounds)
+    if (b.step == step) return b;
+  throw std::logic_error(fmt::format("steps.bounds has no step '{}'", step));
+}
+
+std::string shown_bound(std::string_view step) {
+  const Bound& b = bound_of(step);
+  return b.remark.empty() ? std::string(b.formula) : fmt::format("{}; {}", b.formula, b.remark);
+}
+
+using Words = std::map<std::string, double, std::less<>>;
+
+// A formula of steps.bounds as a number.
+class Formula {
+ public:
+  Formula(std::string_view text, const Words& words) : text_(text), words_(words) {}
+  double value() {
+    const double x = sum();
+    if (!text_.empty()) fail();
+    return x;
+  }
+
+ private:
+  [[noreturn]] void fail() const {
+    throw std::logic_error(
+        fmt::format("steps.bounds: a formula cannot be read from '{}' on", text_));
+  }
+  bool take(char c) {
+    while (!text_.empty() && text_[0] == ' ') text_.remove_prefix(1);
+    if (text_.empty() || text_[0] != c) return false;
+    text_.remove_prefix(1);
+    return true;
+  }
+  double sum() {
+    double x = product();
+    for (;;)
+      if (take('+'))
+        x += product();
+      else if (take('-'))
+        x -= product();
+      else
+        return x;
+  }
+  double product() {
+    double x = power();
+    for (;;)
+      if (take('*'))
+        x *= power();
+      else if (take('/'))
+        x /= power();
+      else
+        return x;
+  }
+  double power() {
+    const double x = atom();
+    return take('^') ? std::pow(x, atom()) : x;
+  }
+  double atom() {
+    if (take('-')) return -atom();
+    if (take('(')) {
+      const double x = sum();
+      if (!take(')')) fail();
+      return x;
+    }
+    const auto is_word = [](char c) {
+      return std::isalnum(static_cast<unsigned char>(c)) || c == '.';
+    };
+    const auto end = std::ranges::find_if_not(text_, is_word);
+    const std::string word(text_.begin(), end);
+    if (word.empty()) fail();
+    text_.remove_prefix(word.size());
+    if (word == "sqrt") return std::sqrt(atom());
+    if (std::isdigit(static_cast<unsigned char>(word[0]))) return std::stod(word);
+    const auto found = words_.find(word);
+    if (found == words_.end()) throw std::logic_error("steps.bounds: no value of " + word);
+    return found->second;
+  }
+
+  std::string_view text_;
+  const Words& words_;
+};
+
+double bound(std::string_view step, const Words& words) {
+  return Formula(bound_of(step).formula, words).value();
+}
+
 }  // namespace
 
 std::vector<Step> arithmetic_steps() {
-  return {
-      {"position", "x -> floor((x - origin) / unit) (`quantise_position`)", "1 unit, downwards",
+  std::vector<Step> steps = {
+      {"position", "x -> floor((x - origin) / unit) (`quantise_position`)",
        [] {
          return at({4, 16, 24}, "position_bits", [](int b) -> Both {
            const Plan plan = positions(b);
@@ -170,11 +273,10 @@ std::vector<Step> arithmetic_steps() {
                            return max_component(
                                glm::abs(units(plan, x) - vec(quantise_position(plan, x))));
                          }),
-                   1 + std::ldexp(4.0, b - 52)};
+                   bound("position", {{"p", b}})};
          });
        }},
       {"distance", "the distance of two quantised points beside that of the points",
-       "sqrt(3) units",
        [] {
          return at({4, 16, 24}, "position_bits", [](int b) -> Both {
            const Plan plan = positions(b);
@@ -186,10 +288,10 @@ std::vector<Step> arithmetic_steps() {
                                                           vec(quantise_position(plan, y)));
                            return std::fabs(got - exact);
                          }),
-                   std::sqrt(3.0) + std::ldexp(8.0, b - 52)};
+                   bound("distance", {{"p", b}})};
          });
        }},
-      {"squared distance", "d2 of quantised positions (`search_gather`)", "0: exact in 2p + 2 bits",
+      {"squared distance", "d2 of quantised positions (`search_gather`)",
        [] {
          return at({4, 24}, "position_bits", [](int b) -> Both {
            const Plan plan = positions(b);
@@ -208,27 +310,28 @@ std::vector<Step> arithmetic_steps() {
                            const Vec3 d = vec(p.position) - vec(q.position);
                            return std::fabs(static_cast<double>(found.at(0).d2) - glm::dot(d, d));
                          }),
-                   0};
+                   bound("squared distance", {})};
          });
        }},
       {"largest radius", "radius -> floor((radius / unit)^2) (`radius_to_r2_max`)",
-       "1 unit^2, downwards",
        [] {
          return at({4, 16, 24}, "position_bits", [](int b) -> Both {
            const Plan plan = positions(b);
-           return {worst(kInputs,
-                         [&](uint64_t i) {
-                           const double r = plan.position_unit() * (0.01 + 8 * unit(i, 0));
-                           const double r2 = r / plan.position_unit() * (r / plan.position_unit());
-                           return r2 - static_cast<double>(radius_to_r2_max(plan, r));
-                         }),
-                   1};
+           return {
+               worst(kInputs,
+                     [&](uint64_t i) {
+                       // Of any size up to the widest; a long double has 11 bits more.
+                       const double r = plan.position_unit() * std::exp2((b + 1) * unit(i, 0));
+                       const long double units = static_cast<long double>(r) / plan.position_unit();
+                       return static_cast<double>(std::fabs(
+                           units * units - static_cast<long double>(radius_to_r2_max(plan, r))));
+                     }),
+               bound("largest radius", {{"p", b}})};
          });
        }},
       {"direction", "a direction -> the centre of its octahedral cell (`oct_encode`, `oct_decode`)",
-       "3 / sqrt(2) * 2^(1 - b) rad, b >= 4",
        [] {
-         return at({4, 8, 14}, "direction_bits", [](int b) -> Both {
+         return at({2, 4, 8, 14}, "direction_bits", [](int b) -> Both {
            return {worst(kInputs,
                          [&](uint64_t i) {
                            // Half of them around the faces' centres, where cells are longest.
@@ -239,11 +342,10 @@ std::vector<Step> arithmetic_steps() {
                                                                direction(i) * std::ldexp(4.0, -b));
                            return angle(d, decode(oct_encode(d, b), b));
                          }),
-                   direction_bound(b)};
+                   bound("direction", {{"b", b}})};
          });
        }},
       {"side of a surface", "o(direction) . o(normal) > 0 beside that of the directions themselves",
-       "wrong only where |cos| <= sin of both directions' bounds together",
        [] {
          return at({4, 8, 14}, "direction_bits = normal_bits", [](int b) -> Both {
            return {worst(20 * kInputs,
@@ -260,29 +362,32 @@ std::vector<Step> arithmetic_steps() {
                                                     oct_decode(oct_encode(n, b), b)) > 0;
                            return due == got ? 0 : std::fabs(glm::dot(d, n));
                          }),
-                   std::sin(std::min(kPi / 2, 2 * direction_bound(b)))};
+                   bound("side of a surface", {{"b", b}})};
          });
        }},
-      {"power", "a channel's power -> mantissa * 2^e (`encode_power`), in steps of 2^e", "1/2 step",
+      {"power", "a channel's power -> mantissa * 2^e (`encode_power`), in steps of 2^e",
        [] {
          return at({2, 9, 16}, "mantissa_bits", [](int m) -> Both {
-           return {
-               worst(kInputs,
-                     [&](uint64_t i) {
-                       const double v = unit(i, 0) * std::ldexp(1.0, m + static_cast<int>(i % 30));
-                       const std::array<double, 3> value{v, v * unit(i, 1), v * unit(i, 2)};
-                       bool saturated = false;
-                       const PowerCode code = encode_power(value, 3, m, 5, &saturated);
-                       double off = 0;
-                       for (int c = 0; c < 3; ++c)
-                         off = std::max(off, std::fabs(static_cast<double>(power_value(code, c)) -
-                                                       value[static_cast<size_t>(c)]));
-                       return std::ldexp(off, -static_cast<int>(code.exponent));
-                     }),
-               0.5};
+           return {worst(kInputs,
+                         [&](uint64_t i) {
+                           // The first: its sum with 1/2 is 1 in double.
+                           const double v =
+                               i ? unit(i, 0) * std::ldexp(1.0, m + static_cast<int>(i % 30))
+                                 : 0x1.fffffffffffffp-2;
+                           const std::array<double, 3> value{v, v * unit(i, 1), v * unit(i, 2)};
+                           bool saturated = false;
+                           const PowerCode code = encode_power(value, 3, m, 5, &saturated);
+                           double off = 0;
+                           for (int c = 0; c < 3; ++c)
+                             off =
+                                 std::max(off, std::fabs(static_cast<double>(power_value(code, c)) -
+                                                         value[static_cast<size_t>(c)]));
+                           return std::ldexp(off, -static_cast<int>(code.exponent));
+                         }),
+                   bound("power", {{"m", m}})};
          });
        }},
-      {"largest channel", "the same, over the largest channel, where e > 0", "2^-m / (1 - 2^-m)",
+      {"largest channel", "the same, over the largest channel, where e > 0",
        [] {
          return at({2, 9, 16}, "mantissa_bits", [](int m) -> Both {
            return {worst(kInputs,
@@ -293,18 +398,17 @@ std::vector<Step> arithmetic_steps() {
                            const PowerCode code = encode_power({v, 0, 0}, 1, m, 5, &saturated);
                            return ratio_error(static_cast<double>(power_value(code, 0)), v);
                          }),
-                   std::ldexp(1.0, -m) / (1 - std::ldexp(1.0, -m))};
+                   bound("largest channel", {{"m", m}})};
          });
        }},
       {"flux", "the sum of k coded powers beside that of the powers",
-       "sum of half a step each; the sum is exact",
        [] {
          return at({8, 50, 256}, "k", [](int k) -> Both {
            Plan plan;
            plan.k = k;
            std::vector<Neighbour> found;
            std::vector<PackedPhoton> photons;
-           double due = 0, bound = 0;
+           double due = 0, steps = 0;
            for (int i = 0; i < k; ++i) {
              // Ties: every power lies half way between two codes.
              const int e = i % 8;
@@ -314,16 +418,16 @@ std::vector<Step> arithmetic_steps() {
              p.power = encode_power({v, 0, 0}, 3, 9, 5, &saturated);
              photons.push_back(p);
              due += v;
-             bound += std::ldexp(0.5, static_cast<int>(p.power.exponent));
+             steps += std::ldexp(1.0, static_cast<int>(p.power.exponent));
            }
            const PhotonMap map = build_photon_map(photons, plan);
            for (int i = 0; i < k; ++i) found.push_back({0, static_cast<uint32_t>(i)});
            const GatherResult r = make_gather_result(plan, map, GatherQuery{}, found, {});
-           return {std::fabs(static_cast<double>(r.flux[0]) - due), bound};
+           return {std::fabs(static_cast<double>(r.flux[0]) - due),
+                   bound("flux", {{"m", 9}, {"steps", steps}})};
          });
        }},
       {"reciprocal", "1 / r2 as mantissa and exponent (`reciprocal`), relative",
-       "2^-(W + 1) to W + 1 bits and 2^-(W - 1) for the division: 2.5 * 2^-W",
        [] {
          return at({8, 18, 24}, "reciprocal_bits", [](int w) -> Both {
            return {worst(4 * kInputs,
@@ -339,10 +443,10 @@ std::vector<Step> arithmetic_steps() {
                                                          -w - static_cast<int>(r.exponent));
                            return std::fabs(got * static_cast<double>(x) - 1);
                          }),
-                   2.5 * std::ldexp(1.0, -w)};
+                   bound("reciprocal", {{"W", w}})};
          });
        }},
-      {"c = (k - 1) / k", "its W-bit constant (`Shader`), absolute", "2^-(W + 1)",
+      {"c = (k - 1) / k", "its W-bit constant (`Shader`), absolute",
        [] {
          return at({8, 18, 24}, "reciprocal_bits", [](int w) -> Both {
            return {
@@ -364,11 +468,10 @@ std::vector<Step> arithmetic_steps() {
                        return std::fabs(value(true) / value(false) -
                                         static_cast<double>(i + 1) / static_cast<double>(i + 2));
                      }),
-               std::ldexp(1.0, -w - 1)};
+               bound("c = (k - 1) / k", {{"W", w}})};
          });
        }},
       {"weight", "a query's weight as mantissa and exponent (`Shader::weight`), relative",
-       "2^-w, and 2^-50 of double",
        [] {
          return at({8, 18, 24}, "weight_bits", [](int bits) -> Both {
            const Plan plan = shading(8, bits);
@@ -382,11 +485,11 @@ std::vector<Step> arithmetic_steps() {
                            return ratio_error(
                                std::ldexp(w.mantissa[0], w.exponent[0] - plan.fraction_bits), v);
                          }),
-                   std::ldexp(1.0, -bits) + 0x1p-50};
+                   bound("weight", {{"w", bits}})};
          });
        }},
       {"contribution",
-       "flux * R * c * weight rounded half up (`Shader::contribution`), in pixel units", "1/2",
+       "flux * R * c * weight rounded half up (`Shader::contribution`), in pixel units",
        [] {
          return at({8, 18}, "reciprocal_bits", [](int w) -> Both {
            const Plan plan = shading(w, 12);
@@ -410,11 +513,10 @@ std::vector<Step> arithmetic_steps() {
                        return static_cast<double>(std::fabs(
                            static_cast<long double>(shader.contribution(r, weight)[0]) - exact));
                      }),
-               0.5};
+               bound("contribution", {})};
          });
        }},
       {"light found on the way", "direct light, emission -> 2^-F (`Shader::pixel`), in pixel units",
-       "1/2",
        [] {
          return at({20, 40, 90}, "fraction_bits", [](int f) -> Both {
            Plan plan = shading(18, 18);
@@ -429,11 +531,10 @@ std::vector<Step> arithmetic_steps() {
                            return std::fabs(static_cast<double>(shader.pixel(Rgb(v), counts)[0]) -
                                             std::ldexp(v, f));
                          }),
-                   0.5};
+                   bound("light found on the way", {})};
          });
        }},
       {"share of a record", "light * f * 2^(x - 12) (`Shader::interpolated`), in pixel units",
-       "1/2 + light * share * (2^-w + 2^(x - 13) / share), x the share's exponent",
        [] {
          return at({8, 18, 24}, "weight_bits", [](int bits) -> Both {
            const Plan plan = shading(18, bits);
@@ -449,18 +550,19 @@ std::vector<Step> arithmetic_steps() {
              const double due = light * rho * weight / total;
              const double got = static_cast<double>(shader.interpolated(
                  {static_cast<uint64_t>(light), 0, 0}, weight, total, share)[0]);
-             const double bound = 0.5 + due * std::ldexp(1.0, -bits) +
-                                  light * std::ldexp(1.0, share.exponent[0] - 13);
-             if (std::fabs(got - due) / bound > most / bound_there) {
+             const double step = std::ldexp(1.0, share.exponent[0]);
+             const double here =
+                 bound("share of a record",
+                       {{"w", bits}, {"due", due}, {"light", light}, {"step", step}});
+             if (std::fabs(got - due) / here > most / bound_there) {
                most = std::fabs(got - due);
-               bound_there = bound;
+               bound_there = here;
              }
            }
            return {most, bound_there};
          });
        }},
       {"Jacobian of a cell", "floor(28 * 16^a / |o|^4) (`cell_jacobian`), relative",
-       "1/28, downwards",
        [] {
          return at({2, 4, 6}, "cell_bits", [](int a) -> Both {
            const uint32_t edge = 1u << a;
@@ -471,11 +573,10 @@ std::vector<Step> arithmetic_steps() {
                            const double exact = std::ldexp(28.0, 4 * a) / (r2 * r2);
                            return 1 - cell_jacobian(o, a) / exact;
                          }),
-                   1.0 / 28};
+                   bound("Jacobian of a cell", {})};
          });
        }},
       {"narrowed weight", "S(c) -> max(1, S >> s) (`build_sample_table`), in units of a weight",
-       "1 unit",
        [] {
          return at({8, 16, 24}, "probability_bits", [](int b) -> Both {
            const Plan plan = sampling(b);
@@ -491,16 +592,16 @@ std::vector<Step> arithmetic_steps() {
                  most = std::max(most, std::fabs(static_cast<double>(table.weight(c)) -
                                                  std::ldexp(exact.weight[c], -exact.narrow)));
            }
-           return {most, 1};
+           return {most, bound("narrowed weight", {})};
          });
        }},
-      {"probability of a cell", "w / W beside S / sum of S", "(1 + 4^a) / W",
+      {"probability of a cell", "w / W beside S / sum of S",
        [] {
          return at({8, 16, 24}, "probability_bits", [](int b) -> Both {
            const Plan plan = sampling(b);
            const CellGeometry geometry(plan.cell_bits);
            const OctCode up = oct_encode(Vec3(0, 0, 1), plan.normal_bits);
-           double most = 0, bound = 1;
+           double most = 0, total_there = 1;
            for (uint64_t seed = 0; seed < 20; ++seed) {
              // All power in one cell: the floors of all others take from it.
              auto photons = table_photons(plan, seed);
@@ -512,17 +613,17 @@ std::vector<Step> arithmetic_steps() {
              for (size_t c = 0; c < geometry.cells(); ++c) {
                const double off = std::fabs(static_cast<double>(table.weight(c)) / total -
                                             exact.weight[c] / exact.sum);
-               if (off * total > most * bound) {
-                 bound = total;
+               if (off * total > most * total_there) {
+                 total_there = total;
                  most = off;
                }
              }
            }
-           return {most, (1 + static_cast<double>(geometry.cells())) / bound};
+           return {most,
+                   bound("probability of a cell", {{"a", plan.cell_bits}, {"total", total_there}})};
          });
        }},
       {"inversion", "the share of u's codes that take a cell beside w / W (`sample_cell`)",
-       "2^-u_bits",
        [] {
          return at({16, 18}, "u_bits", [](int b) -> Both {
            Plan plan;
@@ -540,11 +641,10 @@ std::vector<Step> arithmetic_steps() {
              most = std::max(most, std::fabs(std::ldexp(static_cast<double>(codes[c]), -b) -
                                              static_cast<double>(table.weight(c)) /
                                                  static_cast<double>(table.total())));
-           return {most, std::ldexp(1.0, -b)};
+           return {most, bound("inversion", {{"u", b}})};
          });
        }},
       {"normal of a record", "each coordinate plus 1 -> units of 2^(1 - b) (`quantise_normal`)",
-       "1 unit, downwards; at +1 the last unit's end",
        [] {
          return at({2, 8, 14}, "normal_bits", [](int b) -> Both {
            Plan plan;
@@ -555,11 +655,10 @@ std::vector<Step> arithmetic_steps() {
                            return max_component(glm::abs((n + 1.0) * std::ldexp(0.5, b) -
                                                          vec(quantise_normal(plan, n))));
                          }),
-                   1};
+                   bound("normal of a record", {{"b", b}})};
          });
        }},
       {"reach of a record", "its square -> floor, at least 1 (`cache_falloff`), in unit^2",
-       "1, downwards",
        [] {
          return at({8, 16, 24}, "position_bits", [](int b) -> Both {
            Plan plan = positions(b);
@@ -577,11 +676,11 @@ std::vector<Step> arithmetic_steps() {
                                           r.mantissa);
                            return reach * reach - square;
                          }),
-                   1};
+                   bound("reach of a record", {{"p", b}})};
          });
        }},
       {"weight of a record",
-       "2^B (1 - d2 / reach2 - n2 / 2^angle_bits) (`cache_weight`), in units of 2^-B", "3, upwards",
+       "2^B (1 - d2 / reach2 - n2 / 2^angle_bits) (`cache_weight`), in units of 2^-B",
        [] {
          return at({4, 8, 12}, "cache.weight_bits", [](int b) -> Both {
            Plan plan;
@@ -603,13 +702,12 @@ std::vector<Step> arithmetic_steps() {
                            const double due = std::ldexp(1 - d2 / static_cast<double>(reach2) -
                                                              std::ldexp(n2, -plan.cache_angle_bits),
                                                          b);
-                           return got - due;
+                           return due > got + 1.0 / 16 ? HUGE_VAL : got - due;
                          }),
-                   3};
+                   bound("weight of a record", {})};
          });
        }},
       {"pixel", "the sum of all contributions",
-       "0: exact integers of I + F + clog2(contributions) bits",
        [] {
          return at({1, 20}, "clog2(spp)", [](int bits) -> Both {
            // The largest contributions there are, as many as a pixel adds.
@@ -620,10 +718,12 @@ std::vector<Step> arithmetic_steps() {
            const UInt128 largest = (UInt128{1} << plan.pixel_contribution_bits()) - 1;
            const UInt128 count = UInt128{static_cast<unsigned>(plan.spp)} *
                                  static_cast<unsigned>(plan.gather_rays + 4);
-           return {largest * count >> plan.pixel_sum_bits() == 0 ? 0.0 : 1.0, 0};
+           return {largest * count >> plan.pixel_sum_bits() == 0 ? 0.0 : 1.0, bound("pixel", {})};
          });
        }},
   };
+  for (Step& step : steps) step.bound = shown_bound(step.name);
+  return steps;
 }
 
 namespace {

@@ -18,8 +18,8 @@ struct StepError {
 struct Step {
   std::string name;
   std::string computes;  // the operation, with its function
-  std::string bound;     // as a formula of the plan's lines
   std::function<std::vector<StepError>()> measure;
+  std::string bound = {};  // its formula of the plan's lines, from steps.bounds
 };
 
 std::vector<Step> arithmetic_steps();

@@ -1,33 +1,28 @@
 # SPDX-License-Identifier: Apache-2.0
 """The methods of proof. Each says whether the assertions of a harness hold, and how far that was looked at."""
 import re
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 from flow.shell import Failure
 
-from . import commands, model, paths
+from . import bounds, commands, model, paths
+from .outcome import Outcome
 from .properties import Property
 from .tools import Tools
 
 
-@dataclass(frozen=True)
-class Outcome:
-    verdict: str  # holds, fails, undecided, error
-    depth: int | None  # cycles looked at; None without a bound
-    seconds: float  # of the processor
-    note: str = ""
-
-
 def prove(tools: Tools, folder: Path, proved: Property, sources: list[Path], work: Path, limit: float) -> Outcome:
     """Whether a property holds; undecided after limit seconds."""
-    method = {"pdr": _pdr, "induction": _induction, "exhaustive": _bounded, "bmc": _bounded, "path": _path}[proved.method]
+    method = {"pdr": _pdr, "induction": _induction, "exhaustive": _bounded, "bmc": _bounded, "path": _path, "gappa": bounds.prove}[proved.method]
     return method(tools, folder, proved, sources, work, limit)
 
 
 def refute(tools: Tools, folder: Path, proved: Property, sources: list[Path], work: Path, limit: float) -> Outcome:
     """The same where a run that breaks it is looked for, the shortest first. What breaks has to be the property: a lemma
     that a bug breaks would show nothing."""
+    if proved.method == "gappa":
+        return bounds.refute(tools, folder, proved, sources, work, limit)
     if proved.method == "path":
         return _path(tools, folder, proved, sources, work, limit)
     if "Lemmas" in proved.parameters:

@@ -8,13 +8,15 @@ from pathlib import Path
 from flow.shell import Failure, read_json
 
 from . import sources
-from .engines import Outcome
+from .outcome import Outcome
 from .properties import Property
 from .report import Result
 
 
 def _key(root: Path, proved: Property) -> str:
     made_from = hashlib.sha256(repr(proved).encode())
+    if proved.method == "gappa":
+        made_from.update(repr((proved.step, proved.ranges)).encode())
     for file in [*sources.of(root, proved), sources.bug_file(root, proved)]:
         made_from.update((root / file).read_bytes())
     return made_from.hexdigest()

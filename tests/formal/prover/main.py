@@ -8,13 +8,14 @@ from pathlib import Path
 
 from flow.shell import ROOT, Failure, say
 
-from . import engines, kept, properties, report, sources, tools
-from .engines import Outcome
+from . import engines, golden, kept, properties, report, sources, steps, tools
+from .outcome import Outcome
 from .properties import Property
 from .report import Result
 
 TABLE = Path("tests/formal/properties.toml")
 PAGE = Path("docs/formal.md")
+STEPS_PAGE = Path("docs/error-analysis.md")
 
 
 def check(found: tools.Tools, proved: Property, work: Path, limit: float) -> Result:
@@ -46,13 +47,17 @@ def main() -> int:
     parser.add_argument("-j", "--jobs", type=int, default=2, help="proofs at a time (default 2)")
     parser.add_argument("--limit", type=float, default=600.0, help="seconds of the processor until a property counts as undecided (default 600)")
     parser.add_argument("--quick", action="store_true", help="only the properties marked quick, in a few seconds")
-    parser.add_argument("--page", action="store_true", help=f"prove nothing: write the last results of all, or the rows of those named, into {PAGE}")
+    parser.add_argument("--page", action="store_true", help=f"prove nothing: write the last results of all, or the rows of those named, into {PAGE}; of bounds into {STEPS_PAGE} too")
     parser.add_argument("--check", action="store_true", help="prove nothing: tell whether sources are there and planted bugs apply")
+    parser.add_argument("--golden", type=Path, metavar="PROGRAM",
+                        help="prove nothing: hold the scripts of the bounds against the values of golden that this program prints")
     parser.add_argument("--list", action="store_true", help="print the table's names and what they say")
     parser.add_argument("--work", type=Path, default=ROOT / "build" / "formal", help="where models and logs go (default build/formal)")
     arguments = parser.parse_args()
 
-    chosen = properties.load(ROOT / TABLE)
+    table = chosen = properties.load(ROOT / TABLE)
+    bounds = steps.read(ROOT / sources.BOUNDS)
+    steps.check(bounds, table)
     unknown = sorted(set(arguments.names) - {proved.name for proved in chosen})
     if unknown:
         raise Failure(f"{unknown[0]}: no such property in {TABLE}")
@@ -69,6 +74,9 @@ def main() -> int:
 
     if arguments.page:
         report.write_page(ROOT / PAGE, [kept.read(ROOT, arguments.work, proved) for proved in chosen], whole=not arguments.names)
+        if any(proved.method == "gappa" for proved in chosen):
+            report.write_steps(ROOT / STEPS_PAGE, bounds,
+                               [kept.read(ROOT, arguments.work, proved) for proved in table if proved.method == "gappa"])
         return 0
     if arguments.check:
         for proved in chosen:
@@ -76,7 +84,14 @@ def main() -> int:
         say(f"{len(chosen)} properties, each with its sources and a bug that applies")
         return 0
 
-    found = tools.find(ROOT)
+    if arguments.golden:
+        printed = golden.values(arguments.golden)
+        chosen = [proved for proved in chosen if proved.method == "gappa"]
+        compared = sum(golden.check(ROOT, proved, printed, arguments.work / "sources") for proved in chosen)
+        say(f"{len(chosen)} scripts of bounds give golden's numbers at {compared} inputs, and with their bugs do not")
+        return 0
+
+    found = tools.find(ROOT, {proved.method for proved in chosen})
     print(report.heading(), flush=True)
     results = []
     with ThreadPoolExecutor(max_workers=max(1, arguments.jobs)) as pool:

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The table of properties, tests/formal/properties.toml, as values."""
 import tomllib
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +14,8 @@ from flow.shell import Failure
 #   exhaustive every run of a harness that ends within depth cycles and asserts that it does: all inputs at once, unbounded
 #   bmc        every run of at most depth cycles
 #   path       no combinational path between two ports, found in the netlist, unbounded
-UNBOUNDED = {"pdr": True, "induction": True, "exhaustive": True, "bmc": False, "path": True}
+#   gappa      a bound of golden's arithmetic, tests/formal/bounds/HARNESS.g, at each width of ranges and for every input
+UNBOUNDED = {"pdr": True, "induction": True, "exhaustive": True, "bmc": False, "path": True, "gappa": True}
 NEEDS_DEPTH = {"induction", "exhaustive", "bmc"}
 
 
@@ -23,7 +24,7 @@ class Property:
     name: str  # unique
     module: str  # whose property it is
     says: str  # one sentence
-    harness: str  # tests/formal/harness/HARNESS.sv, whose top is HARNESS; of a path the module itself
+    harness: str  # tests/formal/harness/HARNESS.sv, whose top is HARNESS; of a path the module itself; of a bound bounds/HARNESS.g
     method: str
     depth: int  # cycles, 0 where the method needs none
     parameters: dict[str, int]  # of the harness
@@ -33,13 +34,16 @@ class Property:
     bug: str  # tests/formal/bugs/BUG.patch or tests/mutants/rtl/BUG.patch, which must be refuted
     clocks: int  # of the harness; where there are several, a clock input is 1 in the steps that are its edges
     quick: bool  # also a test of a few seconds
+    step: str = field(default="", repr=False)  # of a bound: whose it is, in tests/extremes/suite/steps.bounds
+    ranges: tuple[tuple[str, int, int], ...] = field(default=(), repr=False)  # of a bound: word of its formula, least and greatest
 
     @property
     def unbounded(self) -> bool:
         return UNBOUNDED[self.method]
 
 
-_KEYS = {"name", "module", "says", "harness", "method", "depth", "parameters", "probes", "cuts", "paths", "bug", "clocks", "quick"}
+_KEYS = {"name", "module", "says", "harness", "method", "depth", "parameters", "probes", "cuts", "paths", "bug", "clocks", "quick", "step",
+         "ranges"}
 
 
 def _property(entry: dict[str, Any], where: str) -> Property:
@@ -64,8 +68,15 @@ def _property(entry: dict[str, Any], where: str) -> Property:
     paths = tuple((str(a), str(b)) for a, b in entry.get("paths", []))
     if bool(paths) != (method == "path"):
         raise Failure(f"{where}: paths: expected pairs of input and output with the method path alone")
+    step = entry.get("step", "")
+    ranges = entry.get("ranges", {})
+    if (bool(step), bool(ranges)) != (method == "gappa", method == "gappa" and bool(ranges)):
+        raise Failure(f"{where}: step, ranges: expected with the method gappa alone")
+    if not all(isinstance(ends, list) and len(ends) == 2 and ends[0] <= ends[1] for ends in ranges.values()):
+        raise Failure(f"{where}: ranges: expected WORD = [LEAST, GREATEST], found {ranges!r}")
     return Property(text("name"), text("module"), text("says"), text("harness"), method, depth, parameters,
-                    entry.get("probes", {}), tuple(entry.get("cuts", [])), paths, text("bug"), entry.get("clocks", 1), bool(entry.get("quick", False)))
+                    entry.get("probes", {}), tuple(entry.get("cuts", [])), paths, text("bug"), entry.get("clocks", 1), bool(entry.get("quick", False)), step,
+                    tuple((word, least, greatest) for word, (least, greatest) in ranges.items()))
 
 
 def load(file: Path) -> list[Property]:

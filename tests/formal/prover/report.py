@@ -5,8 +5,9 @@ from pathlib import Path
 
 from flow.shell import Failure
 
-from .engines import Outcome
+from .outcome import Outcome
 from .properties import Property
+from .steps import Bounds
 
 BEGIN = "<!-- table: written by `scripts/formal --page` after `make formal` -->"
 END = "<!-- end of the table -->"
@@ -28,16 +29,19 @@ class Result:
 
     @property
     def depth(self) -> str:
+        if self.proved.method == "gappa":
+            return "each input"
         return "unbounded" if self.sound.depth is None and self.sound.verdict == "holds" else f"{self.sound.depth} cycles"
 
     @property
     def verdict(self) -> str:
         if self.sound.verdict == "fails":
-            return f"FAILS in cycle {self.sound.depth}{': ' + self.sound.note if self.sound.note else ''}"
+            where = "" if self.proved.method == "gappa" else f" in cycle {self.sound.depth}"
+            return f"FAILS{where}{': ' + self.sound.note if self.sound.note else ''}"
         if self.sound.verdict == "error":
             return f"NOT RUN: {self.sound.note}"
         if self.sound.verdict == "undecided":
-            return "UNDECIDED (bounded only)"
+            return f"UNDECIDED ({self.sound.note or 'bounded only'})"
         word = "proved" if self.proved.unbounded else "holds"
         if self.planted is None or self.planted.verdict != "fails":
             return f"{word}, but its planted bug is NOT REFUTED"
@@ -54,7 +58,8 @@ def heading() -> str:
 
 
 def _row(result: Result) -> str:
-    at = ", ".join(f"{name} {value}" for name, value in result.proved.parameters.items())
+    at = ", ".join([*(f"{name} {value}" for name, value in result.proved.parameters.items()),
+                    *(f"{word} {least} to {greatest}" for word, least, greatest in result.proved.ranges)])
     return (f"| `{result.proved.module}` | {result.proved.says} | {at} | {result.proved.method} | {result.depth} | "
             f"{max(1, round(result.seconds))} s | `{result.proved.bug}` | {result.verdict} |")
 
@@ -82,3 +87,26 @@ def write_page(page: Path, results: list[Result], whole: bool = True) -> None:
                 # Behind the rows of modules up to its own.
                 rows.insert(max([2, *(place + 1 for place, old in enumerate(rows[2:], 2) if old.split("|")[1] <= row.split("|")[1])]), row)
     page.write_text(before + BEGIN + "\n" + "\n".join(rows) + "\n" + END + after)
+
+
+STEPS_BEGIN = "<!-- proofs: written by `scripts/formal --page` after `make formal` -->"
+STEPS_END = "<!-- end of proofs -->"
+
+
+def write_steps(page: Path, bounds: Bounds, results: list[Result]) -> None:
+    """How each bound of the page is shown: the verdicts of its properties, or why there is none."""
+    try:
+        before, rest = page.read_text().split(STEPS_BEGIN)
+        _, after = rest.split(STEPS_END)
+    except (OSError, ValueError) as error:
+        raise Failure(f"{page}: expected the lines {STEPS_BEGIN} and {STEPS_END}, once each") from error
+    rows = ["| step | bound | at | proof |", "|---|---|---|---|"]
+    for step, formula in bounds.formulas.items():
+        own = [result for result in results if result.proved.step == step]
+        ranges = dict.fromkeys(f"every {word} from {least} to {greatest}" for result in own for word, least, greatest in result.proved.ranges)
+        at = ", ".join(ranges) or ("every width" if own else "")
+        proof = bounds.shown[step].removeprefix("Gappa: ")
+        for result in own:
+            proof = proof.replace(result.proved.name, f"`{result.proved.name}` ({result.verdict})")
+        rows.append(f"| {step} | {formula} | {at} | {proof} |")
+    page.write_text(before + STEPS_BEGIN + "\n" + "\n".join(rows) + "\n" + STEPS_END + after)

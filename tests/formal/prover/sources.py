@@ -9,12 +9,19 @@ from flow.shell import Failure
 from .properties import Property
 
 HARNESSES = Path("tests/formal/harness")
+SCRIPTS = Path("tests/formal/bounds")
+BOUNDS = Path("tests/extremes/suite/steps.bounds")
 PACKAGE = HARNESSES / "narrow_pkg.sv"  # packets of the proofs
 BUGS = (Path("tests/formal/bugs"), Path("tests/mutants/rtl"))
 
 
 def of(root: Path, proved: Property) -> list[Path]:
     """The sources of a property, below root, in the order in which they are read."""
+    if proved.method == "gappa":
+        script = SCRIPTS / f"{proved.harness}.g"
+        if not (root / script).is_file():
+            raise Failure(f"property {proved.name}: {script}: no such script")
+        return [BOUNDS, script]
     harness = HARNESSES / f"{proved.harness}.sv"
     if not (root / harness).is_file():
         raise Failure(f"property {proved.name}: {harness}: no such harness")

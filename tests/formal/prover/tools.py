@@ -10,11 +10,13 @@ from flow.shell import Failure
 
 @dataclass(frozen=True)
 class Tools:
+    """Empty where no proof of the run wants it."""
     yosys: str
     abc: str  # the model checker of the synthesis suite
+    gappa: str  # bounds of arithmetic
 
 
-def find(root: Path) -> Tools:
+def find(root: Path, methods: set[str]) -> Tools:
     own = str(root / "build" / "fpga-tools" / "bin")
 
     def program(*names: str) -> str:
@@ -25,4 +27,6 @@ def find(root: Path) -> Tools:
                     return found
         raise Failure(f"{names[0]}: neither in {own} nor on PATH (make formal installs it)")
 
-    return Tools(program("yosys"), program("yosys-abc", "berkeley-abc"))
+    rtl = bool(methods - {"gappa"})
+    return Tools(program("yosys") if rtl else "", program("yosys-abc", "berkeley-abc") if rtl else "",
+                 program("gappa") if "gappa" in methods else "")
