@@ -497,7 +497,11 @@ int main(int argc, char** argv) {
       app.add_option("--bucket", how.bucket, "photons of a leaf")->check(count)->needs(limit);
   limit->needs(bucket);
   photonloom::check_values(app);
-  CLI11_PARSE(app, argc, argv);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 2;
+  }
   if (!cloud.empty()) {
     if (o.ks.size() != 1 || ks->count() == 0) {
       fmt::print(stderr, "bench_gather: -k: expected one with --cloud\n");

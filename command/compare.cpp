@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -19,8 +20,10 @@ struct MetricLimit {
   const char* what;
   double (*value)(const Metrics&);
   bool at_least;
+  double smallest, largest;  // that the value can be
   std::optional<double> given;
 };
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 double mean_ratio_deviation(const Metrics& m) { return std::fabs(m.mean_ratio - 1); }
 double mean_ratio_rgb_deviation(const Metrics& m) {
@@ -33,13 +36,31 @@ struct CompareOptions {
   std::string a, b, layer, error_map;
   bool json = false, identical = false;
   std::vector<MetricLimit> limits = {
-      {"--max-rmse", "rmse", [](const Metrics& m) { return m.rmse; }, false, {}},
-      {"--max-relmse", "relmse", [](const Metrics& m) { return m.relmse; }, false, {}},
-      {"--max-mape", "mape", [](const Metrics& m) { return m.mape; }, false, {}},
-      {"--max-mean-ratio", "|mean_ratio - 1|", mean_ratio_deviation, false, {}},
-      {"--max-mean-ratio-rgb", "largest |mean_ratio_rgb - 1|", mean_ratio_rgb_deviation, false, {}},
-      {"--min-psnr", "psnr", [](const Metrics& m) { return m.psnr; }, true, {}},
-      {"--max-flip", "flip", [](const Metrics& m) { return m.flip; }, false, {}},
+      {"--max-rmse", "rmse", [](const Metrics& m) { return m.rmse; }, false, 0, kInfinity, {}},
+      {"--max-relmse",
+       "relmse",
+       [](const Metrics& m) { return m.relmse; },
+       false,
+       0,
+       kInfinity,
+       {}},
+      {"--max-mape", "mape", [](const Metrics& m) { return m.mape; }, false, 0, kInfinity, {}},
+      {"--max-mean-ratio", "|mean_ratio - 1|", mean_ratio_deviation, false, 0, kInfinity, {}},
+      {"--max-mean-ratio-rgb",
+       "largest |mean_ratio_rgb - 1|",
+       mean_ratio_rgb_deviation,
+       false,
+       0,
+       kInfinity,
+       {}},
+      {"--min-psnr",
+       "psnr",
+       [](const Metrics& m) { return m.psnr; },
+       true,
+       -kInfinity,
+       kInfinity,
+       {}},
+      {"--max-flip", "flip", [](const Metrics& m) { return m.flip; }, false, 0, 1, {}},
   };
 };
 
@@ -113,6 +134,16 @@ void compare(const CompareOptions& o) {
   if (!exceeded.empty()) throw CheckFailed(fmt::format("{} against {}: {}", o.a, o.b, exceeded));
 }
 
+// A limit that no image can exceed, or each must, is a slip.
+CLI::Validator limit_number(const MetricLimit& limit) {
+  const double low = limit.smallest, high = limit.largest;
+  const std::string expected = !std::isfinite(low) ? "a number"
+                               : std::isfinite(high)
+                                   ? fmt::format("a number from {} to {}", low, high)
+                                   : fmt::format("a number of at least {}", low);
+  return number_value(expected, [low, high](double x) { return x >= low && x <= high; });
+}
+
 void add_compare(CLI::App& app) {
   auto o = std::make_shared<CompareOptions>();
   CLI::App* c = app.add_subcommand("compare", "How far an EXR image is from another");
@@ -140,7 +171,7 @@ void add_compare(CLI::App& app) {
     c->add_option(limit.option, limit.given,
                   fmt::format("Fail unless {} is {} this", limit.what,
                               limit.at_least ? "at least" : "at most"))
-        ->check(number_value("a number"))
+        ->check(limit_number(limit))
         ->type_name("X");
   c->callback([o] { compare(*o); });
 }

@@ -9,6 +9,7 @@
 #include <set>
 
 #include "golden/numeric/strict_size.hpp"
+#include "golden/plan/plan_file.hpp"
 
 namespace photonloom {
 namespace {
@@ -71,6 +72,13 @@ void check_set_lines(const std::vector<std::string>& lines, SetLines names) {
       throw UsageError(fmt::format("--set: '{}', expected section.key=value", line));
     if (!seen.insert(name).second)
       throw UsageError(fmt::format("--set {}: {} is set twice", line, name));
+  }
+}
+
+void check_set_values(const std::vector<std::string>& lines) {
+  for (const std::string& line : lines) {
+    Plan plan;
+    as_usage("--set: ", [&] { set_plan_line(plan, line); });
   }
 }
 
@@ -151,6 +159,7 @@ FrameRequest FrameOptions::request(SetLines lines) const {
   check_set_lines(request.set, lines);
   for (const Shortcut& shortcut : kShortcuts)
     if (command_->count(shortcut.option) > 0) refuse_decided(request.set, shortcut);
+  if (lines == SetLines::kOfPlan) check_set_values(request.set);
   if (!size_.empty()) request.size = parse_size(size_);
   request.scene_file = scene_.path();
   request.parameters = scene_.parameters();

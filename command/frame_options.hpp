@@ -48,6 +48,9 @@ CLI::Validator radius_number();
 // Throws UsageError where a line of --set is no NAME=VALUE, or two are of one name.
 void check_set_lines(const std::vector<std::string>& lines, SetLines names = SetLines::kOfPlan);
 
+// Throws UsageError where one of --set names no line of the plan, or a value that no plan has.
+void check_set_values(const std::vector<std::string>& lines);
+
 // An option that decides lines of the plan.
 struct Shortcut {
   const char* option;

@@ -228,6 +228,7 @@ void gather(const GatherOptions& o) {
     throw UsageError("--kernel epanechnikov needs --arithmetic reference: golden's kernel is flat");
   check_set_lines(o.set);
   for (const Shortcut& shortcut : kDecided) refuse_decided(o.set, shortcut);
+  check_set_values(o.set);
   for (const std::string& line : o.set) refuse_without_effect(line, o);
   check_outputs({o.output}, {o.photons, o.queries, o.plan});
   const Job job = prepare(o);

@@ -15,6 +15,7 @@
 #include "golden/numeric/output_file.hpp"
 #include "study/plan_search.hpp"
 #include "study/point_plan.hpp"
+#include "study/study_file.hpp"
 
 namespace photonloom {
 namespace {
@@ -45,6 +46,9 @@ LineValues asked_lines(const FrameRequest& r) {
     if (at == std::string::npos || line.find('+') < at)
       throw UsageError(fmt::format("--set: '{}', expected section.key=value", line));
     lines.emplace_back(line.substr(0, at), line.substr(at + 1));
+    const auto& [name, value] = lines.back();
+    if (const std::string problem = line_problem(name, value, "--size"); !problem.empty())
+      throw UsageError("--set: " + problem);
   }
   return lines;
 }
@@ -219,7 +223,7 @@ void PlanForError::run(const FrameRequest& request, const std::string& output, b
     throw UsageError("a scene's plan needs -o FILE (- for standard output)");
 
   // Before anything is measured.
-  if (!explain_.empty()) check_curve_line(explain_);
+  if (!explain_.empty()) as_usage("", [&] { check_curve_line(explain_); });
 
   ConsoleProgress progress;
   PlanSearchRequest r;

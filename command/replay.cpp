@@ -194,6 +194,7 @@ void replay(const ReplayOptions& o) {
   if (backend->kind.model) models.insert(*backend->kind.model);
   o.rig.refuse_unread(models);
   if (backend->device.empty()) o.board.refuse_alone();
+  if (models.empty() && backend->device.empty()) o.rig.refuse_work();
   o.rig.check_netlist(models.count(ModelKind::kNetlist));
   const std::string waveform = waveform_of(*backend);
   o.rig.check_waveform(waveform.empty() ? std::set<std::string>{} : std::set{o.unit});

@@ -11,6 +11,7 @@
 #include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <stdexcept>
 
 #include "command/command.hpp"
@@ -153,6 +154,17 @@ bool draw(const std::string& folder, const Plot& plot) {
   return true;
 }
 
+// Whether one of a page's tables has more than its head.
+bool has_table_row(const std::string& page) {
+  std::istringstream lines(page);
+  bool after_head = false;
+  for (std::string line; std::getline(lines, line);) {
+    if (after_head && line.starts_with("|")) return true;
+    after_head = line.starts_with("|---");
+  }
+  return false;
+}
+
 // Every file's folder is DIR, or where a study has several DIR/FILE.
 void run_study(const ShippedStudy& study, const StudyOptions& o) {
   const std::unique_ptr<Progress> progress = make_progress_or_log();
@@ -186,6 +198,11 @@ void run_study(const ShippedStudy& study, const StudyOptions& o) {
     read_outcome(request.folder, outcome);
   }
   Conclusion conclusion = study.conclude(outcome);
+  if (!has_table_row(conclusion.page))
+    throw std::runtime_error(fmt::format(
+        "{}/{}.md: is not written: no scene has the points that study {} concludes from, expected "
+        "{} with all its [[points]]; the results stand in {}",
+        o.output, study.name, study.name, files.front(), o.output));
   bool has_plots = false;
   for (const Plot& plot : conclusion.plots) has_plots |= draw(o.output, plot);
   for (const Goal& goal : conclusion.goals) {

@@ -23,7 +23,7 @@ void sweep(const SweepOptions& o) {
   SweepRequest request;
   request.study_file = o.study;
   request.folder = o.output;
-  if (!o.points.empty()) request.only = parse_numbers(o.points, "--points");
+  if (!o.points.empty()) as_usage("", [&] { request.only = parse_numbers(o.points, "--points"); });
   if (o.task && o.points.empty()) throw UsageError("--task goes with --points");
   request.wait = o.wait;
   request.is_task = o.task;

@@ -58,7 +58,9 @@ class Sweep {
   // Refused before anything is written.
   static Study study_of(const SweepRequest& request) {
     Study study = parse_study(read_file(request.study_file), request.study_file, measure_names());
-    if (!request.scenes.empty()) replace_scenes(study, request.scenes);
+    if (!request.scenes.empty())
+      for (const std::string& sentence : replace_scenes(study, request.scenes))
+        if (request.say) request.say(sentence);
     uint64_t points = 0;
     for (size_t s = 0; s < study.scenes.size(); ++s) points += points_of_scene(study, s);
     for (const uint32_t n : request.only)
@@ -195,7 +197,14 @@ class Sweep {
   void keep_plan(const std::string& hash, const PointPlan& made) const {
     if (is_kept(hash)) return;
     std::filesystem::create_directories(request_.folder + "/plans");
-    write_plan(made.plan, plan_file(hash), made.reasons);
+    check_plan(made.plan);
+    const std::string text = plan_text(made.plan, made.reasons);
+    write_file(plan_file(hash), text + check_of(hash, text));
+  }
+
+  // The last line of plans/HASH.toml, by which it is known as whole without being parsed.
+  static std::string check_of(const std::string& hash, std::string_view text) {
+    return fmt::format("# plan {}, {}", hash, check_line(text));
   }
 
   std::string plan_file(const std::string& hash) const {
@@ -205,7 +214,12 @@ class Sweep {
   // By its hash: points of one plan may have different reasons for it.
   bool is_kept(const std::string& hash) const {
     try {
-      return plan_hash_text(read_plan(plan_file(hash))) == hash;
+      const std::string text = read_file(plan_file(hash));
+      // A file without the line, or with another, may still be the plan.
+      const size_t last = text.rfind("\n# plan ") + 1;
+      if (last > 0 && text.substr(last) == check_of(hash, std::string_view(text).substr(0, last)))
+        return true;
+      return plan_hash_text(parse_plan(text, plan_file(hash))) == hash;
     } catch (const std::runtime_error&) {
       return false;
     }

@@ -21,10 +21,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// The last line is the checksum of all before it.
-constexpr const char* kCheck = "check ";
-
-uint64_t fnv1a(const std::string& bytes) {
+uint64_t fnv1a(std::string_view bytes) {
   uint64_t h = 0xcbf29ce484222325ull;
   for (const char c : bytes) h = (h ^ static_cast<unsigned char>(c)) * 0x100000001b3ull;
   return h;
@@ -139,6 +136,10 @@ bool is_sweep_folder(const std::filesystem::path& folder) {
 
 }  // namespace
 
+std::string check_line(std::string_view before) {
+  return fmt::format("check {:016x}\n", fnv1a(before));
+}
+
 std::string result_text(const Result& r) {
   Json j;
   j["scene"] = r.key.scene;
@@ -154,14 +155,14 @@ std::string result_text(const Result& r) {
     for (const auto& [column, blocks] : taken.figures.blocks) m["blocks"][column] = numbers(blocks);
   }
   const std::string body = j.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
-  return body + kCheck + fmt::format("{:016x}\n", fnv1a(body));
+  return body + check_line(body);
 }
 
 Result parse_result(const std::string& text) {
   const size_t line = text.find('\n');
   if (line == std::string::npos) throw std::runtime_error("is cut short");
   const std::string body = text.substr(0, line + 1);
-  if (text.substr(line + 1) != kCheck + fmt::format("{:016x}\n", fnv1a(body)))
+  if (text.substr(line + 1) != check_line(body))
     throw std::runtime_error("is damaged: its checksum does not fit");
   try {
     const Json j = Json::parse(body);

@@ -5,6 +5,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "study/measures.hpp"
@@ -28,6 +29,9 @@ struct Result {
   std::map<std::string, Taken> measures;
   double seconds = 0;  // of this machine; no part of any compared table
 };
+
+// A line with the checksum of what stands before it.
+std::string check_line(std::string_view before);
 
 // The file's text and back. Reading throws std::runtime_error saying what is wrong: cut short, a
 // checksum that does not fit, another format.

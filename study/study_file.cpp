@@ -453,7 +453,7 @@ uint64_t PointSet::points() const {
   return points;
 }
 
-void replace_scenes(Study& study, const std::vector<std::string>& files) {
+std::vector<std::string> replace_scenes(Study& study, const std::vector<std::string>& files) {
   std::vector<std::string> names;
   for (const std::string& file : files) {
     names.push_back(scene_name(file));
@@ -463,15 +463,23 @@ void replace_scenes(Study& study, const std::vector<std::string>& files) {
                       "different names",
                       file, names.back()));
   }
+  std::vector<std::string> left_out;
   std::erase_if(study.sets, [&](PointSet& set) {
     if (set.scenes.empty()) return false;
     std::vector<size_t> kept;
+    std::string asked;
     for (const size_t scene : set.scenes) {
+      asked += (asked.empty() ? "" : ", ") + scene_name(study.scenes[scene]);
       const auto at = std::find(names.begin(), names.end(), scene_name(study.scenes[scene]));
       if (at != names.end()) kept.push_back(static_cast<size_t>(at - names.begin()));
     }
     std::sort(kept.begin(), kept.end());
     set.scenes = kept;
+    if (kept.empty())
+      left_out.push_back(
+          fmt::format("{}:{}: these [[points]] are left out, none of their scenes ({}) "
+                      "is asked for",
+                      study.file, set.line, asked));
     return kept.empty();
   });
   study.scenes = files;
@@ -479,6 +487,7 @@ void replace_scenes(Study& study, const std::vector<std::string>& files) {
     throw StudyError(
         fmt::format("{}: has too many points with {} scenes, expected at most {} in all of them",
                     study.file, files.size(), kMostPoints));
+  return left_out;
 }
 
 std::string Study::referenced() const {

@@ -77,8 +77,9 @@ struct Study {
 };
 
 // Takes these scenes instead of the study's. Points of some scenes only keep to those of the same
-// names. Throws StudyError for two scenes of one name and for too many points.
-void replace_scenes(Study& study, const std::vector<std::string>& files);
+// names; returns a sentence for each [[points]] that has none of them and goes. Throws StudyError for
+// two scenes of one name and for too many points.
+std::vector<std::string> replace_scenes(Study& study, const std::vector<std::string>& files);
 
 // Why no plan can have this value in these lines, a name of LineValues; empty: one may. The frame's
 // size is no line of theirs: `size` is what decides it.

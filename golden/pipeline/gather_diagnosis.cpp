@@ -127,7 +127,10 @@ Advice advice_for(Shortage shortage, const Plan& plan, double radius, double kth
       shortage == Shortage::kNoPhoton ? 1 : std::clamp(wanted * wanted, 1.0, kMostPhotons);
   Advice a;
   a.k = plan.k;
-  a.photons = static_cast<uint64_t>(std::ceil(f * static_cast<double>(plan.global.photons)));
+  // Where k are not found at any distance, fewer than k photons in all are no advice.
+  const uint64_t fewest = std::isfinite(kth) ? 1 : static_cast<uint64_t>(plan.k);
+  a.photons = static_cast<uint64_t>(
+      std::ceil(f * static_cast<double>(std::max(fewest, plan.global.photons))));
   a.radius = rounded_up(std::max(radius, wanted * radius / std::sqrt(f)));
   if (a.photons > plan.global.photons) a.options = fmt::format("--photons {} ", a.photons);
   a.options += fmt::format("--set global.radius={:.4g}", a.radius);

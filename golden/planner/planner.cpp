@@ -65,6 +65,8 @@ int extra_position_bits(const PhotonPass& pass, double extent) {
     std::nth_element(low, high, x.end());
     spread = std::max(spread, *high - *low);
   }
+  // One photon, or all in one place: there is no distance that units could be too large for.
+  if (!(spread > 0)) return 0;
   int bits = 0;
   while (bits < 64 && std::ldexp(spread, bits + 4) <= extent) ++bits;
   return bits;

@@ -17,7 +17,9 @@ for name in photonloom nanoflann FLANN CGAL; do
 done
 for wrong in "-k 0" "--queries -1" "--photons 1,x" "--bucket 8" "--cloud $build/none $build/none -k 5"; do
   # shellcheck disable=SC2086 # an option and its value
-  if "$build/bench_gather" "$build/wrong.json" --uniform $wrong 2>"$build/wrong.txt"; then fail "bench_gather takes $wrong"; fi
+  status=0
+  "$build/bench_gather" "$build/wrong.json" --uniform $wrong 2>"$build/wrong.txt" || status=$?
+  [ "$status" -eq 2 ] || fail "bench_gather $wrong ends with status $status, expected 2"
   [ ! -e "$build/wrong.json" ] || fail "bench_gather $wrong wrote a file"
   grep -q -e "${wrong%% *}" "$build/wrong.txt" || fail "bench_gather $wrong does not name the option: $(cat "$build/wrong.txt")"
 done

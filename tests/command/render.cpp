@@ -178,6 +178,16 @@ TEST_CASE("scenes at the edge of what can be: the right image, a warning, or one
                         "</transform></shape>"));
   CHECK(good(scene + sampled + out).err.find("too little for positions of 20 bits") !=
         std::string::npos);
+  // Photons that are one, or all in one place, say nothing of how fine positions must be.
+  const std::string one =
+      good("render" + balls() +
+           "--photons 1 --caustic-photons 1 --size 8x8 --spp 1 --gather-rays 4" + out)
+          .err;
+  CHECK(one.find("too little for positions") == std::string::npos);
+  // What it advises instead is enough to find k.
+  const size_t advice = one.find("try --photons ");
+  REQUIRE(advice != std::string::npos);
+  CHECK(std::stoi(one.substr(advice + 14)) >= 50);
   for (const std::string scale : {"1e13", "1e-13"}) {
     write_file(file, room(point_light("0", "1"), scale));
     for (const std::string integrator : {"path", "photonmap"})
@@ -269,13 +279,16 @@ TEST_CASE("what cannot be is one clear error, and nothing is left behind") {
         1, {"photon.channel_color is black"});
   // What a path traced image does not read.
   for (const std::string option :
-       {"--plan p.toml", "--record r", "--set bogus.line=5", "--load-photons none.ply",
+       {"--plan p.toml", "--record r", "--set gather.k=5", "--load-photons none.ply",
         "--load-caustics none.ply", "--arithmetic golden", "--arithmetic reference"})
     fails("render" + box() + "--integrator path " + option + out, 2,
           {option.substr(0, option.find(' ')) + ": has no meaning with --integrator path"});
-  fails("render" + box() + "--photons 100 --set gather.k=999" + out, 1, {"gather.k", "1 to 256"});
-  fails("render" + box() + "--photons 100 --set gather.colour=1" + out, 1,
-        {"no line gather.colour"});
+  fails("render" + box() + "--photons 100 --set gather.k=999" + out, 2,
+        {"--set: 'gather.k=999': gather.k", "1 to 256"});
+  fails("render" + box() + "--photons 100 --set gather.colour=1" + out, 2,
+        {"--set: ", "no line gather.colour"});
+  fails("render" + box() + "--set gather.k=-18446744073709551616" + out, 2,
+        {"--set: ", "1 to 256"});
   fails("render" + box() + "--photons 100 --set gather.k=5 --set gather.k=6" + out, 2,
         {"--set gather.k=6: gather.k is set twice"});
   fails("render" + box() + "--photons 100 --set photon.photon_bytes=4" + out, 1,

@@ -121,6 +121,10 @@ void RigFlags::refuse_unread(const std::set<ModelKind>& kinds) const {
           fmt::format("{}: has no effect, no unit runs by a backend that reads it", option));
 }
 
+void RigFlags::refuse_work() const {
+  if (!work_.empty()) throw UsageError("--work: has no effect, no unit runs as a model or a board");
+}
+
 void RigFlags::check_waveform(const std::set<std::string>& units) const {
   if (wave_.empty() && (!wave_unit_.empty() || !wave_cycles_.empty()))
     throw UsageError("--wave-unit and --wave-cycles need --wave FILE");

@@ -32,8 +32,10 @@ class RigFlags {
   // A netlist is of one unit too: an error where --netlist is given and not just one unit runs as
   // netlist.
   void check_netlist(size_t units) const;
-  // Throws UsageError where an option is given that no model of these kinds reads.
+  // Throws UsageError where an option is given that no model of these kinds reads. Whether --work
+  // is read where there is none is the command's.
   void refuse_unread(const std::set<ModelKind>& kinds) const;
+  void refuse_work() const;
 
  private:
   CLI::App* command_ = nullptr;
