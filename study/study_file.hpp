@@ -77,8 +77,8 @@ struct Study {
 };
 
 // Takes these scenes instead of the study's. Points of some scenes only keep to those of the same
-// names; returns a sentence for each [[points]] that has none of them and goes. Throws StudyError for
-// two scenes of one name and for too many points.
+// names; returns a sentence for each [[points]] that has none of them and goes. Throws StudyError
+// for two scenes of one name and for too many points.
 std::vector<std::string> replace_scenes(Study& study, const std::vector<std::string>& files);
 
 // Why no plan can have this value in these lines, a name of LineValues; empty: one may. The frame's
