@@ -1,9 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // Numbers that are none, or of the wrong sign, are refused with the name of their option before
 // anything is done.
+#include <functional>
+#include <map>
 #include <regex>
 #include <set>
+#include <sstream>
 
+#include <fmt/core.h>
+
+#include "golden/numeric/random.hpp"
 #include "golden/plan/plan_file.hpp"
 #include "tests/catch.hpp"
 #include "tests/command/run.hpp"
@@ -88,59 +94,277 @@ TEST_CASE("no seed wraps or saturates, whatever its option is called") {
     }
 }
 
-// The commands that `command --help` lists, itself first, and those below them.
-static std::vector<std::string> commands_below(const std::string& command) {
-  std::vector<std::string> all{command};
-  const Outcome help = run(command + " --help");
-  REQUIRE(help.status == 0);
-  const size_t list = help.out.find("Subcommands:");
-  if (list == std::string::npos) return all;
-  std::istringstream lines(help.out.substr(list, help.out.find("\n\n", list) - list));
-  const std::regex name(R"(^  ([a-z][a-z-]*) .*)");
-  std::smatch match;
-  for (std::string line; std::getline(lines, line);)
-    if (std::regex_match(line, match, name))
-      for (const std::string& below : commands_below(command + " " + match[1].str()))
-        all.push_back(below);
+namespace {
+
+// An option that takes a value, and what it is of.
+struct Valued {
+  std::string command, option;  // " board info", "--board-wait"
+  std::string shown;            // its type in --help: "N:INT in [1 - 64]", "FILE"
+};
+
+// Every option of every command that takes a value, from the completion of fish, which is made of
+// CLI11's own list, hidden ones too; with its type from --help.
+std::vector<Valued> valued_options() {
+  std::vector<Valued> all;
+  std::map<std::string, std::string> help;
+  std::istringstream lines(run("manual fish").out);
+  const std::regex form(
+      R"(complete -c photonloom -n '__photonloom_at \\'photonloom([a-z -]*)\\''(.*))"),
+      name(" -(l|s) ([A-Za-z-]+)");
+  for (std::string line; std::getline(lines, line);) {
+    std::smatch match;
+    if (!std::regex_match(line, match, form)) continue;
+    const std::string command = match[1], rest = match[2],
+                      head = rest.substr(0, rest.find(" -d '"));
+    if (head.find(" -r") == head.npos && head.find(" -x") == head.npos) continue;
+    std::string option;
+    for (std::sregex_iterator i(head.begin(), head.end(), name), end; i != end; ++i)
+      option = ((*i)[1] == "l" ? "--" : "-") + (*i)[2].str();
+    if (!help.count(command)) help[command] = run(command + " --help").out;
+    const std::string& text = help[command];
+    std::smatch shown;
+    const std::regex type(option + R"( (\S+( in \[\S+ - \S+\])?))");
+    Valued v{command, option, std::regex_search(text, shown, type) ? shown[1].str() : "hidden"};
+    all.push_back(v);
+  }
   return all;
 }
 
-TEST_CASE("no integer option of any command wraps, saturates or cuts what it is given") {
-  const std::regex integer(R"((--[a-z0-9-]+) \S*?:?(U?INT) in \[(-?\d+) - (\d+)\])");
-  std::set<std::string> seen;
-  for (const std::string& command : commands_below("")) {
-    const std::string help = run(command + " --help").out;
-    for (std::sregex_iterator i(help.begin(), help.end(), integer), end; i != end; ++i) {
-      const std::string option = (*i)[1];
-      const __int128 low = std::stoll((*i)[3]);
-      const __int128 high = static_cast<__int128>(std::stoull((*i)[4]));
-      seen.insert(option);
-      std::vector<std::string> values{"-18446744073709551615",
-                                      "-18446744073709551616",
-                                      "18446744073709551616",
-                                      "18446744073709551617",
-                                      "-9223372036854775809",
-                                      "340282366920938463463374607431768211457",
-                                      "4294967297.0",
-                                      "1e1",
-                                      "0x1",
-                                      "1 ",
-                                      "+-1",
-                                      "nan"};
-      if (high < (__int128{1} << 62))
-        values.push_back(std::to_string(static_cast<int64_t>(high) + 1));
-      if (low > -(__int128{1} << 62))
-        values.push_back(std::to_string(static_cast<int64_t>(low) - 1));
-      for (const std::string& value : values) {
-        const Outcome o = run(command + " " + option + "='" + value + "'");
-        INFO(command << " " << option << "=" << value << "\n" << o.err);
-        CHECK(o.status == 2);
-        CHECK_THAT(o.err, ContainsSubstring(option + ":"));
-      }
+enum class Kind { kInteger, kFloat, kText, kUnknown };
+
+// Values that hold numbers without being one, each of its own form; numbers in them are fuzzed too.
+const std::set<std::string> kForms = {"WxH", "LIST", "E"};
+// Files, names and lines: no numbers, or such as other tests fuzz (--set, -D).
+const std::set<std::string> kNames = {
+    "BOARD",    "DIR",  "FILE",       "FILE.exr",   "FILE.jsonl", "FILE.md",
+    "FILE.png", "LINE", "LINE=VALUE", "NAME",       "NAME,...",   "NAME=VALUE",
+    "OUT.html", "PLAN", "PLY",        "STUDY.toml", "UNIT=B,...", "SCENE/LABEL=FILE.exr"};
+// Options whose type is TEXT.
+const std::set<std::string> kTexts = {"--layer", "--netlist", "--output", "--rtl",
+                                      "--wave",  "--work",    "--yosys",  "--wave-unit"};
+const std::set<std::string> kTextForms = {"--latency",   "--stall",        "--stall-in",
+                                          "--stall-out", "--stall-memory", "--wave-cycles"};
+
+bool has_form(const Valued& v) { return kForms.count(v.shown) || kTextForms.count(v.option); }
+
+Kind kind_of(const Valued& v) {
+  std::string shown = v.shown.substr(0, v.shown.find('='));
+  if (kNames.count(v.shown)) return Kind::kText;
+  if (shown.find("INT in [") != shown.npos || shown == "S") return Kind::kInteger;
+  if (shown.find("FLOAT in [") != shown.npos || shown == "X" || shown == "R") return Kind::kFloat;
+  if (shown.find(":{") != shown.npos) return Kind::kText;
+  if (kForms.count(shown) || kNames.count(shown)) return Kind::kText;
+  if (shown == "TEXT" && (kTexts.count(v.option) || kTextForms.count(v.option))) return Kind::kText;
+  return Kind::kUnknown;
+}
+
+// Low and high of "N:INT in [LOW - HIGH]"; those of a seed.
+std::pair<std::string, std::string> range_of(const std::string& shown) {
+  std::smatch match;
+  static const std::regex range(R"(.* in \[(\S+) - (\S+)\].*)");
+  if (std::regex_match(shown, match, range)) return {match[1], match[2]};
+  return {"0", "18446744073709551615"};
+}
+
+__int128 integer(const std::string& text) {
+  __int128 value = 0;
+  for (const char c : text)
+    if (c != '-') value = 10 * value + (c - '0');
+  return text[0] == '-' ? -value : value;
+}
+std::string text_of(__int128 value) {
+  std::string digits;
+  for (__int128 left = value < 0 ? -value : value; left > 0 || digits.empty(); left /= 10)
+    digits.insert(digits.begin(), static_cast<char>('0' + static_cast<int>(left % 10)));
+  return (value < 0 ? "-" : "") + digits;
+}
+
+// What no integer of [low, high] is, from `random`: beyond the range by little or much, wrapped
+// around 2^32 or 2^64 into it, or a number spelt in a way that is none.
+std::string no_integer(const std::function<uint64_t(uint64_t)>& random, __int128 low,
+                       __int128 high) {
+  const __int128 within = low + static_cast<__int128>(random(1u << 30)) % (high - low + 1);
+  switch (random(8)) {
+    case 0:
+      return text_of(high + 1 + static_cast<__int128>(random(1000)));
+    case 1:
+      return text_of(low - 1 - static_cast<__int128>(random(1000)));
+    case 2:
+      return text_of(within + (__int128{1} << 64) * (1 + static_cast<int>(random(9))));
+    case 3:
+      return text_of(within - (__int128{1} << 64) * (1 + static_cast<int>(random(9))));
+    case 4: {
+      const __int128 wrapped = within + (__int128{1} << 32) * (1 + static_cast<int>(random(9)));
+      return wrapped > high ? text_of(wrapped) : text_of(wrapped) + ".0";
+    }
+    case 5:
+      return text_of(within) + std::string(1, "x.eE+- ,_'"[random(9)]);
+    case 6:
+      return std::string(1, "x+ _,"[random(5)]) + text_of(within < 0 ? -within : within);
+    default: {
+      std::string digits = "9";
+      for (uint64_t n = 20 + random(60); n > 0; --n) digits += static_cast<char>('0' + random(10));
+      return digits;
     }
   }
-  for (const char* option : {"--photons", "--spp", "--gather-rays", "--threads", "--watchdog"}) {
-    INFO(option << " is found as an integer option");
-    CHECK(seen.count(option) == 1);
+}
+
+std::string shell_quoted(const std::string& text) {
+  std::string quoted = "'";
+  for (const char c : text) quoted += c == '\'' ? "'\\''" : std::string(1, c);
+  return quoted + "'";
+}
+
+}  // namespace
+
+TEST_CASE("every option that takes a value is known as a number or as none") {
+  const std::vector<Valued> all = valued_options();
+  CHECK(all.size() > 150);
+  for (const Valued& v : all) {
+    INFO("photonloom" << v.command << " " << v.option << " takes '" << v.shown
+                      << "': expected a type that this test fuzzes, or one of its lists of texts");
+    CHECK(kind_of(v) != Kind::kUnknown);
   }
+}
+
+TEST_CASE("no number of any option of any command wraps, saturates or is cut") {
+  const uint64_t seed =
+      std::getenv("PHOTONLOOM_SEED") ? std::stoull(std::getenv("PHOTONLOOM_SEED")) : 1;
+  uint64_t drawn = 0;
+  const auto random = [&](uint64_t below) { return hash_bits(seed, drawn++, 0, 0) % below; };
+  const auto refused = [&](const Valued& v, const std::string& value) {
+    const std::string command = v.command + " " + v.option + "=" + shell_quoted(value);
+    INFO("PHOTONLOOM_SEED=" << seed << "; again: photonloom" << command);
+    const Outcome o = run(command);
+    INFO(o.err);
+    CHECK(o.status == 2);
+    CHECK_THAT(o.err, ContainsSubstring(v.option + ":"));
+  };
+  std::set<std::string> fixed_done;
+  uint64_t numbers = 0;
+  for (const Valued& v : valued_options()) {
+    const Kind kind = kind_of(v);
+    if (kind != Kind::kInteger && kind != Kind::kFloat) continue;
+    ++numbers;
+    const auto [low, high] = range_of(v.shown);
+    std::vector<std::string> values;
+    if (kind == Kind::kInteger) {
+      for (int i = 0; i < 3; ++i) values.push_back(no_integer(random, integer(low), integer(high)));
+      // Its ends are taken: what is wrong then is something else.
+      if (v.option != "--threads")
+        for (const std::string& end : {low, high}) {
+          const Outcome o = run(v.command + " " + v.option + "=" + end);
+          INFO("photonloom" << v.command << " " << v.option << "=" << end << "\n" << o.err);
+          CHECK_THAT(o.err, !ContainsSubstring(v.option + ":"));
+        }
+      values.push_back(text_of(integer(high) + 1));
+      values.push_back(text_of(integer(low) - 1));
+    } else {
+      values = {"nan",
+                "1e-999",
+                "1e999",
+                fmt::format("{}x", random(100)),
+                fmt::format("0x{}", random(100)),
+                fmt::format(" {}", random(100))};
+      if (v.shown.find(" in [") != v.shown.npos)
+        values.push_back(
+            fmt::format("{}", std::stod(high) * (1.5 + static_cast<double>(random(9)))));
+    }
+    // The same option of several commands has one parser: the fixed list once.
+    if (kind == Kind::kInteger && fixed_done.insert(v.option + v.shown).second)
+      for (const char* value : {"-18446744073709551615", "-18446744073709551616",
+                                "18446744073709551616", "18446744073709551617",
+                                "-9223372036854775809", "340282366920938463463374607431768211457",
+                                "4294967297.0", "1e1", "0x1", "1 ", "+-1", "nan"})
+        values.push_back(value);
+    for (const std::string& value : values) refused(v, value);
+  }
+  CHECK(numbers > 60);
+}
+
+TEST_CASE("numbers within a value of its own form are read as strictly") {
+  const std::string cosim = "cosim '" + source("scenes/cornell.xml") + "'",
+                    plan = "plan '" + source("scenes/cornell.xml") + "' -o -";
+  const struct {
+    std::string command, option;
+    std::vector<std::string> values;
+  } forms[] = {
+      {"render '" + source("scenes/cornell.xml") + "' -o x.exr",
+       "--size",
+       {"0x1", "1x0", "-1x1", "16385x1", "18446744073709551617x1", "4294967297x1", "1x", "1x1 "}},
+      {"precision '" + source("scenes/cornell.xml") + "' -o x.csv",
+       "--size",
+       {"0x1", "18446744073709551617x1", "1x1x1"}},
+      {plan + " --error 0.1", "--measure-size", {"0x1", "4294967297x1", "1x"}},
+      {plan, "--error", {"-1", "nan", "0", "1e-999", "0x1", "1xx", "-0.5x"}},
+      {"sweep x.toml -o x", "--points", {"-1", "1-", "4294967296", "18446744073709551617", "2-1"}},
+      {cosim, "--latency", {"-1", "18446744073709551617", "4294967297", "1.5", "nan", "1 "}},
+      {cosim, "--stall", {"bernoulli:nan", "bernoulli:-1", "bernoulli:2", "bernoulli:0x1"}},
+      {cosim, "--stall-in", {"bernoulli:nan", "bernoulli:1e-999", "bernoulli:"}},
+      {cosim, "--stall-out", {"bernoulli:nan", "bernoulli:2"}},
+      {cosim, "--stall-memory", {"bernoulli:nan", "bernoulli:-0.1"}},
+      {cosim + " --wave w.fst --wave-unit photon_gatherer",
+       "--wave-cycles",
+       {"-1:2", "1:", "2:1", "18446744073709551616:18446744073709551617", "0x1:5"}},
+  };
+  std::set<std::string> done;
+  for (const auto& f : forms)
+    for (const std::string& value : f.values) {
+      done.insert(f.option);
+      const Outcome o = run(f.command + " " + f.option + "='" + value + "'");
+      INFO(f.command << " " << f.option << "='" << value << "'\n" << o.err);
+      CHECK(o.status == 2);
+      CHECK_THAT(o.err, ContainsSubstring(f.option));
+    }
+  for (const Valued& v : valued_options())
+    if (has_form(v)) {
+      INFO(v.command << " " << v.option);
+      // --format-error has its own cases above.
+      CHECK((done.count(v.option) || v.option == "--format-error"));
+    }
+}
+
+TEST_CASE("no integer line of a plan wraps in its file or by --set") {
+  const uint64_t seed =
+      std::getenv("PHOTONLOOM_SEED") ? std::stoull(std::getenv("PHOTONLOOM_SEED")) : 1;
+  INFO("PHOTONLOOM_SEED=" << seed);
+  uint64_t drawn = 0, lines = 0;
+  const auto random = [&](uint64_t below) { return hash_bits(seed, drawn++, 1, 0) % below; };
+  const std::string text = plan_text(Plan{}, {});
+  std::string section;
+  std::istringstream stream(text);
+  for (std::string line; std::getline(stream, line);) {
+    if (line.starts_with("[")) section = line.substr(1, line.find(']') - 1);
+    const size_t equals = line.find(" = ");
+    if (line.starts_with("#") || equals == std::string::npos) continue;
+    const std::string key = line.substr(0, equals), value = line.substr(equals + 3);
+    if (value.empty() || value.find_first_not_of("-0123456789", 0) != value.find_first_of(" \n#") ||
+        value.find('.') < value.find(' '))
+      continue;
+    ++lines;
+    std::vector<std::string> values = {"18446744073709551616",
+                                       "-18446744073709551615",
+                                       "9223372036854775808",
+                                       "4294967297.0",
+                                       "nan",
+                                       "1e1"};
+    // Wrapped around 2^64, or beyond any line's range.
+    for (int i = 0; i < 4; ++i)
+      values.push_back(
+          text_of((__int128{1} << 64) * (1 + static_cast<int>(random(9))) * (random(2) ? 1 : -1) +
+                  static_cast<__int128>(random(256))));
+    for (const std::string& wrong : values) {
+      INFO(section << "." << key << " = " << wrong);
+      std::string changed = text;
+      const size_t at = changed.find("\n" + key + " = ", changed.find("[" + section + "]"));
+      REQUIRE(at != std::string::npos);
+      changed.replace(at + key.size() + 4,
+                      changed.find_first_of(" \n", at + key.size() + 4) - at - key.size() - 4,
+                      wrong);
+      CHECK_THROWS_AS(parse_plan(changed, "plan.toml"), PlanError);
+      Plan plan;
+      CHECK_THROWS_AS(set_plan_line(plan, section + "." + key + "=" + wrong), PlanError);
+    }
+  }
+  CHECK(lines > 40);
 }
