@@ -68,10 +68,10 @@ signoff: ## what of the units' RTL their benches reach, and every hole with its 
 	@cmake --build build --target benches
 	@scripts/signoff $(UNITS) --update
 
-faults: ## faults of link, board, memory port and units, and what becomes of results: docs/faults.md
+faults: ## faults of link, board, memory port, units and disk, and what becomes of results: docs/faults.md
 	@scripts/setup faults
 	@cmake --preset release -DBUILD_TESTING=ON
-	@cmake --build build --target benches test_units test_rtl_slow
+	@cmake --build build --target photonloom scenes benches test_units test_command test_rtl_slow
 	@scripts/faults --update
 
 mutate-auto: ## COUNT (200) mutants of each unit's RTL, of operators, constants and conditions, each caught by its bench (UNITS=..., SEED=1; hours)

@@ -148,7 +148,7 @@ TEST_CASE("faults: the board reset while queries are inside") {
   Bench bench;
   RoleRandom random(9, "reset");
   uint64_t longest = 0;
-  for (uint64_t n = 0; n < 6; ++n) {
+  for (uint64_t n = 0; n < 50; ++n) {
     bench.load(10 + n);
     REQUIRE(bench.write(kSession, {77}) == 0);
     const Words in = packed(bench.plan(), queries(bench.plan(), 12, n, true));
