@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // libFuzzer target for the host's end of the host link: arbitrary bytes to a host that waits for
 // answers end in words, or in one error; behind them a good frame is taken, and frames come back as
-// they were sent. The board's end is RTL: tests/rtl/host_link.cpp sends it damaged frames.
+// they were sent. The board's end is RTL: board_link.cpp.
 #include <algorithm>
 #include <cstdint>
 #include <cstdlib>
