@@ -4,8 +4,8 @@ import tempfile
 import unittest
 from pathlib import Path
 
-from flow.shell import Failure
-from signoff import coverage, equivalence, evidence, faults, holes, mutate, mutators, page, units
+from flow.shell import ROOT, Failure
+from signoff import cover, coverage, equivalence, evidence, faults, holes, mutate, mutators, page, units
 from signoff.coverage import Point
 
 
@@ -62,8 +62,61 @@ class Holes(unittest.TestCase):
 
     def test_reasons_of_all_units_are_read(self) -> None:
         for unit in units.names():
+            every = units.modules(unit) + [f"{module}_cover" for module in cover.modules(unit)]
             for reason in holes.reasons(unit):
-                self.assertIn(reason.module, units.modules(unit), f"{unit}: {reason.module} is no module of it")
+                self.assertIn(reason.module, every, f"{unit}: {reason.module} is no module of it")
+
+
+COVER = """module m_cover #(
+    parameter int unsigned W,
+    parameter int unsigned Two
+) (
+    input logic clk_i
+);
+  // Said above a register, not a point.
+  logic ran_q;
+
+  // It waits,
+  // for long.
+  waits: cover property (@(posedge clk_i) disable iff (rst_i) a &&
+      b);
+  // A reset.
+  reset: cover property (@(posedge clk_i) rst_i);
+endmodule
+"""
+
+
+class Cover(unittest.TestCase):
+    def test_a_point_has_a_name_and_a_reason(self) -> None:
+        self.assertEqual([(named.point, named.module, named.why) for named in cover.read("m", COVER)],
+                         [(Point("m_cover", "user", 12, "waits"), "m", "It waits, for long."), (Point("m_cover", "user", 15, "reset"), "m", "A reset.")])
+        with self.assertRaisesRegex(Failure, "line 14: reset: expected a comment"):
+            cover.read("m", COVER.replace("  // A reset.\n", ""))
+        with self.assertRaisesRegex(Failure, "line 15: waits: there are two"):
+            cover.read("m", COVER.replace("reset:", "waits:"))
+        with self.assertRaisesRegex(Failure, "line 15: expected NAME"):
+            cover.read("m", COVER.replace("reset: ", ""))
+
+    def test_every_instance_gets_them_with_its_own_parameters(self) -> None:
+        self.assertEqual(cover.bound("m", COVER), "bind m m_cover #(.W(W), .Two(Two)) cover_points (.*);\n")
+
+    def test_points_of_all_units_are_read(self) -> None:
+        for unit in units.names():
+            self.assertGreaterEqual(len(cover.points(unit)), 10)
+        attached = {module for unit in units.names() for module in cover.modules(unit)}
+        for file in (ROOT / units.COVER).glob("*"):
+            self.assertIn(file.name.removesuffix("_cover.sv"), attached, f"{file.name}: is of no module of a unit, or has another name")
+
+    def test_a_point_that_is_never_hit_is_a_hole(self) -> None:
+        found = coverage.Coverage()
+        point = Point("m_cover", "user", 15, "reset")
+        found.add(point, 0)
+        self.assertEqual(found.holes("user"), [point])
+        self.assertEqual(len(holes.explain([point], [holes.Reason("m_cover", "user", ("waits",), 0, 0, "because")])[1]), 1)
+        self.assertFalse(page.figures(found)[-1].met)
+        found.add(point, 1)
+        self.assertEqual(found.holes("user"), [])
+        self.assertTrue(page.figures(found)[-1].met)
 
 
 MODULE = """// a + b in a comment

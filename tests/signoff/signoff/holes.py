@@ -18,7 +18,7 @@ class Reason:
     """Why some points of a module are not reached."""
     module: str
     kind: str
-    of: tuple[str, ...]  # signals or patterns of them; of lines and arms the source line, or a pattern of it
+    of: tuple[str, ...]  # signals or patterns of them; of lines and arms the source line, or a pattern of it; of cover points names
     low: int  # of a toggle the bits that it is of
     high: int
     why: str
@@ -50,7 +50,9 @@ def signal_of(point: Point) -> tuple[str, int]:
 
 
 def text_of(point: Point) -> str:
-    """The source line of a line or an arm, an arm's with its name in front."""
+    """The source line of a line or an arm, an arm's with its name in front; of a cover point its name."""
+    if point.kind == "user":
+        return point.what
     text = read_text(ROOT / units.source(point.module)).splitlines()[point.line - 1].strip()
     return f"{point.what}: {text}" if point.kind == "branch" else text
 

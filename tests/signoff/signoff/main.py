@@ -8,17 +8,16 @@ from pathlib import Path
 
 from flow.shell import ROOT, Failure, read_json, run, say, warn, write_json
 
-from . import coverage, evidence, holes, mutators, page, units
+from . import cover, coverage, evidence, holes, mutators, page, units
 
 # Modules that are nothing but a memory: their words are no points.
 MEMORIES = frozenset({"block_ram", "block_ram_two_reads", "lut_ram", "pool_ram"})
 _TOTALS = re.compile(r": golden == rtl: (\d+) packets in \d+ runs, (\d+) with a reset in the middle, 0 differences, (\d+) cycles")
 
 
-def _run_plan(program: Path, plan: str, folder: Path, models: Path, again: bool) -> tuple[int, ...]:
-    """Packets, resets in the middle and cycles of a plan, its counts in the folder; kept while bench and RTL are the same."""
+def _run_plan(program: Path, plan: str, rtl: Path, made_from: str, folder: Path, models: Path, again: bool) -> tuple[int, ...]:
+    """Packets, resets in the middle and cycles of a plan, its counts in the folder; kept while what it is made from is the same."""
     done = folder / "done.json"
-    made_from = units.made_from(program)
     if done.is_file() and not again:
         kept = read_json(done)
         if kept["made_from"] == made_from:
@@ -27,7 +26,7 @@ def _run_plan(program: Path, plan: str, folder: Path, models: Path, again: bool)
     for old in folder.iterdir():
         old.unlink()
     os.environ["PHOTONLOOM_COVERAGE"] = str(folder)
-    said = run([str(program), "--plan", plan, "--work", str(models)], folder / "log", ROOT)
+    said = run([str(program), "--plan", plan, "--rtl", str(rtl), "--work", str(models)], folder / "log", ROOT)
     totals = _TOTALS.search(said)
     if not totals or not list(folder.glob("*.dat")):
         raise Failure(f"{program.name} --plan {plan}: left no counts (log: {folder / 'log'})")
@@ -40,16 +39,23 @@ def _run_plan(program: Path, plan: str, folder: Path, models: Path, again: bool)
 def _unit(unit: str, named: list[str], benches: Path, work: Path, again: bool) -> tuple[page.Evidence, list[coverage.Point]]:
     program = units.bench(benches, unit)
     plans = units.plans_of(program, named)
-    runs = [_run_plan(program, plan, work / unit / plan, work / "models", again) for plan in plans]
+    rtl = work / unit / "rtl"
+    cover.attach(unit, rtl)
+    made_from = units.made_from(program, map(units.cover, cover.modules(unit)))
+    runs = [_run_plan(program, plan, rtl, made_from, work / unit / plan, work / "models", again) for plan in plans]
     packets, resets, cycles = (sum(numbers) for numbers in zip(*runs, strict=True))
     elaborated = frozenset((module, line) for module in units.modules(unit) for line in mutators.elaborated(
         (ROOT / units.source(module)).read_text(), str(units.source(module))))
     found = coverage.read([file for plan in plans for file in sorted((work / unit / plan).glob("*.dat"))],
                           coverage.Without(MEMORIES, elaborated))
+    events = cover.points(unit)
+    for entry in events:
+        found.add(entry.point, 0)  # of a module that no plan has, too
     modules = {point.module for point in found.counts}
     every = [point for kind in coverage.KINDS for point in found.holes(kind)]
     explained, bare = holes.explain(every, holes.reasons(unit))
-    return page.Evidence(plans, len(units.plans(program)), packets, resets, cycles, found, explained, evidence.proofs(modules), evidence.hand_mutants(unit)), bare
+    return page.Evidence(plans, len(units.plans(program)), packets, resets, cycles, found, events, explained,
+                         evidence.proofs(modules), evidence.hand_mutants(unit)), bare
 
 
 def main() -> int:

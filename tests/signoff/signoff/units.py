@@ -2,11 +2,13 @@
 """The units, their benches and what a bench runs."""
 import hashlib
 import re
+from collections.abc import Iterable
 from pathlib import Path
 
 from flow.shell import ROOT, Failure, read_text, run
 
 LIST = Path("golden/plan/units.hpp")
+COVER = Path("tests/signoff/cover")
 
 
 def names() -> list[str]:
@@ -47,16 +49,23 @@ def plans_of(program: Path, named: list[str]) -> list[str]:
     return [plan for plan in every if plan in named] or every
 
 
-def made_from(program: Path) -> str:
-    """A hash of a bench and of all RTL."""
+def made_from(program: Path, others: Iterable[Path] = ()) -> str:
+    """A hash of a bench, of all RTL and of other files."""
     made = hashlib.sha256(program.read_bytes())
-    for file in sorted((ROOT / "rtl").glob("*/*.sv")):
+    for file in [*sorted((ROOT / "rtl").glob("*/*.sv")), *others]:
         made.update(file.read_bytes())
     return made.hexdigest()
 
 
+def cover(module: str) -> Path:
+    """Where a module's cover points stand, if it has any."""
+    return ROOT / COVER / f"{module}_cover.sv"
+
+
 def source(module: str) -> Path:
     """The file of a module, below the project's root."""
+    if (ROOT / COVER / f"{module}.sv").is_file():
+        return COVER / f"{module}.sv"
     found = sorted((ROOT / "rtl").glob(f"*/{module}.sv"))
     if len(found) != 1:
         raise Failure(f"rtl/*/{module}.sv: expected one such file, found {len(found)}")
