@@ -199,6 +199,16 @@ std::vector<StreamCase<CacheLookup>> cases() {
            return l;
          });
        }},
+      // Tiles of a single lookup, one behind the other: each is to forget a record that has just
+      // come.
+      {"single",
+       [](const Plan& plan, BenchRandom& random) -> In {
+         return tiles(plan, 100, 1, [&](int) {
+           CacheLookup l = lookup(plan, random, 1, 3, 2);
+           l.insert = random.chance(0.7);
+           return l;
+         });
+       }},
       // One apart or at one place, by the least exponent: the quotient has all bits behind the
       // point, and is often just below a number that rounds to another one.
       {"one_apart",
