@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-/* verilator coverage_off */
-/* verilator lint_off UNUSEDSIGNAL */  // of a signal some bits are looked at
 module cache_cover #(
     parameter int unsigned Ways,
     parameter int unsigned Misses,

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-/* verilator coverage_off */
-/* verilator lint_off UNUSEDSIGNAL */  // of a packet some fields are looked at
 module photon_gatherer_cover #(
     parameter int unsigned TagBits
 ) (

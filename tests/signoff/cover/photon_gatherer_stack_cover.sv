@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-/* verilator coverage_off */
 module photon_gatherer_stack_cover #(
     parameter int unsigned LineBits,
     parameter int unsigned StackBits

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-/* verilator coverage_off */
-/* verilator lint_off UNUSEDSIGNAL */  // of a signal some bits are looked at
 module reorder_buffer_cover (
     input logic clk_i,
     input logic rst_i,

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-/* verilator coverage_off */
-/* verilator lint_off UNUSEDSIGNAL */  // of a signal some bits are looked at
 module reorder_lists_cover #(
     parameter int unsigned Packets,
     parameter int unsigned BinBits

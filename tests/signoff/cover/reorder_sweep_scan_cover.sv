@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-/* verilator coverage_off */
 module reorder_sweep_scan_cover (
     input logic clk_i,
     input logic rst_i,
