@@ -11,7 +11,7 @@ from .properties import Property
 HARNESSES = Path("tests/formal/harness")
 SCRIPTS = Path("tests/formal/bounds")
 BOUNDS = Path("tests/extremes/suite/steps.bounds")
-PACKAGE = HARNESSES / "narrow_pkg.sv"  # packets of the proofs
+PACKAGE = HARNESSES / "narrow_pkg.sv"  # packets of the proofs, where a harness has no line '// package: FILE'
 BUGS = (Path("tests/formal/bugs"), Path("tests/mutants/rtl"))
 
 
@@ -25,16 +25,19 @@ def of(root: Path, proved: Property) -> list[Path]:
     harness = HARNESSES / f"{proved.harness}.sv"
     if not (root / harness).is_file():
         raise Failure(f"property {proved.name}: {harness}: no such harness")
+    package = PACKAGE
     named: list[Path] = []
     for line in (root / harness).read_text().splitlines():
         if line.startswith("// sources:"):
             named += [Path(word) for word in line.removeprefix("// sources:").split()]
-    missing = [path for path in named if not (root / path).is_file()]
+        if line.startswith("// package:"):
+            package = Path(line.removeprefix("// package:").strip())
+    missing = [path for path in [package, *named] if not (root / path).is_file()]
     if missing:
         raise Failure(f"{harness}: sources: {missing[0]}: no such file")
     if not named:
         raise Failure(f"{harness}: expected a line '// sources: FILE...'")
-    return [PACKAGE, *named, harness]
+    return [package, *named, harness]
 
 
 def bug_file(root: Path, proved: Property) -> Path:

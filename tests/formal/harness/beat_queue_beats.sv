@@ -1,0 +1,195 @@
+// SPDX-License-Identifier: Apache-2.0
+// sources: rtl/common/lut_ram.sv rtl/common/fifo.sv tests/formal/harness/stubs/block_ram.sv rtl/photon_gatherer/photon_gatherer_beat_queue.sv
+// photon_gatherer_beat_queue: one beat that is kept, any, is followed. It comes out as it went in, once, behind all that were
+// kept before it and before all that were kept after it, and stays offered until it is taken; its directions are read when it is
+// taken, its loads while at most Behind - 1 beats have left after it. Room is promised exactly where there is some. A line is
+// announced by issue_i only where ready_o is 1, and its beats come later, kept or not.
+//
+// Of each block RAM the row of the beat that is followed is kept.
+module beat_queue_beats #(
+    parameter int unsigned Order = 1,
+    parameter int unsigned Room = 1,
+    parameter int unsigned Lemmas = 0,
+    localparam int unsigned Beats = 2,
+    localparam int unsigned FifoDepth = 16,
+    localparam int unsigned Behind = 16,
+    localparam int unsigned RowBits = 5
+) (
+    input logic clk_i,
+    input logic rst_i,
+    input logic issue_i,
+    input logic in_valid_i,
+    input logic in_keep_i,
+    input logic in_context_i,
+    input logic in_beat_i,
+    input logic in_last_i,
+    input logic in_mask_i,
+    input logic in_d2_i,
+    input logic [2:0] in_load_i,
+    input logic out_ready_i,
+    input logic direction_read_i,
+    input logic [RowBits-1:0] load_row_i,
+    input logic pick_i
+);
+  logic ready, out_valid, out_context, out_beat, out_last, out_mask, out_d2;
+  logic [RowBits-1:0] out_row;
+  logic [1:0] directions;
+  logic [2:0] load;
+
+  photon_gatherer_beat_queue #(
+      .R2Bits(1),
+      .Contexts(2),
+      .Bucket(Beats),
+      .Lanes(1),
+      .DirectionBits(1),
+      .LoadBits(3),
+      .Behind(Behind)
+  ) dut (
+      .clk_i(clk_i),
+      .rst_i(rst_i),
+      .ready_o(ready),
+      .issue_i(issue_i),
+      .in_valid_i(in_valid_i),
+      .in_keep_i(in_keep_i),
+      .in_context_i(in_context_i),
+      .in_beat_i(in_beat_i),
+      .in_last_i(in_last_i),
+      .in_mask_i(in_mask_i),
+      .in_d2_i(in_d2_i),
+      .in_loads_i(in_load_i),
+      .out_valid_o(out_valid),
+      .out_ready_i(out_ready_i),
+      .out_context_o(out_context),
+      .out_beat_o(out_beat),
+      .out_row_o(out_row),
+      .out_last_o(out_last),
+      .out_mask_o(out_mask),
+      .out_d2_o(out_d2),
+      .direction_read_i(direction_read_i),
+      .directions_o(directions),
+      .load_row_i(load_row_i),
+      .loads_o(load)
+  );
+
+  logic started_q = 1'b0;
+  always_ff @(posedge clk_i) started_q <= 1'b1;
+  always_comb assume (rst_i == !started_q);
+
+  // Beats that are due, those inside, and those that are inside and go before the one that is followed, which is picked,
+  // comes out, and has beats behind it that have come out too.
+  logic [4:0] due_q, inside_q, ahead_q;
+  logic picked_q, out_q;
+  logic [4:0] behind_q;
+  logic [RowBits-1:0] row_q;
+  logic [4:0] word_q;
+  logic [2:0] load_q;
+  logic keeps, picks, takes, comes;
+  logic [4:0] word;
+  logic directed_q, loaded_q, stalled_q;
+  logic [4:0] shown_q;
+  logic [RowBits-1:0] shown_row_q;
+  assign word  = {out_context, out_beat, out_last, out_mask, out_d2};
+  assign keeps = in_valid_i && in_keep_i;
+  assign picks = keeps && pick_i && !picked_q;
+  assign takes = out_valid && out_ready_i;
+  assign comes = out_valid && picked_q && !out_q && ahead_q == '0;
+
+  always_ff @(posedge clk_i) begin
+    due_q <= due_q + (issue_i ? 5'(Beats) : 5'd0) - 5'(in_valid_i);
+    inside_q <= inside_q + 5'(keeps) - 5'(takes);
+    if (picks) begin
+      picked_q <= 1'b1;
+      word_q <= {in_context_i, in_beat_i, in_last_i, in_mask_i, in_d2_i};
+      load_q <= in_load_i;
+      ahead_q <= inside_q - 5'(takes);
+    end else if (takes && ahead_q != '0) begin
+      ahead_q <= ahead_q - 1'b1;
+    end
+    if (comes && takes) out_q <= 1'b1;
+    if (comes) row_q <= out_row;
+    if (out_q && takes && behind_q != 5'(Behind)) behind_q <= behind_q + 1'b1;
+    directed_q <= comes ? direction_read_i : directed_q && !direction_read_i;
+    loaded_q <= (comes && load_row_i == out_row) || (out_q && behind_q < 5'(Behind) && load_row_i == row_q);
+    stalled_q <= out_valid && !out_ready_i;
+    shown_q <= word;
+    shown_row_q <= out_row;
+    if (rst_i) begin
+      due_q <= '0;
+      inside_q <= '0;
+      picked_q <= 1'b0;
+      out_q <= 1'b0;
+      behind_q <= '0;
+      directed_q <= 1'b0;
+      loaded_q <= 1'b0;
+      stalled_q <= 1'b0;
+    end
+  end
+
+  // The row of the beat, where the memories look.
+  (* anyconst *) logic [RowBits-1:0] watched;
+  (* keep *) logic [RowBits-1:0] directions_watched, loads_watched, row;  // probes
+  always_comb begin
+    assume (directions_watched == watched && loads_watched == watched);
+    if (picks) assume (row == watched);
+    if (!rst_i) begin
+      if (issue_i) assume (ready);
+      if (in_valid_i) assume (due_q != '0);
+      if (in_keep_i) assume (in_valid_i);
+    end
+  end
+
+  if (Order == 1) begin : gen_order
+    always_comb begin
+      if (!rst_i) begin
+        if (picked_q && !out_q) assert (out_valid);
+        if (comes) assert (word == word_q && out_row == watched);
+        if (directed_q) assert (directions == load_q[1:0]);
+        if (loaded_q) assert (load == load_q);
+        if (stalled_q) assert (out_valid && word == shown_q && out_row == shown_row_q);
+      end
+    end
+  end
+  if (Room == 1) begin : gen_room
+    always_comb begin
+      if (!rst_i) begin
+        assert (inside_q <= 5'(FifoDepth) && due_q <= 5'(FifoDepth) - inside_q);
+        assert (ready == (due_q + inside_q <= 5'(FifoDepth - Beats)));
+        assert (out_valid == (inside_q != '0));
+      end
+    end
+  end
+
+  // ---- inside ----
+  (* keep *) logic [4:0] head, tail, room, place;  // probes, and where the beat lies
+  (* keep *) logic issue;
+  (* keep *) logic [FifoDepth*10-1:0] words;
+  logic [9:0] placed;
+  (* keep *) logic [2:0] row_load;
+  (* keep *) logic [1:0] row_directions;
+  assign place  = head + ahead_q;
+  assign placed = words[10*place[3:0]+:10];
+  if (Lemmas == 1) begin : gen_lemmas
+    always_comb begin
+      if (!rst_i) begin
+        assert (tail - head == inside_q && inside_q <= 5'(FifoDepth) && due_q <= 5'(FifoDepth) - inside_q);
+        assert (room - (issue ? 5'(Beats) : 5'd0) == 5'(FifoDepth) - due_q - inside_q);
+      end
+      if (!rst_i && Order == 1) begin
+        assert (behind_q <= 5'(Behind));
+        if (!out_q) assert (behind_q == '0);
+        if (!picked_q) assert (!directed_q);
+        if (picked_q) assert (behind_q == 5'(Behind) || (row_load == load_q && row_directions == load_q[1:0]));
+        if (picked_q && !out_q) begin
+          assert (ahead_q < inside_q);
+          assert (placed == {word_q[4:3], watched, word_q[2:0]});
+          // As many beats have come behind it as there are in the FIFO behind it.
+          assert (row == RowBits'(watched + inside_q - ahead_q));
+        end
+        if (out_q) begin
+          assert (picked_q && row_q == watched);
+          assert (behind_q == 5'(Behind) || row == RowBits'(watched + inside_q + behind_q + 1'b1));
+        end
+      end
+    end
+  end
+endmodule
