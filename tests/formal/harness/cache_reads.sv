@@ -124,7 +124,6 @@ module cache_reads #(
   always_comb begin
     if (Sets == 1) assume (set_mask == '0);
     assume (watched != '0 && (watched & (watched - 1'b1)) == '0);
-    if (rst_i) assume (!in_valid_i && !invalidate_i && !line_rsp_valid_i);
     if (!rst_i) begin
       if (in_valid_i) assume (in_client_i < Clients && !waits_q[in_client_i]);
       if (invalidate_i) assume (waits_q == '0 && !in_valid_i);

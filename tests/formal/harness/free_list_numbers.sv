@@ -47,9 +47,8 @@ module free_list_numbers #(
 
   always_comb begin
     assume (watched < Count && number_i < Count);
-    if (rst_i) assume (!take_i && !give_i);
-    if (take_i) assume (claimed_q < 3'(Count - 4));
-    if (give_i) assume (claimed_q != '0 && (number_i != watched || out_q));
+    if (!rst_i && take_i) assume (claimed_q < 3'(Count - 4));
+    if (!rst_i && give_i) assume (claimed_q != '0 && (number_i != watched || out_q));
     if (!rst_i && taking_q[1]) assert (number < Count && !(number == watched && out_q));
   end
 endmodule

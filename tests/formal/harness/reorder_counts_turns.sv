@@ -78,9 +78,9 @@ module reorder_counts_turns #(
   end
 
   always_comb begin
-    if (age_q != 2'd3 || rst_i) assume (!insert_i && !remove_i);
-    if (removed) assume (held_q != '0 || inserted);
-    if (inserted) assume (held_q < Bits'(Packets) || removed);
+    if (!rst_i && age_q != 2'd3) assume (!insert_i && !remove_i);
+    if (!rst_i && removed) assume (held_q != '0 || inserted);
+    if (!rst_i && inserted) assume (held_q < Bits'(Packets) || removed);
   end
 
   // What comes out.

@@ -65,11 +65,10 @@ module reorder_fullest_choice #(
   end
 
   always_comb begin
-    if (rst_i) assume (!insert_i && !take_i && !clear_i);
-    if (insert_i) assume (ready && (full_i ? taken && !take_alone : !take_i));
-    if (in) assume (count_q != CountBits'(Packets) || out);
-    if (pending_q) assume (take_i);
-    if (clear_i) assume (count_q == '0 && !insert_i && !take_i && ready);
+    if (!rst_i && insert_i) assume (ready && (full_i ? taken && !take_alone : !take_i));
+    if (!rst_i && in) assume (count_q != CountBits'(Packets) || out);
+    if (!rst_i && pending_q) assume (take_i);
+    if (!rst_i && clear_i) assume (count_q == '0 && !insert_i && !take_i && ready);
   end
 
   always_comb begin

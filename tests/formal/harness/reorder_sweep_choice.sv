@@ -72,13 +72,12 @@ module reorder_sweep_choice #(
   end
 
   always_comb begin
-    if (rst_i) assume (!insert_i && !take_i && !clear_i);
-    if (insert_i) begin
+    if (!rst_i && insert_i) begin
       assume (ready && (full_i ? taken && !take_alone : !take_i));
       assume (held_q[CountBits*insert_bin_i+:CountBits] != CountBits'(Packets) || (taken && bin == insert_bin_i));
     end
-    if (pending_q) assume (take_i);
-    if (clear_i) assume (!any_held && !insert_i && !take_i && ready);
+    if (!rst_i && pending_q) assume (take_i);
+    if (!rst_i && clear_i) assume (!any_held && !insert_i && !take_i && ready);
   end
 
   // The sweep's choice: the first bin that holds something, or the first from last_bin_q on.
@@ -225,8 +224,8 @@ module reorder_sweep_choice #(
         if (start) assert (!left_any && later_used == '0);
         if (!start) assert (chosen_q && last_bin_q == current);
         if (start && chosen_q) assert (pending_q && !next_any);
-        if (ahead1 || in_row1 || beyond1) assert (write1);
-        if (in_row1 || beyond1) assert (ahead1);
+        if (ahead1 || beyond1) assert (write1);
+        if ((write1 && in_row1) || beyond1) assert (ahead1);
         assert (!(in_row1 && beyond1));
         for (int unsigned i = 0; i < Row; i++) begin
           for (int unsigned j = i + 1; j < Row; j++) begin
