@@ -2,6 +2,7 @@
 // sources: rtl/common/lut_ram.sv rtl/common/block_ram.sv rtl/common/fifo.sv rtl/common/cache_lines.sv rtl/common/cache_victim.sv rtl/common/cache.sv
 // cache: no request is lost. Whatever requests, lines and times came before, once no more come, answers are taken and memory
 // sends a line a cycle while it owes one, each client that waits is answered within Limit cycles. A line is one part.
+// Others 1: one client, either, is answered so though the other one asks on, whenever and for whatever it likes.
 //
 // What makes it hold in each cycle is asserted with it (Lemmas 1): a client that waits is in one place of the cache, an entry
 // in use is in one of its states, and the entry to be used next is free.
@@ -9,6 +10,7 @@ module cache_answers #(
     parameter int unsigned Sets = 2,
     parameter int unsigned Ways = 2,
     parameter int unsigned Limit = 24,
+    parameter int unsigned Others = 0,
     parameter int unsigned Lemmas = 0,
     localparam int unsigned AddressBits = 2,
     localparam int unsigned Clients = 2,
@@ -30,6 +32,7 @@ module cache_answers #(
 );
   (* anyconst *) logic [SetBits-1:0] set_mask;
   (* anyconst *) logic bypass;
+  (* anyconst *) logic patient;  // the client that waits
 
   logic out_valid, out_client, line_req_valid, line_req_tag;
 
@@ -79,14 +82,14 @@ module cache_answers #(
   logic [Misses-1:0] asked_q;
   logic [5:0] quiet_q;
   logic quiet;
-  assign quiet = !in_valid_i && !invalidate_i && ready_i && line_req_ready_i && (line_rsp_valid_i || asked_q == '0);
+  assign quiet = (Others == 1 || (!in_valid_i && !invalidate_i)) && ready_i && line_req_ready_i && (line_rsp_valid_i || asked_q == '0);
 
   always_ff @(posedge clk_i) begin
     if (in_valid_i) waits_q[in_client_i] <= 1'b1;
     if (out_valid) waits_q[out_client] <= 1'b0;
     if (line_req_valid && line_req_ready_i) asked_q[line_req_tag] <= 1'b1;
     if (line_rsp_valid_i) asked_q[line_rsp_tag_i] <= 1'b0;
-    quiet_q <= !quiet || waits_q == '0 ? '0 : quiet_q + 1'b1;
+    quiet_q <= !quiet || (Others == 1 ? !waits_q[patient] : waits_q == '0) ? '0 : quiet_q + 1'b1;
     if (rst_i) begin
       waits_q <= '0;
       asked_q <= '0;
@@ -97,7 +100,6 @@ module cache_answers #(
   // The environment: one request of a client at a time, lines that were asked for.
   always_comb begin
     if (Sets == 1) assume (set_mask == '0);
-    if (rst_i) assume (!in_valid_i && !invalidate_i && !line_rsp_valid_i);
     if (!rst_i) begin
       if (in_valid_i) assume (!waits_q[in_client_i]);
       if (invalidate_i) assume (waits_q == '0 && !in_valid_i);

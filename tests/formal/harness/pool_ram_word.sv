@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // sources: tests/formal/harness/stubs/block_ram.sv rtl/common/lut_ram.sv rtl/reorder_buffer/pool_ram.sv
-// pool_ram in two parts: a word, any, that is read is there two cycles later as it was last written, but for one that is written
-// in the cycle in which it is read. Of the block RAM in it the one word is kept; of the rest, in LUT RAM, all are.
+// pool_ram: a word, any, that is read is there two cycles later as it was last written, but for one that is written
+// in the cycle in which it is read. Of each block RAM in it the one word is kept; of a rest in LUT RAM all are. Depths: 520, the rest in
+// LUT RAM; 600, in block RAM; 8, no rest.
 module pool_ram_word #(
     parameter int unsigned Depth = 520
 ) (
@@ -24,10 +25,15 @@ module pool_ram_word #(
       .read_address_i(read_address_i),
       .read_data_o(data)
   );
-  logic [8:0] main_watched;  // probe: the word that the block RAM keeps
+  // Probes: the words that the block RAMs keep; each where the depth has that RAM, else they are any.
+  (* keep *) logic [8:0] main_watched;
+  (* keep *) logic [6:0] rest_watched;
+  (* keep *) logic [2:0] all_watched;
   always_comb begin
     assume (watched < 10'(Depth) && write_address_i < 10'(Depth) && read_address_i < 10'(Depth));
-    if (watched < 10'd512) assume (main_watched == watched[8:0]);
+    if (Depth < 512) assume (all_watched == watched[2:0]);
+    else if (watched < 10'd512) assume (main_watched == watched[8:0]);
+    else if (Depth > 576) assume (rest_watched == watched[6:0]);
   end
 
   logic written_q = 1'b0;
