@@ -11,7 +11,7 @@ from fractions import Fraction
 from pathlib import Path
 
 from flow.shell import ROOT, Failure
-from prover import bounds, engines, formula, golden, paths, properties, report, script, steps, tools
+from prover import bounds, elastic, engines, formula, golden, paths, properties, report, script, steps, tools
 from prover.properties import Property
 
 ENTRY = """
@@ -215,6 +215,40 @@ class Gappa(unittest.TestCase):
     def test_without_it_a_sentence_says_so(self) -> None:
         with self.assertRaisesRegex(Failure, "gappa: neither in .* nor on PATH"), unittest.mock.patch.dict("os.environ", PATH="/nowhere"):
             tools.find(Path("/nowhere"), {"gappa"})
+
+
+class Elastic(unittest.TestCase):
+    FILE = """
+module plain (input logic a_i, output logic b_o);  // ready_o
+endmodule
+module stream #(parameter W = 1) (
+    input  logic in_valid_i,  // offered
+    output logic [W-1:0] out_o
+);
+  fifo #(.Depth(2)) words (.clk_i(clk_i));
+  always_ff @(posedge clk_i) room_q <= room_q - taken;
+endmodule
+module shifts (
+    input logic a_i
+);
+  always_ff @(posedge clk_i) places_q <= places_q >> 1;
+endmodule
+"""
+
+    def test_finds_what_words_go_through(self) -> None:
+        with tempfile.TemporaryDirectory() as folder:
+            (Path(folder) / "rtl").mkdir()
+            (Path(folder) / "rtl" / "a.sv").write_text(self.FILE)
+            self.assertEqual(elastic.elastic(Path(folder)), {"stream": ["ports", "FIFO", "credits"]})
+
+    def test_a_module_without_property_or_reason_fails(self) -> None:
+        read = table(ENTRY.format(method="pdr", more=""))
+        found = {"m": ["ports"], "n": ["FIFO"]}
+        self.assertEqual(elastic.rows(found, {"n": "why"}, read)[2:], ["| `m` | ports | `a` |", "| `n` | FIFO | none: why |"])
+        for modules, reasons, word in ((found, {}, "n: words go through it"), (found, {"n": "why", "m": "why"}, "a property names it"),
+                                       ({"m": ["ports"]}, {"n": "why"}, "no such module")):
+            with self.assertRaisesRegex(Failure, word):
+                elastic.rows(modules, reasons, read)
 
 
 if __name__ == "__main__":

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from flow.shell import ROOT, Failure, say
 
-from . import engines, golden, kept, properties, report, sources, steps, tools
+from . import elastic, engines, golden, kept, properties, report, sources, steps, tools
 from .outcome import Outcome
 from .properties import Property
 from .report import Result
@@ -58,6 +58,7 @@ def main() -> int:
     table = chosen = properties.load(ROOT / TABLE)
     bounds = steps.read(ROOT / sources.BOUNDS)
     steps.check(bounds, table)
+    modules = elastic.rows(elastic.elastic(ROOT), elastic.unproved(ROOT), chosen)
     unknown = sorted(set(arguments.names) - {proved.name for proved in chosen})
     if unknown:
         raise Failure(f"{unknown[0]}: no such property in {TABLE}")
@@ -77,11 +78,12 @@ def main() -> int:
         if any(proved.method == "gappa" for proved in chosen):
             report.write_steps(ROOT / STEPS_PAGE, bounds,
                                [kept.read(ROOT, arguments.work, proved) for proved in table if proved.method == "gappa"])
+        report.write_modules(ROOT / PAGE, modules)
         return 0
     if arguments.check:
         for proved in chosen:
             sources.plant(ROOT, proved, sources.of(ROOT, proved), arguments.work / "sources")
-        say(f"{len(chosen)} properties, each with its sources and a bug that applies")
+        say(f"{len(chosen)} properties, each with its sources and a bug that applies; each module that words go through is named or has a reason")
         return 0
 
     if arguments.golden:

@@ -11,6 +11,8 @@ from .steps import Bounds
 
 BEGIN = "<!-- table: written by `scripts/formal --page` after `make formal` -->"
 END = "<!-- end of the table -->"
+MODULES_BEGIN = "<!-- modules: written with the table above -->"
+MODULES_END = "<!-- end of the modules -->"
 
 
 @dataclass(frozen=True)
@@ -110,3 +112,13 @@ def write_steps(page: Path, bounds: Bounds, results: list[Result]) -> None:
             proof = proof.replace(result.proved.name, f"`{result.proved.name}` ({result.verdict})")
         rows.append(f"| {step} | {formula} | {at} | {proof} |")
     page.write_text(before + STEPS_BEGIN + "\n" + "\n".join(rows) + "\n" + STEPS_END + after)
+
+
+def write_modules(page: Path, rows: list[str]) -> None:
+    """Puts the modules that words go through between their marks in the page."""
+    try:
+        before, rest = page.read_text().split(MODULES_BEGIN)
+        _, after = rest.split(MODULES_END)
+    except (OSError, ValueError) as error:
+        raise Failure(f"{page}: expected the lines {MODULES_BEGIN} and {MODULES_END}, once each") from error
+    page.write_text(before + MODULES_BEGIN + "\n" + "\n".join(rows) + "\n" + MODULES_END + after)
