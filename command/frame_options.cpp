@@ -240,19 +240,34 @@ std::vector<std::string> diagnosis_messages(const GatherDiagnosis& diagnosis) {
   return messages;
 }
 
+nlohmann::ordered_json range_counts_json(const FrameCounts& c) {
+  nlohmann::ordered_json json = {{"clamped", c.clamped},
+                                 {"cache_full", c.cache_full},
+                                 {"saturated_weights", c.shader.weights},
+                                 {"saturated_direct", c.shader.direct},
+                                 {"not_finite", c.shader.not_finite}};
+  ClampCounts::visit([&](const char* name, auto member) { json[name] = c.clamps.*member; });
+  return json;
+}
+
 nlohmann::ordered_json counts_json(const FrameCounts& c) {
-  return {{"camera_samples", c.camera_samples},
-          {"caustic_queries", c.caustic_queries},
-          {"table_gathers", c.table_gathers},
-          {"directions", c.directions},
-          {"below_horizon", c.below_horizon},
-          {"final_gathers", c.final_gathers},
-          {"full", c.full},
-          {"clamped", c.clamped},
-          {"cache_full", c.cache_full},
-          {"saturated_weights", c.shader.weights},
-          {"saturated_direct", c.shader.direct},
-          {"not_finite", c.shader.not_finite}};
+  nlohmann::ordered_json json = {{"camera_samples", c.camera_samples},
+                                 {"caustic_queries", c.caustic_queries},
+                                 {"table_gathers", c.table_gathers},
+                                 {"directions", c.directions},
+                                 {"below_horizon", c.below_horizon},
+                                 {"final_gathers", c.final_gathers},
+                                 {"full", c.full}};
+  json.update(range_counts_json(c));
+  return json;
+}
+
+std::string range_counts_text(const FrameCounts& counts) {
+  std::string text;
+  const auto json = range_counts_json(counts);
+  for (const auto& [name, n] : json.items())
+    if (n != 0) text += fmt::format("{}{} {}", text.empty() ? "" : ", ", name, n.get<uint64_t>());
+  return text.empty() ? "none" : text;
 }
 
 std::vector<std::string> count_messages(const FrameCounts& counts) {
@@ -262,6 +277,15 @@ std::vector<std::string> count_messages(const FrameCounts& counts) {
         fmt::format("{} weights and {} values of direct light exceed the pixel's integer bits and "
                     "were taken as the largest that fit",
                     counts.shader.weights, counts.shader.direct));
+  if (counts.clamps.positions)
+    messages.push_back(
+        fmt::format("{} queries lie outside of the cube and were asked from its nearest unit",
+                    counts.clamps.positions));
+  if (counts.clamps.gradients)
+    messages.push_back(
+        fmt::format("{} numbers of records' gradients exceed 31 bits and were taken as the largest "
+                    "that fit",
+                    counts.clamps.gradients));
   if (counts.shader.not_finite)
     messages.push_back(fmt::format("{} values of light were no finite number and count as 0",
                                    counts.shader.not_finite));
@@ -270,7 +294,8 @@ std::vector<std::string> count_messages(const FrameCounts& counts) {
 
 nlohmann::ordered_json packed_json(const PreparedFrame& frame) {
   return {{"zeroed_photons", frame.global_counts.zeroed + frame.caustic_counts.zeroed},
-          {"saturated_photons", frame.global_counts.saturated + frame.caustic_counts.saturated}};
+          {"saturated_photons", frame.global_counts.saturated + frame.caustic_counts.saturated},
+          {"outside_photons", frame.global_counts.outside + frame.caustic_counts.outside}};
 }
 
 void print_warnings(const std::vector<std::string>& warnings) {

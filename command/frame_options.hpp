@@ -76,8 +76,12 @@ std::vector<std::string> diagnosis_messages(const GatherDiagnosis& diagnosis);
 // What happened in a frame, in packets, and what was taken as the largest that fits; messages for
 // what a user should know of it.
 nlohmann::ordered_json counts_json(const FrameCounts& counts);
+// The part of it that counts ends of ranges, as JSON, and as words: those that are not 0, or
+// "none".
+nlohmann::ordered_json range_counts_json(const FrameCounts& counts);
+std::string range_counts_text(const FrameCounts& counts);
 std::vector<std::string> count_messages(const FrameCounts& counts);
-// Photons that the power format made zero, and those that it clipped.
+// Photons that the power format made zero, those that it clipped, and those outside of the cube.
 nlohmann::ordered_json packed_json(const PreparedFrame& frame);
 
 void print_warnings(const std::vector<std::string>& warnings);

@@ -44,7 +44,7 @@ void record_substitutions(const Scene& scene, Image& image, Json& summary) {
 
 // Renders by photon mapping; fills metadata and summary.
 Image photon_map(const RenderOptions& o, const FrameRequest& request, ConsoleProgress& progress,
-                 Json& summary) {
+                 Json& summary, std::string& range_counts) {
   const Arithmetic arithmetic =
       o.arithmetic == "reference" ? Arithmetic::kReference : Arithmetic::kGolden;
   const char* const arithmetic_name = arithmetic == Arithmetic::kGolden ? "golden" : "reference";
@@ -69,6 +69,7 @@ Image photon_map(const RenderOptions& o, const FrameRequest& request, ConsolePro
     folder->commit();
   }
   print_warnings(count_messages(counts));
+  range_counts = range_counts_text(counts);
   if (counts.unmatched || counts.unanswered)
     throw std::runtime_error(fmt::format("{} results answer no query and {} queries have no result",
                                          counts.unmatched, counts.unanswered));
@@ -154,10 +155,11 @@ void render(const RenderOptions& o) {
 
   ConsoleProgress progress;
   Json summary;
+  std::string range_counts;
   summary["scene"] = request.scene_file;
   summary["integrator"] = o.integrator;
-  Image image =
-      path ? path_trace(o, request, progress, summary) : photon_map(o, request, progress, summary);
+  Image image = path ? path_trace(o, request, progress, summary)
+                     : photon_map(o, request, progress, summary, range_counts);
   if (path) {
     summary["pixels_sha256"] = pixel_sha256(image);
     image.metadata["scene"] = std::filesystem::path(request.scene_file).stem().string();
@@ -172,6 +174,7 @@ void render(const RenderOptions& o) {
   }
   if (!o.json) {
     fmt::print("{}", progress.table());
+    if (!path) fmt::print("at the ends of ranges: {}\n", range_counts);
     fmt::print("wrote {} and {}\n", o.output, png_beside(o.output));
     return;
   }

@@ -212,7 +212,7 @@ class Renderer {
       direct[entry] = value_of(shadows_.direct(entry), own);
       shared.take(own);
     });
-    shared.give(counts_.shader);
+    shared.give(counts_);
     for (size_t entry = 0; entry < entries_.size(); ++entry) {
       add(layers_of(entry).direct, direct[entry]);
       add(totals_[entry], direct[entry]);
@@ -357,7 +357,7 @@ class Renderer {
       shared.take(own);
       entries_[begin + i] = {s.diffuse && !is_black(s.weight), s.first, s.x, s.weight};
     });
-    shared.give(counts_.shader);
+    shared.give(counts_);
     for (size_t i = 0; i < walks.size(); ++i) {
       const Walk& w = walks[i];
       Layers<Value>& layers = layers_of(begin + i);
@@ -389,7 +389,7 @@ class Renderer {
             .map = is_caustic,
             .flush = 0,
             .want_photons = !is_caustic,
-            .position = quantise_position(plan_, e.x.position),
+            .position = quantise_position(plan_, e.x.position, &counts_.clamps),
             .normal = {normal.u, normal.v}};
   }
 
@@ -576,10 +576,12 @@ class Renderer {
       const GatherSample s = trace_gather(in_.world, in_.caster, e.x, direction, pixel, sample, ray,
                                           ray_seed_, joined_paths());
       // A record keeps the light that a white surface would send on.
+      ClampCounts clamps;
       const Rgb to_pixel = caching_ && cache_.is_record(entry) ? Rgb(1 / kPi) : e.weight;
       if (caching_ && cache_.has_gradients() && cache_.is_record(entry)) {
         const bool straight = s.diffuse && s.y.segments == e.x.segments + 1;
-        gradients_[rays[i].place] = ray_gradient(plan_, e.x, direction, straight ? &s.y : nullptr);
+        gradients_[rays[i].place] =
+            ray_gradient(plan_, e.x, direction, straight ? &s.y : nullptr, clamps);
       }
       // The second pass knows how many rays there are in all.
       const Rgb weight =
@@ -597,15 +599,16 @@ class Renderer {
                      .map = 0,
                      .flush = 0,
                      .want_photons = 0,
-                     .position = quantise_position(plan_, s.y.position),
+                     .position = quantise_position(plan_, s.y.position, &clamps),
                      .normal = {normal.u, normal.v}};
         } else {
           g.estimate = estimate_in_double(*in_.reference_global, plan_.global, s.y, g.weight);
         }
       }
       shared.take(own);
+      shared.take(clamps);
     });
-    shared.give(counts_.shader);
+    shared.give(counts_);
 
     queries_.clear();
     for (size_t i = 0; i < gathers.size(); ++i) {

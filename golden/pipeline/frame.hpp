@@ -8,6 +8,7 @@
 
 #include "golden/image/image.hpp"
 #include "golden/numeric/progress.hpp"
+#include "golden/plan/clamp_counts.hpp"
 #include "golden/transport/world.hpp"
 #include "golden/unit/backend.hpp"
 #include "golden/unit/photon_map.hpp"
@@ -67,6 +68,7 @@ struct FrameCounts {
   uint64_t shadow_rays = 0, emitter_rays_cast = 0, cosine_rays_cast = 0;
   uint64_t unmatched = 0, unanswered = 0;
   ShaderCounts shader;
+  ClampCounts clamps;
 };
 
 // The image with all its layers; no metadata. Uses threads; the bytes depend neither on them nor on

@@ -79,15 +79,25 @@ struct Layers {
 // Sums the saturations of parallel work, which are nearly always none.
 struct SharedCounts {
   std::atomic<uint64_t> weights{0}, direct{0}, not_finite{0};
+  std::array<std::atomic<uint64_t>, sizeof(ClampCounts) / sizeof(uint64_t)> clamps{};
   void take(const ShaderCounts& c) {
     if (c.not_finite) not_finite += c.not_finite;
     if (c.weights) weights += c.weights;
     if (c.direct) direct += c.direct;
   }
-  void give(ShaderCounts& to) const {
-    to.weights += weights;
-    to.direct += direct;
-    to.not_finite += not_finite;
+  void take(const ClampCounts& c) {
+    auto* sum = clamps.data();
+    ClampCounts::visit([&](const char*, auto member) {
+      if (c.*member) *sum += c.*member;
+      ++sum;
+    });
+  }
+  void give(FrameCounts& to) const {
+    to.shader.weights += weights;
+    to.shader.direct += direct;
+    to.shader.not_finite += not_finite;
+    const auto* sum = clamps.data();
+    ClampCounts::visit([&](const char*, auto member) { to.clamps.*member += *sum++; });
   }
 };
 

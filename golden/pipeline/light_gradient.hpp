@@ -9,6 +9,7 @@
 
 #include "golden/numeric/vec.hpp"
 #include "golden/pipeline/light.hpp"
+#include "golden/plan/clamp_counts.hpp"
 #include "golden/plan/plan.hpp"
 #include "golden/transport/world.hpp"
 
@@ -24,9 +25,9 @@ struct RayGradient {
 
 // Of a ray from x towards `direction` (unit length, above x's shading normal), which hit y; y is
 // null for what came otherwise than straight from a diffuse surface, and has no derivative by the
-// way then.
+// way then. `counts` counts what does not fit.
 RayGradient ray_gradient(const Plan& plan, const DiffuseHit& x, const Vec3& direction,
-                         const DiffuseHit* y);
+                         const DiffuseHit* y, ClampCounts& counts);
 
 // The derivatives of a record's light, added up over its rays: exact where light is.
 template <Arithmetic kArithmetic>
@@ -43,8 +44,9 @@ class RecordGradient {
 
   // What the record's light is multiplied with at a point whose normal is `turn` further and which
   // lies `way` (scene.extent) off, in colour c of which the record has `light`. From 0 to 2, so
-  // that no light turns negative; 1 where there is none.
-  double factor(size_t c, double light, const Vec3& turn, const Vec3& way) const {
+  // that no light turns negative, which `counts` counts; 1 where there is none.
+  double factor(size_t c, double light, const Vec3& turn, const Vec3& way,
+                ClampCounts& counts) const {
     if (!(light > 0)) return 1;
     double turned = 0, moved = 0;
     for (int axis = 0; axis < 3; ++axis) {
@@ -54,6 +56,7 @@ class RecordGradient {
     const double change =
         (std::ldexp(turned, -RayGradient::kTurnBits) + std::ldexp(moved, -RayGradient::kWayBits)) /
         light;
+    counts.changes += !(std::fabs(change) <= 1);
     return 1 + std::fmin(std::fmax(change, -1.0), 1.0);
   }
 

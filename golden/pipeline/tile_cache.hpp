@@ -91,18 +91,21 @@ class TileCache {
       for (uint32_t i = 0; i < s.count; ++i) total += s.weight[i];
       const Rgb weight = (*entries_)[entry].weight * kPi;
       ShaderCounts own;
+      ClampCounts clamps;
       QueryWeight share = share_of(weight, own);
       for (uint32_t i = 0; i < s.count; ++i) {
         const Value& light = record_light_[s.entry[i]];
-        if (has_gradients()) share = share_of(weight * change_between(s.entry[i], entry), own);
+        if (has_gradients())
+          share = share_of(weight * change_between(s.entry[i], entry, clamps), own);
         if constexpr (kGolden)
           add(values[entry], shader_.interpolated(light, s.weight[i], total, share));
         else
           add(values[entry], light * share * (static_cast<double>(s.weight[i]) / total));
       }
       shared.take(own);
+      shared.take(clamps);
     });
-    shared.give(counts_.shader);
+    shared.give(counts_);
     for (size_t entry = 0; entry < entries; ++entry) add_share(entry, values[entry]);
   }
 
@@ -130,6 +133,7 @@ class TileCache {
       if (looks_up(entry) && (insert ? tables_[entry - begin].first : shared_[entry].count > 0))
         asking.push_back(static_cast<uint32_t>(entry));
     lookups_.resize(asking.size());
+    SharedCounts shared;
     parallel(asking.size(), [&](size_t i) {
       const WaitingSample& e = (*entries_)[asking[i]];
       CacheLookup& lookup = lookups_[i];
@@ -137,14 +141,20 @@ class TileCache {
       lookup.pixel = samples_->pixel_of(asking[i]);
       lookup.sample = samples_->sample_of(asking[i]);
       lookup.insert = insert;
-      lookup.position = quantise_position(plan_, e.x.position);
       lookup.normal = quantise_normal(plan_, e.x.shading_normal);
-      if (!insert) return;
-      const Reciprocal falloff =
-          cache_falloff(plan_, split_sphere_radius(asking[i], tables_[asking[i] - begin].second));
+      if (!insert) {  // counted when it was looked up first
+        lookup.position = quantise_position(plan_, e.x.position);
+        return;
+      }
+      ClampCounts clamps;
+      lookup.position = quantise_position(plan_, e.x.position, &clamps);
+      const Reciprocal falloff = cache_falloff(
+          plan_, split_sphere_radius(asking[i], tables_[asking[i] - begin].second), &clamps);
       lookup.falloff = falloff.mantissa;
       lookup.falloff_exponent = falloff.exponent;
+      shared.take(clamps);
     });
+    shared.give(counts_);
     if (lookups_.empty()) return;
     if (insert) {
       lookups_.front().clear = clear_;
@@ -235,15 +245,15 @@ class TileCache {
   }
 
   // What a record's light is multiplied with at a sample, for its gradients.
-  Rgb change_between(size_t record, size_t entry) const {
+  Rgb change_between(size_t record, size_t entry, ClampCounts& clamps) const {
     if (record == entry) return Rgb(1);
     const DiffuseHit &from = (*entries_)[record].x, &to = (*entries_)[entry].x;
     const Vec3 turn = to.shading_normal - from.shading_normal;
     const Vec3 way = (to.position - from.position) / plan_.extent;
     Rgb change;
     for (size_t c = 0; c < 3; ++c)
-      change[static_cast<int>(c)] =
-          gradients_[gradient_of_[record]].factor(c, light_of(record_light_[record], c), turn, way);
+      change[static_cast<int>(c)] = gradients_[gradient_of_[record]].factor(
+          c, light_of(record_light_[record], c), turn, way, clamps);
     return change;
   }
   QueryWeight share_of(const Rgb& weight, ShaderCounts& counts) const {

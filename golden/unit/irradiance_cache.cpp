@@ -33,14 +33,17 @@ UVec3 quantise_normal(const Plan& plan, const Vec3& normal) {
   return q;
 }
 
-Reciprocal cache_falloff(const Plan& plan, double radius) {
-  const double reach =
-      plan.cache_accuracy *
-      std::clamp(radius, plan.cache_radius_min * plan.extent, plan.cache_radius_max * plan.extent) /
-      plan.position_unit();
+Reciprocal cache_falloff(const Plan& plan, double radius, ClampCounts* counts) {
+  const double kept =
+      std::clamp(radius, plan.cache_radius_min * plan.extent, plan.cache_radius_max * plan.extent);
+  const double reach = plan.cache_accuracy * kept / plan.position_unit();
   const auto limit = static_cast<double>(ones(plan.r2_bits() - 1));
-  const auto square = static_cast<uint64_t>(std::clamp(std::floor(reach * reach), 1.0, limit));
-  return reciprocal(square, plan.cache_falloff_bits());
+  const double square = std::floor(reach * reach), taken = std::clamp(square, 1.0, limit);
+  if (counts) {
+    counts->radii += kept != radius;
+    counts->reaches += taken != square;
+  }
+  return reciprocal(static_cast<uint64_t>(taken), plan.cache_falloff_bits());
 }
 
 uint32_t cache_weight(const Plan& plan, const CacheRecord& record, const UVec3& position,

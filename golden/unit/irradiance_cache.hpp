@@ -6,6 +6,7 @@
 
 #include "golden/numeric/reciprocal.hpp"
 #include "golden/numeric/vec.hpp"
+#include "golden/plan/clamp_counts.hpp"
 #include "golden/plan/plan.hpp"
 
 namespace photonloom {
@@ -16,8 +17,8 @@ UVec3 quantise_normal(const Plan& plan, const Vec3& normal);
 
 // The named conversion of a split-sphere radius (scene units): it is kept within the plan's
 // smallest and largest, times cache.accuracy it is the reach; the reciprocal of the reach's square
-// in squared position units, at least 1 and rounded down.
-Reciprocal cache_falloff(const Plan& plan, double radius);
+// in squared position units, at least 1 and rounded down. `counts` counts both limits.
+Reciprocal cache_falloff(const Plan& plan, double radius, ClampCounts* counts = nullptr);
 
 // What a record keeps.
 struct CacheRecord {

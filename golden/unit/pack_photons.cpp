@@ -32,7 +32,8 @@ PackedPhoton pack(const Photon& photon, const Plan& plan, const MapPlan& map, Pa
   }
   bool saturated = false;
   PackedPhoton packed;
-  packed.position = quantise_position(plan, photon.position);
+  ClampCounts clamps;
+  packed.position = quantise_position(plan, photon.position, &clamps);
   packed.power =
       encode_power(value, plan.channels, plan.mantissa_bits, plan.exponent_bits, &saturated);
   packed.direction = oct_encode(photon.direction, plan.direction_bits);
@@ -40,6 +41,7 @@ PackedPhoton pack(const Photon& photon, const Plan& plan, const MapPlan& map, Pa
   if (counts) {
     counts->zeroed += has_power && packed.power.mantissa == std::array<uint32_t, 3>{};
     counts->saturated += saturated;
+    counts->outside += clamps.positions;
   }
   return packed;
 }
@@ -47,7 +49,7 @@ PackedPhoton pack(const Photon& photon, const Plan& plan, const MapPlan& map, Pa
 std::vector<PackedPhoton> pack_photons(std::span<const Photon> photons, const Plan& plan,
                                        const MapPlan& map, PackCounts* counts) {
   std::vector<PackedPhoton> packed(photons.size());
-  std::atomic<uint64_t> zeroed{0}, saturated{0};
+  std::atomic<uint64_t> zeroed{0}, saturated{0}, outside{0};
   tbb::parallel_for(tbb::blocked_range<size_t>(0, photons.size(), 4096), [&](const auto& range) {
     PackCounts own;
     for (size_t i = range.begin(); i < range.end(); ++i) {
@@ -56,8 +58,9 @@ std::vector<PackedPhoton> pack_photons(std::span<const Photon> photons, const Pl
     }
     zeroed += own.zeroed;
     saturated += own.saturated;
+    outside += own.outside;
   });
-  if (counts) *counts = {zeroed, saturated};
+  if (counts) *counts = {zeroed, saturated, outside};
   return packed;
 }
 

@@ -15,6 +15,7 @@ namespace photonloom {
 struct PackCounts {
   uint64_t zeroed = 0;     // had power, and every mantissa became 0
   uint64_t saturated = 0;  // a channel did not fit and became the largest code
+  uint64_t outside = 0;    // lay outside of the cube and became its nearest unit
 };
 
 // Position by quantise_position, direction by oct_encode, power in units of 2^map.power_exponent W

@@ -16,7 +16,8 @@ export interface Summary {
   scene: string; command?: string; plan_hash: string; units: Record<string, UnitSummary>;
   packets: number; differences: number; images_identical: boolean;
   camera_samples?: number; caustic_queries?: number; table_gathers?: number; directions?: number; final_gathers?: number;
-  counts?: Record<string, number>; zeroed_photons?: number; saturated_photons?: number;
+  counts?: Record<string, number>; golden_counts?: Record<string, number>;
+  zeroed_photons?: number; saturated_photons?: number; outside_photons?: number;
   diagnosis?: { regions: { cause: string; pixels: number; found: number; message: string }[] };
 }
 export interface PlanLine { section: string; key: string; value: string; meaning: string; reason: string }

@@ -28,16 +28,24 @@ function shortages(run: Run): Node[] {
 function saturations(run: Run): Node[] {
   const s = run.summary, counts = s.counts;
   if (!counts) return [];
-  const rows: [string, number | undefined, string][] = [
-    ["gathers with r² below r2_floor", counts["clamped"], "counts.clamped"],
-    ["samples that found their tile's cache full", counts["cache_full"], "counts.cache_full"],
+  const ofFrame: [string, string][] = [
+    ["gathers with r² below r2_floor", "clamped"],
+    ["samples that found their tile's cache full", "cache_full"],
+    ["weights that did not fit the pixel", "saturated_weights"],
+    ["values of direct light that did not fit the pixel", "saturated_direct"],
+    ["values of light that were no number", "not_finite"],
+    ["queries and lookups outside of the cube", "outside_positions"],
+    ["radii of records beyond cache.radius_min or radius_max", "clamped_radii"],
+    ["reaches of records below a position unit or beyond the cube", "clamped_reaches"],
+    ["numbers of gradients that did not fit", "saturated_gradients"],
+    ["channels of a record's light that would change by more than all of it", "clamped_changes"]];
+  const ofPhotons: [string, number | undefined, string][] = [
     ["photons whose power became 0", s.zeroed_photons, "zeroed_photons"],
     ["photons whose power was clipped", s.saturated_photons, "saturated_photons"],
-    ["weights that did not fit the pixel", counts["saturated_weights"], "counts.saturated_weights"],
-    ["values of direct light that did not fit the pixel", counts["saturated_direct"], "counts.saturated_direct"],
-    ["values of light that were no number", counts["not_finite"], "counts.not_finite"]];
-  return [h("h4", {}, "Saturation"), table(["what", "how often", "summary.json"],
-    rows.map(([what, n, source]) => [what, figure(n ?? null), source]), "saturation")];
+    ["photons outside of the cube", s.outside_photons, "outside_photons"]];
+  return [h("h4", {}, "Saturation"), table(["what", run.hardware, "golden", "summary.json"], [
+    ...ofFrame.map(([what, name]) => [what, figure(counts[name] ?? null), figure(s.golden_counts?.[name] ?? null), `counts.${name}`]),
+    ...ofPhotons.map(([what, n, source]) => [what, figure(n ?? null), figure(n ?? null), source])], "saturation")];
 }
 
 function summary(run: Run): Node {

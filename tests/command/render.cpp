@@ -77,6 +77,28 @@ TEST_CASE("render writes all layers, the metadata and a PNG") {
   CHECK(scratch.entries() == 2);
 }
 
+TEST_CASE("render says what ended at the end of a range, and how often") {
+  const Scratch scratch;
+  const std::string command = "render" + balls() + kSmall + kPhotons;
+  const Outcome none = good(command + " -o" + quoted(scratch / "a.exr"));
+  CHECK_THAT(none.out, ContainsSubstring("at the ends of ranges: none\n"));
+  // Every radius is below the floor, no reach of a record is a position unit.
+  const std::string ends =
+      command +
+      " --set gather.r2_floor=17179869183 --set cache.present=true --set cache.accuracy=0 --set "
+      "cache.gradients=both -o" +
+      quoted(scratch / "b.exr");
+  const auto counts = nlohmann::json::parse(good(ends + "--json").out)["counts"];
+  CHECK(counts["clamped"] > 50);
+  CHECK(counts["clamped_reaches"] > 50);
+  CHECK(counts["outside_positions"] == 0);
+  CHECK_THAT(good(ends).out,
+             ContainsSubstring(fmt::format("at the ends of ranges: clamped {}, ",
+                                           counts["clamped"].get<uint64_t>())) &&
+                 ContainsSubstring(
+                     fmt::format("clamped_reaches {}", counts["clamped_reaches"].get<uint64_t>())));
+}
+
 TEST_CASE("both arithmetics and the path tracer run; the path tracer says what it does not read") {
   const Scratch scratch;
   good("render" + balls() + kSmall + kPhotons + " --arithmetic reference -o" +

@@ -754,6 +754,7 @@ TEST_CASE("records that reach no one else give the image without a cache") {
       rendered(prepared(room(1, true), cached_request({"cache.accuracy=0", "cache.records=4096"})),
                Arithmetic::kGolden, &counts);
   CHECK(counts.cache_records == counts.cache_samples);
+  CHECK(counts.clamps.reaches == counts.cache_samples);
   CHECK(indirect_difference(alone, without) < 1e-5);
   // Nor do tiles that have no room for records.
   const Image full =
@@ -774,6 +775,7 @@ TEST_CASE("each line of the cache changes what it says") {
   CHECK(run({"cache.accuracy=0.02"}).second.cache_records > counts.cache_records);
   CHECK(run({"cache.angle_bits=18"}).second.cache_records < counts.cache_records);
   CHECK(run({"cache.radius_max=0.001"}).second.cache_records > counts.cache_records);
+  CHECK(run({"cache.radius_max=0.001"}).second.clamps.radii > counts.clamps.radii);
   CHECK(run({"cache.radius_min=0.25"}).second.cache_records < counts.cache_records);
   CHECK(run({"cache.records=2"}).second.cache_full > counts.cache_full);
   CHECK(run({"cache.glossy=true"}).second.cache_samples >= counts.cache_samples);

@@ -172,13 +172,21 @@ TEST_CASE("reach: the accuracy times the radius within its limits, never below o
   plan.cache_radius_min = 64.0 / 65536;
   plan.cache_radius_max = 1024.0 / 65536;
   const int w = plan.cache_falloff_bits();
-  CHECK(cache_falloff(plan, 200) == reciprocal(100 * 100, w));
-  CHECK(cache_falloff(plan, 0) == reciprocal(32 * 32, w));
-  CHECK(cache_falloff(plan, 1e9) == reciprocal(512 * 512, w));
+  ClampCounts counts;
+  CHECK(cache_falloff(plan, 200, &counts) == reciprocal(100 * 100, w));
+  CHECK(cache_falloff(plan, 64, &counts) == reciprocal(32 * 32, w));
+  CHECK(cache_falloff(plan, 1024, &counts) == reciprocal(512 * 512, w));
+  CHECK(counts.radii == 0);
+  CHECK(cache_falloff(plan, 0, &counts) == reciprocal(32 * 32, w));
+  CHECK(cache_falloff(plan, 1e9, &counts) == reciprocal(512 * 512, w));
+  CHECK(counts.radii == 2);
+  CHECK(counts.reaches == 0);
   plan.cache_accuracy = 1e-6;
-  CHECK(cache_falloff(plan, 200) == reciprocal(1, w));
+  CHECK(cache_falloff(plan, 200, &counts) == reciprocal(1, w));
   plan.cache_accuracy = 1e9;
-  CHECK(cache_falloff(plan, 200) == reciprocal(ones(plan.r2_bits() - 1), w));
+  CHECK(cache_falloff(plan, 200, &counts) == reciprocal(ones(plan.r2_bits() - 1), w));
+  CHECK(counts.radii == 2);
+  CHECK(counts.reaches == 2);
 }
 
 TEST_CASE("a normal is kept to within a unit, whatever its sign") {

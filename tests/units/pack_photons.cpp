@@ -37,6 +37,20 @@ TEST_CASE("one channel carries the value of the plan's colour") {
   REQUIRE(packed.power == PowerCode{{100, 0, 0}, 0});
 }
 
+TEST_CASE("photons outside of the cube are counted and become its nearest unit") {
+  const Plan plan;  // the unit cube
+  std::vector<Photon> photons(4, photon({1, 1, 1}));
+  photons[0].position = Vec3(0);
+  photons[1].position = Vec3(0.5, 0.5, 1);  // the upper faces are not part of the cube
+  photons[2].position = Vec3(-1e-9, 2, 0.5);
+  photons[3].position = Vec3(0.5, 0.5, 1 - 1e-9);
+  PackCounts counts;
+  const auto packed = pack_photons(photons, plan, MapPlan{}, &counts);
+  REQUIRE(counts.outside == 2);
+  REQUIRE(packed[1].position == UVec3{32768, 32768, 65535});
+  REQUIRE(packed[2].position == UVec3{0, 65535, 32768});
+}
+
 TEST_CASE("photons that become zero or do not fit are counted; black ones are neither") {
   Plan plan;
   plan.exponent_bits = 1;  // largest code 511 * 2
