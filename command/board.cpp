@@ -173,6 +173,9 @@ void replay_on_board(const BoardReplayOptions& o) {
   std::vector<GatherResult> results;
   std::vector<GatherPhoton> photons;
   golden->process(ordered, results, photons);
+  uint64_t full = 0, clamped = 0;  // flags of results, which the signature covers
+  for (const GatherResult& r : results)
+    if (!r.flush) full += r.full, clamped += r.clamped;
   ResultSignature signature(plan);
   for (uint32_t pass = 0; pass < o.passes; ++pass)
     for (const GatherResult& r : results) signature.add(r);
@@ -210,6 +213,8 @@ void replay_on_board(const BoardReplayOptions& o) {
     if (khz) all["gathers_per_second"] = 1000.0 * khz / cycles;
     all["lines_per_gather"] = static_cast<double>(lines) / static_cast<double>(gathers);
     all["signature"] = fmt::format("{:016x}", did.signature);
+    all["golden_full"] = full;
+    all["golden_clamped"] = clamped;
     all["golden_signature"] = fmt::format("{:016x}", signature.value());
     fmt::print("{}\n", all.dump(2));
   } else {
@@ -221,6 +226,7 @@ void replay_on_board(const BoardReplayOptions& o) {
     if (khz) fmt::print("{:.0f} gathers a second at {}\n", 1000.0 * khz / cycles, megahertz(khz));
     fmt::print("signature {:016x}, golden {:016x}, {} results\n", did.signature, signature.value(),
                did.results);
+    fmt::print("a pass of golden: {} results full, {} clamped\n", full, clamped);
   }
   if (!same) throw CheckFailed("the board's results are not golden's");
 }

@@ -312,6 +312,7 @@ void cosim(const CosimOptions& o) {
   summary["directions"] = counts.directions;
   summary["final_gathers"] = counts.final_gathers;
   summary["counts"] = counts_json(counts);
+  summary["golden_counts"] = counts_json(golden_counts);
   summary.update(packed_json(frame));
   summary["diagnosis"] = diagnosis_json(diagnosis);
   for (const UnitReport& u : reports) {
@@ -347,6 +348,8 @@ void cosim(const CosimOptions& o) {
                counts.caustic_queries, counts.table_gathers, counts.directions,
                counts.final_gathers);
     print_units(reports);
+    fmt::print("at the ends of ranges: {} of {}, {} of golden\n", range_counts_text(counts), name,
+               range_counts_text(golden_counts));
     for (const UnitReport& u : reports)
       if (!u.first_difference.empty()) fmt::print("{}\n", u.first_difference);
     fmt::print("golden {} {}: {} packets, {} differences\n", differences ? "!=" : "==", name,
@@ -362,6 +365,10 @@ void cosim(const CosimOptions& o) {
         fmt::format("{} saw no packet: the plan of this scene gives it no work", idle));
   if (differences) throw CheckFailed(fmt::format("{} packets differ from golden", differences));
   if (bypassed) throw CheckFailed(fmt::format("{} packets bypassed the hardware", bypassed));
+  if (counts_json(counts) != counts_json(golden_counts))
+    throw CheckFailed(fmt::format("the counts of {} are not those of the golden frame: {} and {}",
+                                  name, counts_json(counts).dump(),
+                                  counts_json(golden_counts).dump()));
   if (!same) throw CheckFailed(fmt::format("the image of {} is not the golden image", name));
   for (const UnitReport& u : reports)
     if (units_with_waves.count(u.unit)) o.rig.check_cycles_came(u.unit, u.count("cycles"));

@@ -44,6 +44,11 @@ TEST_CASE("all units as RTL give golden's packets and render's bytes") {
   }
   CHECK(summary["units"]["reorder_buffer"]["mean_displacement"] > 1);
   CHECK(summary["units"]["photon_gatherer"]["counters"]["bytes read"] > 0);
+  // Flags of the RTL's own results, and golden's of its frame.
+  CHECK(summary["units"]["photon_gatherer"]["counters"]["full"] ==
+        summary["golden_counts"]["full"]);
+  CHECK(summary["counts"] == summary["golden_counts"]);
+  CHECK(summary["golden_counts"]["full"] > 50);
   const auto timeline = nlohmann::json::parse(read_file(scratch / "out/timeline.json"));
   CHECK(timeline["traceEvents"].size() > 300);
   const auto packets = nlohmann::json::parse(read_file(scratch / "out/packets.json"));
@@ -116,9 +121,12 @@ TEST_CASE("a planted bug is reported with a command that shows it, and reaches t
   std::filesystem::copy(source("rtl"), scratch / "rtl", std::filesystem::copy_options::recursive);
   const std::string file = scratch / "rtl/photon_gatherer/photon_gatherer_results.sv";
   std::string text = read_file(file);
-  const std::string right = "result.flux = flux;";
-  REQUIRE(text.find(right) != std::string::npos);
-  text.replace(text.find(right), right.size(), "result.flux = ~flux;");
+  for (const auto& [right, wrong] :
+       {std::pair<std::string, std::string>{"result.flux = flux;", "result.flux = ~flux;"},
+        {"result.clamped = clamped;", "result.clamped = !clamped;"}}) {
+    REQUIRE(text.find(right) != std::string::npos);
+    text.replace(text.find(right), right.size(), wrong);
+  }
   write_file(file, text);
   const std::string bug = cosim("--backend photon_gatherer=rtl --rtl " + (scratch / "rtl") +
                                 " -o " + (scratch / "out"));
@@ -158,6 +166,14 @@ TEST_CASE("a planted bug is reported with a command that shows it, and reaches t
   const auto summary = nlohmann::json::parse(read_file(scratch / "out/summary.json"));
   CHECK_THAT(summary["units"]["photon_gatherer"]["first_difference"].get<std::string>(),
              ContainsSubstring("* flux[0]"));
+  // Flags are counted of what the RTL gave.
+  const auto clamped = summary["units"]["photon_gatherer"]["counters"]["clamped"];
+  CHECK(clamped > 50);
+  CHECK(summary["counts"]["clamped"] == clamped);
+  CHECK(summary["golden_counts"]["clamped"] == 0);
+  CHECK_THAT(kept.out, ContainsSubstring(fmt::format("at the ends of ranges: clamped {} of rtl, "
+                                                     "none of golden\n",
+                                                     clamped.get<uint64_t>())));
   CHECK_FALSE(summary["command"].get<std::string>().empty());
 }
 

@@ -29,7 +29,11 @@ class ComparingIrradianceCache final
     const auto from = in_cycles(), to = out_cycles(0);
     for (size_t i = 0; i < std::min({out.size(), from.size(), to.size()}); ++i)
       show(out[i], from[i], to[i]);
+    for (const CacheResult& r : out) full_ += r.full;
   }
+  void add_own_counters(Counters& counters) const override { counters["answers full"] = full_; }
+
+  uint64_t full_ = 0;  // flags of the answers that came
 };
 
 }  // namespace

@@ -96,12 +96,23 @@ class ComparingPhotonGatherer final
     }
     return "none";
   }
-  void follow(std::span<const GatherQuery> in, std::span<const GatherResult>,
+  void follow(std::span<const GatherQuery> in, std::span<const GatherResult> results,
               std::span<const GatherPhoton>) override {
+    for (const GatherResult& r : results) {
+      if (r.flush) continue;
+      full_ += r.full;
+      clamped_ += r.clamped;
+    }
     const auto from = in_cycles(), to = out_cycles(0);
     for (size_t i = 0; i < std::min({in.size(), from.size(), to.size()}); ++i)
       show(in[i], from[i], to[i]);
   }
+  void add_own_counters(Counters& counters) const override {
+    counters["full"] = full_;
+    counters["clamped"] = clamped_;
+  }
+
+  uint64_t full_ = 0, clamped_ = 0;  // flags of the results that came
 };
 
 }  // namespace
