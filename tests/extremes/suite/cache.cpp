@@ -45,7 +45,7 @@ Plan greatest() {
 
 // A lookup with the reach of a record in position units.
 CacheLookup lookup(const Plan& plan, const UVec3& position, double reach, bool insert = true,
-                   const Vec3& normal = Vec3(0, 0, 1)) {
+                   const Vec3& normal = Vec3(0, 0, 1), ClampCounts* counts = nullptr) {
   CacheLookup l{};
   l.position = position;
   l.normal = quantise_normal(plan, normal);
@@ -53,8 +53,8 @@ CacheLookup lookup(const Plan& plan, const UVec3& position, double reach, bool i
   Plan wide = plan;  // reach = accuracy * radius, no limit on it
   wide.cache_accuracy = 1;
   wide.cache_radius_min = 0;
-  wide.cache_radius_max = 4;
-  const Reciprocal falloff = cache_falloff(wide, reach * plan.position_unit());
+  wide.cache_radius_max = 1e6;
+  const Reciprocal falloff = cache_falloff(wide, reach * plan.position_unit(), counts);
   l.falloff = falloff.mantissa;
   l.falloff_exponent = falloff.exponent;
   return l;
@@ -109,34 +109,44 @@ Group cache_cases() {
          run.near("weight", 60 + 1.5, out.at(1).weight[0], 1.5);
        }},
       {"a reach below one position unit", Known::kSaturation,
-       "the squared reach is at least 1: the same unit is covered wholly, the next is not",
+       "the squared reach is at least 1, counted in `clamped_reaches`: the same unit is covered "
+       "wholly, the next is not",
        [](Run& run) {
-         const Out out = run.process<IrradianceCache>(
-             usual(), {lookup(usual(), at(5), 1e-9), lookup(usual(), at(5), 1e-9),
-                       lookup(usual(), at(6), 1e-9)});
+         ClampCounts counts;
+         const auto tiny = [&](uint32_t x) {
+           return lookup(usual(), at(x), 1e-9, true, Vec3(0, 0, 1), &counts);
+         };
+         const Out out = run.process<IrradianceCache>(usual(), {tiny(5), tiny(5), tiny(6)});
+         run.counted("clamped reaches", 3, counts.reaches);
+         lookup(usual(), at(5), 1, true, Vec3(0, 0, 1), &counts);
+         run.counted("and of a reach of 1", 3, counts.reaches);
          run.exact("weight", 256, out.at(1).weight[0]);
          run.exact("count", 0, out.at(2).count);
        }},
       {"a radius of zero and an endless one", Known::kSaturation,
-       "they are kept within radius_min and radius_max of the plan",
+       "they are kept within radius_min and radius_max of the plan, counted in `clamped_radii`",
        [](Run& run) {
          Plan plan = usual();
          plan.cache_radius_min = 0.01;
          plan.cache_radius_max = 0.02;
+         ClampCounts counts;
          const auto same = [&](double a, double b) {
-           return cache_falloff(plan, a) == cache_falloff(plan, b);
+           return cache_falloff(plan, a, &counts) == cache_falloff(plan, b, &counts);
          };
          run.holds("least", same(0, 0.01 * plan.extent));
          run.holds("greatest",
                    same(1e300, 0.02 * plan.extent) && same(HUGE_VAL, 0.02 * plan.extent));
+         run.counted("clamped radii", 3, counts.radii);
+         run.counted("clamped reaches", 0, counts.reaches);
        }},
       {"the widest reach", Known::kSaturation,
-       "its square is at most 2^33 - 1 of 34 bits: a point in the opposite corner, 3 (2^16 - 1)^2, "
-       "is not "
-       "covered, one at half of the edges is",
+       "its square is at most 2^33 - 1 of 34 bits, counted in `clamped_reaches`: a point in the "
+       "opposite corner, 3 (2^16 - 1)^2, is not covered, one at half of the edges is",
        [](Run& run) {
          const Plan plan = usual();
-         const CacheLookup record = lookup(plan, {0, 0, 0}, 1e9);
+         ClampCounts counts;
+         const CacheLookup record = lookup(plan, {0, 0, 0}, 1e9, true, Vec3(0, 0, 1), &counts);
+         run.counted("clamped reaches", 1, counts.reaches);
          const Out out = run.process<IrradianceCache>(
              plan, {record, lookup(plan, {65535, 65535, 65535}, 1, false),
                     lookup(plan, {32768, 32768, 32768}, 1, false)});
@@ -179,8 +189,8 @@ Group cache_cases() {
          In in;
          for (uint32_t i = 0; i < 34; ++i) in.push_back(lookup(plan, at(10 * i), 2));
          const Out out = run.process<IrradianceCache>(plan, in);
-         run.exact("full", 0, out.at(31).full);
-         run.exact("full", 1, out.at(32).full);
+         run.counted("full", 0, out.at(31).full);
+         run.counted("full", 1, out.at(32).full);
          run.exact("inserted", 0, out.at(33).inserted);
          run.exact("count", 0, out.at(33).count);
        }},

@@ -9,6 +9,7 @@
 #include "golden/numeric/octahedral.hpp"
 #include "golden/numeric/random.hpp"
 #include "golden/numeric/reciprocal.hpp"
+#include "golden/pipeline/light_gradient.hpp"
 #include "golden/plan/plan_file.hpp"
 #include "golden/plan/quantiser.hpp"
 #include "golden/transport/bsdf.hpp"
@@ -69,8 +70,8 @@ Case power_case(const char* name, std::vector<double> powers, const char* right,
               const double least = std::ldexp(0.5, plan.global.power_exponent);
               run.near("power / W", powers[i], back, std::max(std::ldexp(powers[i], -9), least));
             }
-            run.exact("zeroed", zeroed, counts.zeroed);
-            run.exact("saturated", 0, counts.saturated);
+            run.counted("zeroed", zeroed, counts.zeroed);
+            run.counted("saturated", 0, counts.saturated);
           }};
 }
 
@@ -148,6 +149,18 @@ void beyond(Run& run, bool above) {
   run.exact("taken", 0, taken);
 }
 
+// Of a ray from the origin, whose normal is z, to a surface at y.
+RayGradient gradient(const Vec3& y, const Vec3& normal, ClampCounts& counts) {
+  Plan plan;
+  plan.extent = 3;
+  plan.cache_gradients = CacheGradients::kBoth;
+  DiffuseHit from{}, to{};
+  from.normal = from.shading_normal = Vec3(0, 0, 1);
+  to.position = y;
+  to.normal = to.shading_normal = normal;
+  return ray_gradient(plan, from, glm::normalize(y), &to, counts);
+}
+
 Scene reflecting(const char* reflectance, const char* version) {
   return load_body(fmt::format("<shape type=\"cube\"><bsdf type=\"diffuse\"><rgb "
                                "name=\"reflectance\" value=\"{}\"/></bsdf></shape>",
@@ -167,13 +180,24 @@ Group conversion_cases() {
       cube_case("position: a unit cube 1e6 from the origin, 24 bits", 1, Vec3(1e6, -1e6, 1e6), 24),
       cube_case("position: 4 bits", 2, Vec3(-1), 4),
       {"position: outside of the cube", Known::kSaturation,
-       "taken as the nearest unit; no frame asks it: a plan whose cube does not hold the scene and "
-       "photons outside of it are refused",
+       "taken as the nearest unit and counted, a point once: `outside_positions` of queries and "
+       "lookups, `outside_photons` of photons; a plan whose cube does not hold the scene is "
+       "refused",
        [](Run& run) {
          const Plan plan = cube(2, Vec3(-1), 16);
-         run.exact("below", 0, quantise_position(plan, Vec3(-1.0000001))[0]);
-         run.exact("above", 65535, quantise_position(plan, Vec3(1))[0]);
-         run.exact("far above", 65535, quantise_position(plan, Vec3(1e300))[0]);
+         ClampCounts counts;
+         run.exact("below", 0, quantise_position(plan, Vec3(-1.0000001), &counts)[0]);
+         run.exact("above", 65535, quantise_position(plan, Vec3(1), &counts)[0]);
+         run.exact("far above", 65535, quantise_position(plan, Vec3(1e300), &counts)[0]);
+         run.counted("outside", 3, counts.positions);
+         quantise_position(plan, Vec3(-1), &counts);
+         quantise_position(plan, Vec3(0x1.fffffp-1), &counts);
+         run.counted("and of both corners within", 3, counts.positions);
+         PackCounts packed;
+         Photon p = photon(1);
+         p.position = Vec3(1.5, 0, 0);
+         pack(p, plan, plan.global, &packed);
+         run.counted("photons", 1, packed.outside);
        }},
       {"radius: zero, endless, huge", Known::kDefinition,
        "0 means none: r2_max = 2^34 - 1, which is also the most that a radius gives",
@@ -207,7 +231,7 @@ Group conversion_cases() {
          PackCounts counts;
          const PackedPhoton p = pack(photon(1), plan, plan.global, &counts);
          run.exact("power", uint64_t{511} << 31, power_value(p.power, 0));
-         run.exact("saturated", 1, counts.saturated);
+         run.counted("saturated", 1, counts.saturated);
        }},
       {"power: 2-bit mantissas with 1 bit of exponent", Known::kClosedForm,
        "0 to 6 units round to 0, 1, 2, 3, 4, 4 or 6, 6: half up to the code's step",
@@ -389,7 +413,7 @@ Group conversion_cases() {
          const Plan plan = shading();
          const Shader shader(plan);
          const Weight w = shader.weight(Rgb(1e290), false, counts);
-         run.exact("counted", 3, counts.weights);
+         run.counted("counted", 3, counts.weights);
          const UInt128 value = shader.contribution(largest_result(plan), w)[0];
          run.holds("below 2^(I+F-1)", value >> (plan.pixel_contribution_bits() - 1) == 0);
          run.holds("its top bits are in use", value >> (plan.pixel_contribution_bits() - 3) != 0);
@@ -399,7 +423,7 @@ Group conversion_cases() {
          ShaderCounts counts;
          const Shader shader(shading());
          run.exact("mantissa", 0, shader.weight(Rgb(kNan, HUGE_VAL, 0), false, counts).mantissa[0]);
-         run.exact("counted", 2, counts.not_finite);
+         run.counted("counted", 2, counts.not_finite);
        }},
       {"weight: 8 and 24 bits", Known::kClosedForm,
        "2^-40 - 2^-70 carries into the exponent: 2^(w - 1) * 2^e",
@@ -420,7 +444,7 @@ Group conversion_cases() {
          const Plan plan = shading();
          const Shader shader(plan);
          const Weight share = shader.share(Rgb(1e300), counts);
-         run.exact("counted", 3, counts.weights);
+         run.counted("counted", 3, counts.weights);
          const UInt128 light = UInt128{1} << (plan.pixel_contribution_bits() - 1);
          const UInt128 one = shader.interpolated({light, 1, 0}, 256, 256, share)[0];
          run.holds("no wrap", one >= light);
@@ -436,11 +460,63 @@ Group conversion_cases() {
          run.exact("0", UInt128{0}, shader.pixel(Rgb(0), counts)[0]);
          run.exact("half a unit", UInt128{1}, shader.pixel(Rgb(0x1p-33), counts)[0]);
          run.exact("below half", UInt128{0}, shader.pixel(Rgb(0x1.fffffp-34), counts)[0]);
-         run.exact("counted", 0, counts.direct);
+         run.counted("counted", 0, counts.direct);
          run.exact("2^32", UInt128{1} << 63, shader.pixel(Rgb(0x1p32), counts)[0]);
-         run.exact("counted", 3, counts.direct);
+         run.counted("counted", 3, counts.direct);
          shader.pixel(Rgb(kNan), counts);
-         run.exact("not finite", 3, counts.not_finite);
+         run.counted("not finite", 3, counts.not_finite);
+       }},
+      {"gradient: light from above", Known::kClosedForm,
+       "turn = omega / (n . omega) and way = (4 omega - n_y / (n_y . omega)) / r of a ray that "
+       "goes "
+       "(3, 0, 4): 49,152 and 5,898 units, nothing counted",
+       [](Run& run) {
+         ClampCounts counts;
+         const RayGradient g = gradient(Vec3(3, 0, 4), Vec3(0, 0, -1), counts);
+         run.exact("turn x", 3 * 65536 / 4, g.turn[0]);
+         run.exact("turn z", 65536, g.turn[2]);
+         run.exact("way x", 5898, g.way[0]);  // 4 * 0.6 * 3 / 5 * 2^12 = 5898.24
+         run.exact("way z", 0, g.way[2]);
+         run.counted("counted", 0, counts.gradients);
+       }},
+      {"gradient: light along the surface", Known::kSaturation,
+       "1 / (n . omega) is 2^20, in units of 2^-16 beyond 31 bits: taken as 2^31 - 1 and counted "
+       "in "
+       "`saturated_gradients`; the number across the surface is 1",
+       [](Run& run) {
+         ClampCounts counts;
+         const RayGradient g = gradient(Vec3(1, 0, 0x1p-20), Vec3(-1, 0, 0), counts);
+         run.exact("turn x", ones(31), g.turn[0]);
+         run.exact("turn z", 65536, g.turn[2]);
+         run.counted("counted", 1, counts.gradients);
+       }},
+      {"gradient: a surface 2^-20 away", Known::kSaturation,
+       "the way goes with 1 / r: taken as -(2^31 - 1) and counted, on one axis",
+       [](Run& run) {
+         ClampCounts counts;
+         const RayGradient g = gradient(Vec3(-0x1p-20, 0, 0x1p-20), Vec3(0, 0, -1), counts);
+         run.exact("way x", -static_cast<int64_t>(ones(31)), g.way[0]);
+         run.exact("way y", 0, g.way[1]);
+         run.counted("counted", 1, counts.gradients);
+       }},
+      {"gradient: a change of all light and more", Known::kSaturation,
+       "c is kept within -1 to 1, so that light is 0 to 2 times itself, and counted in "
+       "`clamped_changes`; where it is within, and where there is no light, nothing counts",
+       [](Run& run) {
+         ClampCounts counts;
+         RecordGradient<Arithmetic::kGolden> record;
+         record.add({1000, 0, 0}, {{65536, 0, 0}, {0, 0, 0}});  // light 1000 times a turn of 1
+         const auto factor = [&](double turn, double light = 1000) {
+           return record.factor(0, light, Vec3(turn, 0, 0), Vec3(0), counts);
+         };
+         run.near("half", 1.5, factor(0.5), 0);
+         run.near("all", 2, factor(1), 0);
+         run.near("none left", 0, factor(-1), 0);
+         run.near("no light", 1, factor(5, 0), 0);
+         run.counted("counted", 0, counts.changes);
+         run.near("more", 2, factor(1.01), 0);
+         run.near("less", 0, factor(-1e9), 0);
+         run.counted("counted", 2, counts.changes);
        }},
       {"packets: every field all zeros and all ones", Known::kClosedForm,
        "unpack(pack(x)) = x, for every packet, at the least and the greatest widths",
@@ -520,7 +596,7 @@ Group conversion_cases() {
        [](Run& run) {
          const Scene scene = reflecting("2", "0.6.0");
          run.near("albedo", 0.99, scene.bsdfs.at(0).diffuse.x, 1e-15);
-         run.exact("warnings", 1, scene.warnings.size());
+         run.counted("warnings", 1, scene.warnings.size());
        }},
       {"albedo 1", Known::kDefinition, "taken as it is, without a warning",
        [](Run& run) {

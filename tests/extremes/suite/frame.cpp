@@ -37,6 +37,12 @@ FrameRequest request(uint64_t photons = 40000, int k = 50, int spp = 4, int rays
   return r;
 }
 
+// What goes through the RTL: few photons and pixels, and one model of each unit for all frames
+// whose plans have the same widths.
+constexpr int kSmallWidth = 5, kSmallHeight = 3;
+FrameRequest small_request() { return request(2000, 16, 2, 4); }
+constexpr bool kRtl = true;
+
 double green(const Image& image, const std::string& layer = "") {
   return channel_mean(image, layer.empty() ? "G" : layer + ".G");
 }
@@ -54,6 +60,8 @@ void clean(Run& run, const Run::Rendered& r) {
   run.exact("saturated light", 0, r.counts.shader.direct);
   run.exact("not finite", 0, r.counts.shader.not_finite);
   run.exact("saturated photons", 0, r.packed.saturated);
+  run.exact("photons outside", 0, r.packed.outside);
+  run.exact("positions outside", 0, r.counts.clamps.positions);
   run.exact("unmatched and unanswered", 0, r.counts.unmatched + r.counts.unanswered);
   run.holds("finite", finite(r.image));
 }
@@ -65,14 +73,19 @@ Case furnace_case(const std::string& name, const std::string& why, double scale,
             const Run::Rendered r = run.frame(furnace(0.5, scale, radiance, shift), request());
             run.near("L / Le", 2, green(r.image) / radiance, 0.08);
             clean(run, r);
+            clean(run, run.frame(furnace(0.5, scale, radiance, shift, kSmallWidth, kSmallHeight),
+                                 small_request(), kRtl));
           }};
 }
 
 // Scales by powers of two are exact in double, so all that follows is too.
 Case same_case(const std::string& name, const std::string& right, double scale, double radiance) {
   return {name, Known::kClosedForm, right, [=](Run& run) {
-            const Run::Rendered one = run.frame(furnace(), request(5000, 20));
-            const Run::Rendered other = run.frame(furnace(0.5, scale, radiance), request(5000, 20));
+            const auto frame = [&](double size, double light) {
+              return run.frame(furnace(0.5, size, light, Vec3(0), kSmallWidth, kSmallHeight),
+                               small_request(), kRtl);
+            };
+            const Run::Rendered one = frame(1, 1), other = frame(scale, radiance);
             const auto& a = one.image.find("G")->pixels;
             std::vector<double> due, got;
             for (const float x : a) due.push_back(static_cast<double>(x) * radiance);
@@ -86,9 +99,9 @@ Case size_case(const std::string& name, int width, int height, int tile) {
   return {name, Known::kClosedForm,
           fmt::format("tiles of {0}x{0} give the bytes that one tile gives", tile), [=](Run& run) {
             const Scene s = furnace(0.5, 1, 1, Vec3(0), width, height);
-            FrameRequest r = request(3000, 10, 2, 4);
+            FrameRequest r = small_request();
             r.set = {fmt::format("frame.tile={}", tile)};
-            const Run::Rendered small = run.frame(s, r);
+            const Run::Rendered small = run.frame(s, r, kRtl);
             r.set = {"frame.tile=1024", "reorder.packets=7"};
             const Run::Rendered whole = run.frame(s, r);
             run.holds("the same image", pixel_sha256(small.image) == pixel_sha256(whole.image));
@@ -108,6 +121,9 @@ Case ball_case(const std::string& name, double ior) {
             const Run::Rendered r = run.frame(s, request(30000, 50, 16, 4));
             run.near("L", 2, green(r.image), 0.1);
             clean(run, r);
+            s.film.width = kSmallWidth;
+            s.film.height = kSmallHeight;
+            clean(run, run.frame(s, small_request(), kRtl));
           }};
 }
 
@@ -122,7 +138,7 @@ Case plane_case(const std::string& name, double height, double d) {
             light.intensity = Rgb(1e6);
             s.lights.push_back(light);
             set_camera(s, Vec3(d, 0, 3), Vec3(d, 0, 0), Vec3(0, 1, 0), 1e-4, 2, 2);
-            const Run::Rendered r = run.frame(s, request(500, 10, 1, 1));
+            const Run::Rendered r = run.frame(s, request(500, 10, 1, 1), kRtl);
             const double due = 0.6 / kPi * 1e6 * height / std::pow(height * height + d * d, 1.5);
             run.near("L", due, green(r.image, "direct"), 1e-5 * due);
             clean(run, r);
@@ -188,7 +204,7 @@ Group frame_cases() {
        "the path that fills the map is kept whole; every query finds at most what there is, all is "
        "finite",
        [](Run& run) {
-         const Run::Rendered r = run.frame(furnace(), request(1, 50, 1, 4), true);
+         const Run::Rendered r = run.frame(furnace(), request(1, 50, 1, 4), kRtl);
          run.holds("1 photon and more", r.photons >= 1);
          run.exact("full gathers", 0, r.counts.full);
          clean(run, r);
@@ -199,7 +215,7 @@ Group frame_cases() {
        [](Run& run) {
          FrameRequest f = request(20, 200, 1, 4);
          f.radius = 0;
-         const Run::Rendered r = run.frame(furnace(), f);
+         const Run::Rendered r = run.frame(furnace(), f, kRtl);
          run.exact("full gathers", 0, r.counts.full);
          run.holds("gathers", r.counts.final_gathers > 0);
          clean(run, r);
@@ -210,17 +226,20 @@ Group frame_cases() {
          run.near("L", 2, green(r.image), 0.02);
          clean(run, r);
        },
-       true},
+       true, "photon_gatherer has cases of as many photons"},
       {"k = 1", Known::kRefusal, "c = (k - 1) / k = 0: no image without a full radius",
        [](Run& run) { run.refused("k", [&] { run.frame(furnace(), request(1000, 1)); }); }},
       {"k = 2 and k = 256", Known::kClosedForm, "L = Le / (1 - 0.5) to within 8 % and 4 %",
        [](Run& run) {
          run.near("k = 2", 2, green(run.frame(furnace(), request(40000, 2, 8, 16)).image), 0.16);
          run.near("k = 256", 2, green(run.frame(furnace(), request(40000, 256)).image), 0.08);
+         for (const int k : {2, 256})
+           clean(run, run.frame(furnace(0.5, 1, 1, Vec3(0), 2, 2), request(2000, k, 1, 2), kRtl));
        }},
       {"albedo 0", Known::kClosedForm, "L = Le exactly, direct and indirect light exactly 0",
        [](Run& run) {
-         const Run::Rendered r = run.frame(furnace(0), request(1000));
+         const Run::Rendered r =
+             run.frame(furnace(0, 1, 1, Vec3(0), kSmallWidth, kSmallHeight), small_request(), kRtl);
          run.near("L", 1, green(r.image), 0);
          run.near("indirect", 0, green(r.image, "indirect"), 0);
          run.near("direct", 0, green(r.image, "direct"), 0);
@@ -233,6 +252,9 @@ Group frame_cases() {
          const Run::Rendered r = run.frame(s, request(40000, 50, 8, 16));
          run.near("L", 3, green(r.image), 0.09);
          clean(run, r);
+         s.film.width = kSmallWidth;
+         s.film.height = kSmallHeight;
+         clean(run, run.frame(s, small_request(), kRtl));
        }},
       size_case("an image of 1x1", 1, 1, 1),
       size_case("an image of 1x23", 1, 23, 5),
@@ -242,7 +264,8 @@ Group frame_cases() {
       {"an image of 5x3 through the RTL of all units", Known::kClosedForm,
        "the image is golden's to the bit",
        [](Run& run) {
-         clean(run, run.frame(furnace(0.5, 1, 1, Vec3(0), 5, 3), request(2000, 16, 2, 4), true));
+         clean(run, run.frame(furnace(0.5, 1, 1, Vec3(0), kSmallWidth, kSmallHeight),
+                              small_request(), kRtl));
        }},
       {"10,000 rays in one pixel", Known::kClosedForm,
        "L = Le / (1 - 0.5) to within 4 %; 10,000 directions of one table, in one pixel's sum",
@@ -252,7 +275,8 @@ Group frame_cases() {
          run.exact("directions", 10000, r.counts.directions);
          run.near("L", 2, green(r.image), 0.08);
          clean(run, r);
-       }},
+       },
+       false, "cdf_sampler has a case of as many requests to one table"},
       {"65,535 rays in one pixel", Known::kClosedForm,
        "the greatest number of rays: as with 10,000",
        [](Run& run) {
@@ -262,10 +286,10 @@ Group frame_cases() {
          run.near("L", 2, green(r.image), 0.08);
          clean(run, r);
        },
-       true},
+       true, "cdf_sampler has a case of 10,000 requests to one table"},
       {"no final gather rays", Known::kClosedForm, "direct light and emission only: indirect is 0",
        [](Run& run) {
-         const Run::Rendered r = run.frame(furnace(), request(1000, 10, 16, 0));
+         const Run::Rendered r = run.frame(furnace(), request(1000, 10, 16, 0), kRtl);
          run.near("indirect", 0, green(r.image, "indirect"), 0);
          run.near("L", 1.5, green(r.image), 0.06);
        }},
@@ -301,6 +325,10 @@ Group frame_cases() {
          s.lights.push_back(light);
          set_camera(s, Vec3(-2, 0, 0), Vec3(0, 0, 0), Vec3(0, 1, 0), 40, 6, 6);
          const Run::Rendered dark = run.frame(s, request(20000, 50, 4, 16));
+         s.film.width = kSmallWidth;
+         s.film.height = kSmallHeight;
+         const Run::Rendered small = run.frame(s, small_request(), kRtl);
+         for (const float x : small.image.find("G")->pixels) run.near("L", 0, x, 0);
          for (const float x : dark.image.find("G")->pixels) run.near("L", 0, x, 0);
          set_camera(s, Vec3(2, 0, 0), Vec3(0, 0, 0), Vec3(0, 1, 0), 40, 6, 6);
          run.holds("the lit side is lit", green(run.frame(s, request(20000, 50, 4, 16)).image) > 1);
@@ -313,7 +341,7 @@ Group frame_cases() {
          add_quad(s, grey, Vec3(2, -1, 0), Vec3(2, 0, 0), Vec3(0, 2, 0));
          add_quad(s, -1, Vec3(-1, -1, 0), Vec3(2, 0, 0), Vec3(0, 2, 0)).radiance = Rgb(5);
          set_camera(s, Vec3(3, 0, 3), Vec3(3, 0, 0), Vec3(0, 1, 0), 20, 6, 6);
-         const Run::Rendered r = run.frame(s, request(100, 10, 16, 4));
+         const Run::Rendered r = run.frame(s, request(100, 10, 16, 4), kRtl);
          for (const float x : r.image.find("G")->pixels) run.near("L", 0, x, 0);
          clean(run, r);
        }},
@@ -325,15 +353,15 @@ Group frame_cases() {
          add_quad(s, grey, Vec3(-4, -4, 0), Vec3(8, 0, 0), Vec3(0, 8, 0));
          add_quad(s, -1, Vec3(-1, -1, 0), Vec3(2, 0, 0), Vec3(0, 2, 0)).radiance = Rgb(5);
          set_camera(s, Vec3(3, 0, 3), Vec3(3, 0, 0), Vec3(0, 1, 0), 20, 6, 6);
-         const Run::Rendered r = run.frame(s, request(100, 10, 16, 4));
+         const Run::Rendered r = run.frame(s, request(100, 10, 16, 4), kRtl);
          for (const float x : r.image.find("G")->pixels) run.near("L", 0, x, 0);
          clean(run, r);
        }},
       {"triangles without area", Known::kDefinition,
        "points and lines among the triangles change no byte of the image",
        [](Run& run) {
-         const Scene whole = furnace();
-         Scene more = furnace();
+         const Scene whole = furnace(0.5, 1, 1, Vec3(0), kSmallWidth, kSmallHeight);
+         Scene more = whole;
          Mesh& mesh = more.shapes[0].mesh;
          const auto n = static_cast<uint32_t>(mesh.positions.size());
          mesh.positions.push_back(mesh.positions[0]);
@@ -341,15 +369,15 @@ Group frame_cases() {
          mesh.triangles.push_back({0, 0, 1});
          mesh.triangles.push_back({0, n, n});
          mesh.triangles.push_back({0, 1, n + 1});
-         const Run::Rendered a = run.frame(whole, request(2000, 10, 2, 4));
-         const Run::Rendered b = run.frame(more, request(2000, 10, 2, 4));
+         const Run::Rendered a = run.frame(whole, small_request(), kRtl);
+         const Run::Rendered b = run.frame(more, small_request(), kRtl);
          run.holds("the same image", pixel_sha256(a.image) == pixel_sha256(b.image));
        }},
       {"a lamp in the shape of a needle, 1 : 1e6", Known::kClosedForm,
        "E = Le A / d^2 head on: L = rho / pi E, to within 1 %",
        [](Run& run) {
          const double length = 0.1, width = 1e-7;
-         const Run::Rendered r = run.frame(needle(length, width), request(500, 10, 16, 1));
+         const Run::Rendered r = run.frame(needle(length, width), request(500, 10, 16, 1), kRtl);
          const double due = 0.5 / kPi * 1e9 * (length * width / 2) / 100;
          run.near("L", due, green(r.image, "direct"), 0.01 * due);
          clean(run, r);
@@ -415,33 +443,82 @@ Group frame_cases() {
          run.exact("lost", 0, lost);
        }},
       {"r2_floor above every r2", Known::kSaturation,
-       "every full gather's r2 is below the floor: `clamped` counts them all",
+       "every gather's r2 is below the floor: `clamped` counts them all",
        [](Run& run) {
-         FrameRequest f = request(3000, 10, 2, 4);
-         f.set = {"gather.r2_floor=1000000000"};
-         const Run::Rendered r = run.frame(furnace(), f);
-         run.holds("clamped", r.counts.clamped > 0 && r.counts.clamped >= r.counts.full);
+         FrameRequest f = small_request();
+         f.set = {"gather.r2_floor=17179869183"};
+         const Run::Rendered r =
+             run.frame(furnace(0.5, 1, 1, Vec3(0), kSmallWidth, kSmallHeight), f, kRtl);
+         run.counted("clamped", r.counts.table_gathers + r.counts.final_gathers, r.counts.clamped);
          run.holds("finite", finite(r.image));
        }},
       {"integer bits too few for the light", Known::kSaturation,
        "weights and light that do not fit are taken as the largest and counted; nothing wraps: no "
-       "pixel "
-       "is brighter than without",
+       "pixel is brighter than without",
        [](Run& run) {
-         FrameRequest f = request(3000, 10, 2, 4);
-         const Run::Rendered all = run.frame(furnace(0.5, 1, 1000), f);
+         FrameRequest f = small_request();
+         const Scene bright = furnace(0.5, 1, 1000, Vec3(0), kSmallWidth, kSmallHeight);
+         const Run::Rendered all = run.frame(bright, f);
+         clean(run, all);
          f.set = {"pixel.integer_bits=6"};
-         const Run::Rendered few = run.frame(furnace(0.5, 1, 1000), f);
-         run.holds("counted", few.counts.shader.direct + few.counts.shader.weights > 0);
+         const Run::Rendered few = run.frame(bright, f, kRtl);
+         run.counted_some("saturated weights and light",
+                          few.counts.shader.direct + few.counts.shader.weights);
          for (size_t i = 0; i < all.image.find("G")->pixels.size(); ++i)
            run.holds("no brighter",
                      few.image.find("G")->pixels[i] <= all.image.find("G")->pixels[i]);
+       }},
+      {"a tile with room for one record", Known::kSaturation,
+       "all samples but those of the record are told that the tile is full and gather all the "
+       "same: "
+       "`cache_full`, and each reach below a position unit is counted in `clamped_reaches`",
+       [](Run& run) {
+         FrameRequest f = small_request();
+         f.set = {"cache.present=true", "cache.records=1", "cache.accuracy=0"};
+         const Run::Rendered r =
+             run.frame(furnace(0.5, 1, 1, Vec3(0), kSmallWidth, kSmallHeight), f, kRtl);
+         run.counted("full", r.counts.cache_samples - 1 - r.counts.cache_hits, r.counts.cache_full);
+         run.counted("clamped reaches", r.counts.cache_samples, r.counts.clamps.reaches);
+         clean(run, r);
+       }},
+      {"records with gradients in a room", Known::kDefinition,
+       "no number of a gradient is beyond 31 bits, and none is counted",
+       [](Run& run) {
+         FrameRequest f = small_request();
+         f.set = {"cache.present=true", "cache.gradients=both"};
+         const Run::Rendered r =
+             run.frame(furnace(0.5, 1, 1, Vec3(0), kSmallWidth, kSmallHeight), f, kRtl);
+         run.holds("records", r.counts.cache_records > 0);
+         run.counted("saturated gradients", 0, r.counts.clamps.gradients);
+         clean(run, r);
+       }},
+      {"records with gradients in a gap of 2^-22", Known::kSaturation,
+       "a wall 2^-22 of the scene away gives gradients beyond 31 bits: taken as the largest, "
+       "counted "
+       "in `saturated_gradients`; the image is finite",
+       [](Run& run) {
+         Scene s;
+         const int grey = add_diffuse(s, Rgb(0.5));
+         const double gap = 0x1p-22;
+         add_quad(s, grey, Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0)).radiance = Rgb(1);
+         add_quad(s, grey, Vec3(0, 0, gap), Vec3(0, 1, 0), Vec3(1, 0, 0)).radiance = Rgb(1);
+         set_camera(s, Vec3(0.5, 0.5, gap / 2), Vec3(0.5, 0.5, 0), Vec3(0, 1, 0), 40, kSmallWidth,
+                    kSmallHeight);
+         FrameRequest f = small_request();
+         f.set = {"cache.present=true", "cache.gradients=translation"};
+         const Run::Rendered r = run.frame(s, f, kRtl);
+         run.counted_some("saturated gradients", r.counts.clamps.gradients);
+         clean(run, r);
        }},
   };
   return {
       "frame",
       "Scenes made by hand: closed grey rooms that shine everywhere, planes, walls, balls; 40,000 "
-      "photons a map, k = 50 and 4 samples of 8 rays where nothing else is said.",
+      "photons a map, k = 50 and 4 samples of 8 rays where nothing else is said. Through the RTL "
+      "of "
+      "all units the plan has: the same at 5x3 pixels with 2,000 photons and k = 16 where the "
+      "frame is larger, its image and "
+      "counts golden's.",
       std::move(cases)};
 }
 

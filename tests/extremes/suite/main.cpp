@@ -9,6 +9,7 @@
 #include <cstdio>
 
 #include "golden/numeric/output_file.hpp"
+#include "tests/extremes/suite/stability.hpp"
 #include "tests/extremes/suite/steps.hpp"
 #include "tests/extremes/suite/suite.hpp"
 
@@ -95,19 +96,42 @@ int run_steps(const std::string& page) {
   return missed == 0 && 2 * tight >= steps ? 0 : 1;
 }
 
-int run_stability(const std::string& csv) {
+int run_stability(const std::string& csv, const std::string& page) {
   std::string text = "line,bits,error\n";
+  std::string table =
+      "| line | error | bits | error at the least | at the greatest | verdict |\n"
+      "|---|---|---|---|---|---|\n";
   int faults = 0;
-  for (const StabilityCurve& c : stability_curves()) {
-    for (const StabilityPoint& p : c.points)
-      text += fmt::format("{},{},{:.6g}\n", c.line, p.bits, p.error);
+  const auto curves = width_curves();
+  for (const StabilityCurve& c : curves) {
+    // The figure is logarithmic: a curve of zeros is in the table alone.
+    const bool nothing = changes_nothing(c);
+    if (!nothing)
+      for (const StabilityPoint& p : c.points)
+        text += fmt::format("{},{},{:.6g}\n", c.line, p.bits, p.error);
     const std::string fault = curve_fault(c);
     faults += !fault.empty();
-    fmt::print("{:<28} {} to {} bits: {:.2e} to {:.2e} ({}){}\n", c.line, c.points.front().bits,
-               c.points.back().bits, c.points.front().error, c.points.back().error, c.error,
-               fault.empty() ? "" : "; MISSED: " + fault);
+    table += fmt::format("| `{}` | {} | {} to {} | {:.2g} | {:.2g} | {} |\n", c.line, c.error,
+                         c.points.front().bits, c.points.back().bits, c.points.front().error,
+                         c.points.back().error,
+                         !fault.empty() ? "**MISSED** " + fault
+                         : nothing      ? "held: changes nothing"
+                                        : "held: falls, no cliff");
   }
+  std::string summary =
+      fmt::format("{} lines of the plan are a number of bits: {} held, {} missed.\n", curves.size(),
+                  curves.size() - static_cast<size_t>(faults), faults);
+  for (const std::string& missing : missing_widths(curves)) {
+    ++faults;
+    summary += fmt::format("**MISSED** {}.\n", missing);
+  }
+  if (!curve_fault_works()) {
+    ++faults;
+    summary += "**MISSED** the check takes curves that rise or end in a cliff.\n";
+  }
+  fmt::print("{}\n{}", table, summary);
   if (csv != "-") write_file(csv, text);
+  write_page(page, {{"stability", "\n" + summary + "\n" + table + "\n"}});
   return faults == 0 ? 0 : 1;
 }
 
@@ -133,7 +157,7 @@ int main(int argc, char** argv) {
   CLI11_PARSE(app, argc, argv);
   try {
     if (steps) return run_steps(page);
-    if (!csv.empty()) return run_stability(csv);
+    if (!csv.empty()) return run_stability(csv, page);
     return run_cases(settings, only, page);
   } catch (const std::exception& error) {
     fmt::print(stderr, "extremes: {}\n", error.what());
@@ -166,6 +190,12 @@ int run_cases(const Settings& settings, const std::string& only, const std::stri
       } catch (const std::exception& error) {
         failure = error.what();
       }
+      if (failure.empty() && c.known == Known::kSaturation && !run.reads_counter())
+        failure = "reads no counter that is not 0, expected of a saturation";
+      if (failure.empty() && run.leaves_out_rtl() && c.no_rtl.empty())
+        failure = "asks units and no RTL, expected a reason";
+      if (failure.empty() && !c.no_rtl.empty() && !run.leaves_out_rtl())
+        failure = "has a reason for no RTL, which runs or has nothing to answer";
       const bool held = failure.empty() && run.held();
       ++totals.cases;
       totals.held += held;
@@ -173,7 +203,8 @@ int run_cases(const Settings& settings, const std::string& only, const std::stri
       totals.rtl_cases += run.ran_rtl();
       totals.rtl_packets += run.rtl_packets();
       totals.differences += run.differences();
-      const std::string rtl = !run.ran_rtl() ? "–"
+      const std::string rtl = !c.no_rtl.empty() ? "not run: " + c.no_rtl
+                              : !run.ran_rtl()  ? "–"
                               : run.differences()
                                   ? fmt::format("{} differences", run.differences())
                                   : fmt::format("= golden, {} packets", run.rtl_packets());

@@ -33,7 +33,8 @@ void Run::add(const std::string& what, const std::string& due, const std::string
   failed_ += !right;
   // How far off: above 1 is wrong.
   const double off = !right ? 2 + error : bound > 0 ? error / bound : 0;
-  if (off <= worst_) return;
+  if (off < worst_ || (off == worst_ && (!showing_ || shows_counter_))) return;
+  shows_counter_ = showing_;
   worst_ = off;
   worst_error_ = error;
   worst_bound_ = bound;
@@ -72,6 +73,7 @@ Run::Gathered Run::gather(const Plan& plan, std::span<const PackedPhoton> photon
   const auto golden = make_golden_photon_gatherer(plan);
   golden->load(found.map, none);
   golden->process(queries, found.results, found.photons);
+  asked_ = offered_ = true;
   if (settings_.rtl) {
     hardware([&] {
       const auto rtl = make_rtl_photon_gatherer(plan, options());
@@ -96,10 +98,18 @@ Run::Rendered Run::frame(const Scene& scene, const FrameRequest& request, bool r
   rendered.image = render_frame(frame.input(arithmetic), units, rendered.counts);
   rendered.plan = frame.plan;
   rendered.packed = {frame.global_counts.zeroed + frame.caustic_counts.zeroed,
-                     frame.global_counts.saturated + frame.caustic_counts.saturated};
+                     frame.global_counts.saturated + frame.caustic_counts.saturated,
+                     frame.global_counts.outside + frame.caustic_counts.outside};
   rendered.photons = frame.global_pass.photons.size();
   rendered.paths = frame.global_pass.paths;
-  if (rtl && settings_.rtl) {
+  const auto packets = [](const FrameCounts& c) {
+    return c.table_gathers + c.caustic_queries + c.directions + 2 * c.final_gathers +
+           c.cache_samples;
+  };
+  const bool asks = packets(rendered.counts) > 0;
+  asked_ |= asks;
+  offered_ |= rtl;
+  if (rtl && asks && settings_.rtl) {
     hardware([&] {
       FrameUnits hardware_units = make_golden_units(frame.plan);
 #define PHOTONLOOM_AS_RTL(Interface, name, ...)       \
@@ -109,8 +119,11 @@ Run::Rendered Run::frame(const Scene& scene, const FrameRequest& request, bool r
 #undef PHOTONLOOM_AS_RTL
       FrameCounts counts;
       const Image image = render_frame(frame.input(arithmetic), hardware_units, counts);
-      rtl_packets_ += counts.table_gathers + counts.caustic_queries + counts.directions +
-                      2 * counts.final_gathers;
+      rtl_packets_ += packets(counts);
+      for (const auto member : {&FrameCounts::full, &FrameCounts::clamped, &FrameCounts::cache_full,
+                                &FrameCounts::unmatched, &FrameCounts::unanswered})
+        if (counts.*member != rendered.counts.*member)
+          differ("a count of flags or packets is not golden's");
       if (pixel_sha256(image) != pixel_sha256(rendered.image))
         differ("the image is not golden's to the bit");
     });

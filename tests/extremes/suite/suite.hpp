@@ -55,6 +55,22 @@ class Run {
   void holds(const std::string& what, bool golden) {
     add(what, "yes", golden ? "yes" : "no", golden ? 0 : 1, 0);
   }
+  // What a counter or a flag says. A case that is `saturation, counted` has such a check, and one
+  // whose number is not 0.
+  template <class A, class B>
+  void counted(const std::string& what, A due, B golden) {
+    reads_counter_ |= due > 0;
+    showing_ = due > 0;
+    exact(what, due, golden);
+    showing_ = false;
+  }
+  // A counter whose number is of randomness: it is not 0.
+  template <class B>
+  void counted_some(const std::string& what, B golden) {
+    reads_counter_ = showing_ = true;
+    add(what, "more than 0", std::to_string(golden), golden > 0 ? 0 : 1, 0);
+    showing_ = false;
+  }
   // An error whose text has these words.
   void refused(const std::string& words, const std::function<void()>& f);
 
@@ -65,6 +81,8 @@ class Run {
     const std::type_identity<Unit> unit;
     std::vector<typename Unit::FirstOut> due;
     make_golden(unit, plan)->process(in, due);
+    asked_ = true;
+    offered_ = true;
     if (settings_.rtl) {
       hardware([&] {
         const auto rtl = make_rtl(unit, plan, options());
@@ -94,12 +112,15 @@ class Run {
     PackCounts packed;
     uint64_t photons = 0, paths = 0;
   };
-  // `rtl`: with all units of the plan as RTL too, where it runs; the images must be equal.
+  // `rtl`: with all units of the plan as RTL too, where it runs; images and counts must be equal.
   Rendered frame(const Scene& scene, const FrameRequest& request, bool rtl = false,
                  Arithmetic arithmetic = Arithmetic::kGolden);
 
   bool held() const { return failed_ == 0 && checks_ > 0 && differences_ == 0; }
   bool ran_rtl() const { return ran_rtl_; }
+  bool reads_counter() const { return reads_counter_; }
+  // Whether units had packets that no RTL is asked to answer too.
+  bool leaves_out_rtl() const { return asked_ && !offered_; }
   uint64_t checks() const { return checks_; }
   uint64_t rtl_packets() const { return rtl_packets_; }
   uint64_t differences() const { return differences_; }
@@ -134,7 +155,8 @@ class Run {
   uint64_t checks_ = 0, failed_ = 0;
   double worst_ = -1, worst_error_ = 0, worst_bound_ = 0;
   std::string what_, due_, golden_;
-  bool ran_rtl_ = false;
+  bool ran_rtl_ = false, reads_counter_ = false, showing_ = false, shows_counter_ = false;
+  bool asked_ = false, offered_ = false;
   uint64_t rtl_packets_ = 0, differences_ = 0;
   std::string first_difference_;
 };
@@ -148,6 +170,7 @@ struct Case {
   std::string right;  // what is right, and why
   std::function<void(Run&)> run;
   bool slow = false;
+  std::string no_rtl = "";  // why no RTL answers the packets of this case
 };
 
 struct Group {
