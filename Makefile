@@ -102,19 +102,17 @@ precision: build ## what positions, mantissas and directions cost: docs/precisio
 	@scripts/setup precision
 	@scripts/precision
 
-asan: ## the quick tests under AddressSanitizer and UndefinedBehaviorSanitizer
+asan: ## the quick tests under AddressSanitizer and UndefinedBehaviorSanitizer: docs/sanitizers.md
 	@scripts/setup asan
-	@cmake --preset asan -DBUILD_TESTING=ON
-	@cmake --build build-asan --target quick
-	@ctest --preset asan -j $(JOBS)
+	@scripts/asan
 
-tsan: ## a frame and a sweep under ThreadSanitizer
+tsan: ## frames and a sweep under ThreadSanitizer: docs/sanitizers.md
 	@scripts/setup tsan
 	@scripts/tsan
 
-fuzz: ## SECONDS (60) of libFuzzer for each thing that reads files or bytes, and the lines of its parser that were reached
+fuzz: ## SECONDS (60) of libFuzzer for each thing that reads files or bytes, and the lines of its parser that were reached: docs/sanitizers.md
 	@scripts/setup fuzz
-	@scripts/fuzz $(or $(SECONDS),60)
+	@scripts/fuzz --update $(or $(SECONDS),60)
 
 extremes: ## cases at the ends of all ranges, with the RTL: docs/extremes.md; bounds of golden's arithmetic: docs/error-analysis.md
 	@scripts/setup extremes
