@@ -91,7 +91,7 @@ TEST_CASE("a sweep that was killed at random moments ends with an uninterrupted 
             static_cast<char*>(nullptr));
       _exit(127);
     }
-    const auto wait = static_cast<int>(0.3 * took.count() * to_unit(hash_bits(1, round, 0, 0)));
+    const auto wait = static_cast<int>(0.9 * took.count() * to_unit(hash_bits(1, round, 0, 0)));
     std::this_thread::sleep_for(std::chrono::milliseconds(wait));
     kill(child, SIGKILL);
     int status = 0;
