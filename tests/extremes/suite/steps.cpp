@@ -893,15 +893,6 @@ std::vector<StabilityCurve> stability_curves() {
           "gather.normal_bits", "part of all directions that changes sides", 2, 14,
           [](int b) { return b; }, [](int b) { return side_error(14, b); }),
       curve("photon.mantissa_bits", estimate, 2, 16, of(&Plan::mantissa_bits), estimate_error),
-      curve(
-          "photon.exponent_bits", "estimate, mantissas of 4 bits", 1, 5,
-          [](int b) {
-            Plan plan = widest();
-            plan.mantissa_bits = 4;
-            plan.exponent_bits = b;
-            return plan;
-          },
-          estimate_error),
       curve("gather.reciprocal_bits", estimate, 8, 24, of(&Plan::reciprocal_bits), estimate_error),
       curve("pixel.weight_bits", estimate, 8, 24, of(&Plan::weight_bits), estimate_error),
       curve(
