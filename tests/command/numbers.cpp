@@ -368,3 +368,75 @@ TEST_CASE("no integer line of a plan wraps in its file or by --set") {
   }
   CHECK(lines > 40);
 }
+
+TEST_CASE("no count of a study file wraps") {
+  const Scratch s;
+  const std::map<std::string, std::string> right = {
+      {"seeds", "[1]"},     {"size", "\"2x2\""},   {"spp", "8"},       {"queries", "16"},
+      {"latency", "5"},     {"format_seeds", "1"}, {"photons", "200"}, {"caustic", "10"},
+      {"frame.spp", "1"},   {"rays", "1"},         {"count", "2"},     {"point_seed", "7"},
+      {"point_seeds", "1"}, {"from", "4"}};
+  const auto study = [&](const std::string& key, const std::string& value) {
+    const auto at = [&](const std::string& k) { return k == key ? value : right.at(k); };
+    return fmt::format(
+        "[study]\nname = \"counts\"\nscenes = [\"no.xml\"]\nseeds = {}\nsize = {}\nmeasure = "
+        "[\"visible\", \"gather\", \"formats\"]\n[references]\nspp = {}\nfiles = "
+        "\"x.{{scene}}.{{n}}.exr\"\n[gather]\ncycles = \"model\"\nqueries = {}\nlatency = {}\n"
+        "[formats]\nseeds = {}\n[base]\nphotons = {}\ncaustic_photons = {}\nframe.spp = {}\n"
+        "frame.gather_rays = {}\n[[points]]\nstrategy = \"latin_hypercube\"\ncount = {}\nseed = "
+        "{}\nseeds = {}\nlines = {{ gather.k = {{ from = {}, to = 64, log = true }} }}\n",
+        at("seeds"), at("size"), at("spp"), at("queries"), at("latency"), at("format_seeds"),
+        at("photons"), at("caustic"), at("frame.spp"), at("rays"), at("count"), at("point_seed"),
+        at("point_seeds"), at("from"));
+  };
+  const std::string file = s / "study.toml";
+  const auto swept = [&](const std::string& key, const std::string& value) {
+    write_file(file, study(key, value));
+    return run("sweep '" + file + "' -o '" + s / "out" + "'");
+  };
+  // What is wrong with the study as it stands is its scene alone.
+  CHECK_THAT(swept("", "").err, ContainsSubstring("no.xml") && !ContainsSubstring("study.toml:"));
+  for (const auto& [key, value] : right)
+    for (const std::string wrong :
+         {"-1", "-18446744073709551615", "18446744073709551616", "18446744073709551617",
+          "9223372036854775808", "1.5", "nan", "inf", "true", "1e3", "+-1", "4294967297.0"}) {
+      const std::string put = key == "seeds"  ? "[" + wrong + "]"
+                              : key == "size" ? "\"" + wrong + "x2\""
+                                              : wrong;
+      INFO(key << " = " << put);
+      const Outcome o = swept(key, put);
+      INFO(o.err);
+      CHECK(o.status == 1);
+      CHECK_THAT(o.err, ContainsSubstring("study.toml:"));
+    }
+}
+
+TEST_CASE("no number of a packet's JSON wraps") {
+  const Scratch s;
+  const auto made = run("render '" + source("scenes/cornell.xml") +
+                        "' --size 2x2 --spp 1 --gather-rays 1 --photons 100 --k 4 --record '" +
+                        s / "packets" + "' -o '" + s / "x.exr" + "'");
+  INFO(made.err);
+  REQUIRE(made.status == 0);
+  const std::string text = read_file(s / "packets/gather_query.jsonl"),
+                    packet = text.substr(0, text.find('\n'));
+  const std::regex field("\"(\\w+)\": \\[?(\\d+)");
+  size_t fields = 0;
+  for (std::sregex_iterator i(packet.begin(), packet.end(), field), end; i != end; ++i, ++fields)
+    for (const std::string wrong :
+         {"-1", "-18446744073709551615", "18446744073709551616", "18446744073709551617",
+          "340282366920938463463374607431768211457", "1.5", "1e3", "true", "null"}) {
+      std::string changed = packet;
+      changed.replace(static_cast<size_t>(i->position(2)), static_cast<size_t>(i->length(2)),
+                      wrong);
+      write_file(s / "wrong.jsonl", changed + "\n");
+      const Outcome o =
+          run("replay photon_gatherer --backend golden --plan '" + s / "packets/plan.toml" +
+              "' --packets '" + s / "wrong.jsonl" + "' -o '" + s / "found.jsonl" + "'");
+      INFO(changed << "\n" << o.err);
+      CHECK(o.status == 1);
+      CHECK_THAT(o.err, ContainsSubstring("wrong.jsonl, line 1") &&
+                            ContainsSubstring("field " + (*i)[1].str()));
+    }
+  CHECK(fields == 8);
+}
