@@ -81,7 +81,7 @@ TEST_CASE("a sweep that was killed at random moments ends with an uninterrupted 
   FaultRow row;
   row.fault = "killed (signal 9)";
   row.where = "a sweep";
-  for (uint64_t round = 0; round < 20; ++round) {
+  for (uint64_t round = 0; round < 10; ++round) {
     const pid_t child = fork();
     if (child == 0) {
       if (!freopen("/dev/null", "w", stdout) || !freopen("/dev/null", "w", stderr)) _exit(1);
