@@ -122,17 +122,20 @@ class Sweep {
     for (size_t s = 0; s < scenes_.size(); ++s) count += points_of_scene(study_, s);
     plans_.resize(count);
     const std::string file = request_.folder + "/points.json";
-    if (std::filesystem::exists(file)) try {
-        PointTable old = parse_point_table(read_file(file));
-        if (old.source == table_.source) {
-          table_.points = std::move(old.points);
-          if (!request_.is_task) mend_plans();
-          return;
-        }
-        say(fmt::format("{}: is of another study or scene; points are planned again", file));
+    if (std::filesystem::exists(file)) {
+      std::optional<PointTable> old;
+      try {
+        old = parse_point_table(read_file(file));
       } catch (const std::exception&) {
         say(fmt::format("{}: cannot be read; points are planned again", file));
       }
+      if (old && old->source == table_.source) {
+        table_.points = std::move(old->points);
+        if (!request_.is_task) mend_plans();
+        return;
+      }
+      if (old) say(fmt::format("{}: is of another study or scene; points are planned again", file));
+    }
     for (size_t s = 0; s < scenes_.size(); ++s) {
       std::vector<Point> fixed = fixed_points(study_, s);
       const uint32_t of_scene = points_of_scene(study_, s);
