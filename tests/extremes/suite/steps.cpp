@@ -22,6 +22,7 @@
 #include "golden/unit/photon_gatherer.hpp"
 #include "golden/unit/reference_gather.hpp"
 #include "golden/unit/shader.hpp"
+#include "tests/extremes/suite/step_inputs.hpp"
 
 namespace photonloom::extremes {
 namespace {
@@ -71,28 +72,11 @@ double direction_bound(int b) { return 1.5 * std::sqrt(2.0) * std::ldexp(2.0, -b
 
 double ratio_error(double got, double due) { return std::fabs(got / due - 1); }
 
-// Shading with few enough bits that a product is exact in 128.
-Plan shading(int w, int weight_bits) {
-  Plan plan;
-  plan.reciprocal_bits = w;
-  plan.weight_bits = weight_bits;
-  plan.k = 50;
-  plan.global.r2_max = plan.caustic.r2_max = plan.r2_limit();
-  plan.extent = std::ldexp(std::sqrt(1 / kPi), plan.position_bits);  // a weight's scale is 2^F
-  plan.integer_bits = 60;
-  plan.fraction_bits = 40;
+// As `shading`, with a cube in which a weight's scale is 2^F.
+Plan unit_shading(int w, int weight_bits) {
+  Plan plan = shading(w, weight_bits);
+  plan.extent = std::ldexp(std::sqrt(1 / kPi), plan.position_bits);
   return plan;
-}
-
-GatherResult result_of(const Plan& plan, uint64_t flux, uint64_t r2, bool full) {
-  GatherResult r{};
-  r.flux = {flux, flux, flux};
-  r.r2 = r2;
-  r.full = full;
-  const Reciprocal inverse = reciprocal(r2, plan.reciprocal_bits);
-  r.reciprocal = inverse.mantissa;
-  r.reciprocal_exponent = inverse.exponent;
-  return r;
 }
 
 // The sampler's exact weights S(c) by combine = "sum", L = 1, in double.
@@ -452,7 +436,7 @@ std::vector<Step> arithmetic_steps() {
            return {
                worst(255,
                      [&](uint64_t i) {
-                       Plan plan = shading(w, 8);
+                       Plan plan = unit_shading(w, 8);
                        plan.k = static_cast<int>(i) + 2;
                        plan.integer_bits = 90;
                        plan.fraction_bits = 20;
@@ -474,7 +458,7 @@ std::vector<Step> arithmetic_steps() {
       {"weight", "a query's weight as mantissa and exponent (`Shader::weight`), relative",
        [] {
          return at({8, 18, 24}, "weight_bits", [](int bits) -> Both {
-           const Plan plan = shading(8, bits);
+           const Plan plan = unit_shading(8, bits);
            const Shader shader(plan);
            return {worst(kInputs,
                          [&](uint64_t i) {
@@ -492,7 +476,7 @@ std::vector<Step> arithmetic_steps() {
        "flux * R * c * weight rounded half up (`Shader::contribution`), in pixel units",
        [] {
          return at({8, 18}, "reciprocal_bits", [](int w) -> Both {
-           const Plan plan = shading(w, 12);
+           const Plan plan = unit_shading(w, 12);
            const Shader shader(plan);
            return {
                worst(kInputs,
@@ -519,7 +503,7 @@ std::vector<Step> arithmetic_steps() {
       {"light found on the way", "direct light, emission -> 2^-F (`Shader::pixel`), in pixel units",
        [] {
          return at({20, 40, 90}, "fraction_bits", [](int f) -> Both {
-           Plan plan = shading(18, 18);
+           Plan plan = unit_shading(18, 18);
            plan.fraction_bits = f;
            plan.integer_bits = 20;
            const Shader shader(plan);
@@ -537,7 +521,7 @@ std::vector<Step> arithmetic_steps() {
       {"share of a record", "light * f * 2^(x - 12) (`Shader::interpolated`), in pixel units",
        [] {
          return at({8, 18, 24}, "weight_bits", [](int bits) -> Both {
-           const Plan plan = shading(18, bits);
+           const Plan plan = unit_shading(18, bits);
            const Shader shader(plan);
            double most = 0, bound_there = 1;
            for (uint64_t i = 0; i < kInputs; ++i) {

@@ -22,6 +22,7 @@
 #include "golden/unit/irradiance_cache.hpp"
 #include "golden/unit/photon_gatherer.hpp"
 #include "golden/unit/shader.hpp"
+#include "tests/extremes/suite/step_inputs.hpp"
 
 using namespace photonloom;
 
@@ -183,28 +184,6 @@ void reciprocals() {
     const Reciprocal r = reciprocal(x, w);
     put("bound_reciprocal|W={}|x={}b{}|R={}", w, x, w - int(r.exponent), r.mantissa);
   });
-}
-
-Plan shading(int w, int weight_bits) {
-  Plan plan;
-  plan.reciprocal_bits = w;
-  plan.weight_bits = weight_bits;
-  plan.k = 50;
-  plan.global.r2_max = plan.caustic.r2_max = plan.r2_limit();
-  plan.integer_bits = 60;
-  plan.fraction_bits = 40;
-  return plan;
-}
-
-GatherResult result_of(const Plan& plan, uint64_t flux, uint64_t r2, bool full) {
-  GatherResult r{};
-  r.flux = {flux, flux, flux};
-  r.r2 = r2;
-  r.full = full;
-  const Reciprocal inverse = reciprocal(r2, plan.reciprocal_bits);
-  r.reciprocal = inverse.mantissa;
-  r.reciprocal_exponent = inverse.exponent;
-  return r;
 }
 
 void shader() {
