@@ -128,10 +128,11 @@ std::string seeds_text(const StudyOutcome& outcome, const std::string& study) {
 
 // The measure `ray_means`; adds the goals that |z| of an image stays below 3. Of several seeds,
 // each with photons of its own, z is that of all together (Stouffer: the sum of their z over the
-// root of their number); blocks are left out, as each seed has another farthest one.
+// root of their number); blocks are left out, as each seed has another farthest one. The title, if
+// there is one, stands above the table with the seeds.
 template <class Name>
-void means_table(const StudyOutcome& outcome, const std::string& study, const Name& name,
-                 const std::string& heads, Conclusion& conclusion) {
+void means_table(const StudyOutcome& outcome, const std::string& study, const std::string& title,
+                 const Name& name, const std::string& heads, Conclusion& conclusion) {
   const auto seeds_of = outcome.seeds.find(study);
   const size_t seeds = seeds_of == outcome.seeds.end() ? 0 : seeds_of->second.size();
   const double root = std::sqrt(static_cast<double>(seeds));
@@ -164,11 +165,9 @@ void means_table(const StudyOutcome& outcome, const std::string& study, const Na
   if (table.empty()) return;
   std::string head =
       fmt::format("| scene | {} | rays | light over the cosine's, minus 1 | z |", heads);
-  if (seeds == 1)
-    head += " farthest z of 16 blocks | Σ z² of 16 blocks |";
-  else
-    conclusion.page += fmt::format("The same with other photons; seeds {} together:\n\n",
-                                   seeds_text(outcome, study));
+  if (seeds == 1) head += " farthest z of 16 blocks | Σ z² of 16 blocks |";
+  if (!title.empty())
+    conclusion.page += fmt::format("{}; seeds {} together:\n\n", title, seeds_text(outcome, study));
   std::string rule;
   for (int64_t i = std::count(head.begin(), head.end(), '|'); i > 1; --i) rule += "|---";
   conclusion.page += fmt::format("{}\n{}|\n{}\n", head, rule, table);
@@ -259,8 +258,9 @@ void compare_combinations(const StudyOutcome& outcome, double rays, Conclusion& 
 Conclusion conclude_sampling(const StudyOutcome& outcome) {
   Conclusion conclusion;
   for (const double rays : {kRays, kManyRays}) compare_combinations(outcome, rays, conclusion);
-  means_table(outcome, "sampling_means", combination, "combine | levels | photons", conclusion);
-  means_table(outcome, "sampling_again", combination, "combine | levels | photons", conclusion);
+  means_table(outcome, "sampling_means", "", combination, "combine | levels | photons", conclusion);
+  means_table(outcome, "sampling_again", "The same with other photons", combination,
+              "combine | levels | photons", conclusion);
   return conclusion;
 }
 
@@ -271,7 +271,7 @@ Conclusion conclude_adaptive(const StudyOutcome& outcome) {
       "{}:\n\n",
       kRays, kRays, seeds_text(outcome, "adaptive"));
   compare_passes(outcome, "adaptive", kGatherRays, kRays, passes, conclusion);
-  means_table(outcome, "adaptive_means", passes, "frame", conclusion);
+  means_table(outcome, "adaptive_means", "", passes, "frame", conclusion);
   for (const RayKind* kind : {&kAllShadowRays, &kEmitterRays}) {
     conclusion.page += fmt::format(
         "Rays for the noise of direct light that one pass of {:g} shadow rays of each kind leaves, "
