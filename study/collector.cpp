@@ -12,6 +12,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <set>
 #include <stdexcept>
 
 #include "golden/numeric/output_file.hpp"
@@ -166,7 +167,8 @@ struct Collected {
 };
 
 // What the store holds of a point: its state and results, with their blocks.
-Collected stored_results(const PointTable& table, const PlannedPoint& p, const ResultStore& store) {
+Collected stored_results(const PointTable& table, const PlannedPoint& p, const ResultStore& store,
+                         const Completeness& complete) {
   Collected to;
   const SceneEntry& scene = table.scenes[p.point.scene];
   if (!p.refused.empty()) {
@@ -192,17 +194,21 @@ Collected stored_results(const PointTable& table, const PlannedPoint& p, const R
     }
     if (!r) {
       if (to.state == "done") to.state = "missing";
-    } else if (!r->failure.empty()) {
+      continue;
+    }
+    // Another study on this folder may have measured more.
+    std::erase_if(r->measures, [&](const auto& m) {
+      return std::find(table.measures.begin(), table.measures.end(), m.first) ==
+             table.measures.end();
+    });
+    const bool whole = complete(p, *r);
+    if (!whole && !r->failure.empty()) {
       to.state = "failed";
       to.reason = r->failure;
-    } else {
-      // Another study on this folder may have measured more.
-      std::erase_if(r->measures, [&](const auto& m) {
-        return std::find(table.measures.begin(), table.measures.end(), m.first) ==
-               table.measures.end();
-      });
-      to.results.push_back(std::move(*r));
+    } else if (!whole && to.state == "done") {
+      to.state = "missing";
     }
+    if (whole || !r->measures.empty()) to.results.push_back(std::move(*r));
   }
   return to;
 }
@@ -414,8 +420,11 @@ void write_host(const PointTable& table, const std::vector<Collected>& points,
 Means means_of(const std::vector<Result>& results, const std::vector<Result>& baseline) {
   Means means;
   if (results.empty()) return means;
-  for (const auto& first : results.front().measures) {
-    const std::string& name = first.first;
+  // A result may lack what others have.
+  std::set<std::string> names;
+  for (const Result& r : results)
+    for (const auto& [name, taken] : r.measures) names.insert(name);
+  for (const std::string& name : names) {
     const std::vector<Column>& columns = measure(name).columns;
     for (size_t c = 0; c < columns.size(); ++c) {
       Series all, a, b;  // every seed of the point; those that the baseline has too
@@ -445,7 +454,8 @@ Means means_of(const std::vector<Result>& results, const std::vector<Result>& ba
   return means;
 }
 
-CollectReport collect(const PointTable& table, const ResultStore& store, Progress* progress) {
+CollectReport collect(const PointTable& table, const ResultStore& store,
+                      const Completeness& complete, Progress* progress) {
   const ProgressPhase phase(progress, "collect", table.points.size(), "points");
   std::vector<Collected> points(table.points.size());
   // A scene's points stand together, its baseline first.
@@ -453,12 +463,12 @@ CollectReport collect(const PointTable& table, const ResultStore& store, Progres
   std::vector<size_t> baseline_of(points.size());
   for (size_t i = 0; i < points.size(); ++i) {
     if (i == 0 || table.points[i - 1].point.scene != table.points[i].point.scene)
-      baselines.push_back(stored_results(table, table.points[i], store).results);
+      baselines.push_back(stored_results(table, table.points[i], store, complete).results);
     baseline_of[i] = baselines.size() - 1;
   }
   tbb::parallel_for(size_t{0}, points.size(), [&](size_t i) {
     Collected& to = points[i];
-    to = stored_results(table, table.points[i], store);
+    to = stored_results(table, table.points[i], store, complete);
     to.means = means_of(to.results, baselines[baseline_of[i]]);
     for (Result& r : to.results)
       for (auto& [name, taken] : r.measures) taken.figures.blocks.clear();

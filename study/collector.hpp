@@ -3,6 +3,7 @@
 // from run to run. Equal points and results give equal bytes. docs/sweep.md has the schema.
 #pragma once
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <string>
 #include <utility>
@@ -28,7 +29,13 @@ Means means_of(const std::vector<Result>& results, const std::vector<Result>& ba
 struct CollectReport {
   uint64_t points = 0, results = 0, missing = 0, failed = 0, refused = 0;
 };
+// Whether a stored result of the point has every figure that the study wants, each made with its
+// settings; takes out those that were made with others.
+using Completeness = std::function<bool(const PlannedPoint&, Result&)>;
+
+// A point is done where all its results are complete. What stands of the others is in the tables
+// too.
 CollectReport collect(const PointTable& table, const ResultStore& store,
-                      Progress* progress = nullptr);
+                      const Completeness& complete, Progress* progress = nullptr);
 
 }  // namespace photonloom

@@ -50,7 +50,11 @@ class Sweep {
     const std::vector<uint32_t> fixed = chosen();
     measure_points(fixed);
     if (searches && request_.only.empty()) search();
-    if (!request_.is_task) report_.collected = collect(table_, store_, request_.progress);
+    if (!request_.is_task)
+      report_.collected = collect(
+          table_, store_,
+          [&](const PlannedPoint& p, Result& r) { return complete(r, *scenes_[p.point.scene]); },
+          request_.progress);
     return std::move(report_);
   }
 
@@ -489,7 +493,7 @@ class Sweep {
     for (const uint64_t seed : seeds_of(p.point, study_.seeds))
       if (!p.plan.empty())
         if (auto r = store_.find({table_.scenes[p.point.scene].hash, p.plan, seed});
-            r && r->failure.empty())
+            r && complete(*r, *scenes_[p.point.scene]))
           results.push_back(std::move(*r));
     const Means means = means_of(results, {});
     std::vector<double> values;

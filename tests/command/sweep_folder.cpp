@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+// A sweep's folder that holds something else than the sweep would leave there now: figures of other
+// settings, measures that failed, damaged images and points, files of the user's own.
+#include <fmt/core.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "study/point_table.hpp"
+#include "tests/catch.hpp"
+#include "tests/command/run.hpp"
+
+using namespace photonloom;
+using photonloom::test::Outcome;
+using photonloom::test::run;
+using photonloom::test::Scratch;
+using Json = nlohmann::json;
+
+namespace {
+
+// Three points of few photons.
+std::string three_points(const std::string& measures = "\"gather\", \"resources\"",
+                         const std::string& scenes = "", int queries = 64) {
+  return fmt::format(
+      "[study]\nname = \"three\"\nscenes = [{}]\nseeds = [1, 2]\nsize = \"8x8\"\nmeasure = [{}]\n"
+      "[references]\nspp = 2\n[gather]\nqueries = {}\n[base]\nphotons = 500\n"
+      "caustic_photons = 100\nframe.spp = 1\nframe.gather_rays = 2\n"
+      "[[points]]\nstrategy = \"list\"\nlines = [{{ gather.k = 8 }}, {{ gather.k = 16 }}]\n",
+      scenes.empty() ? "\"" + photonloom::test::source("scenes/cornell.xml") + "\"" : scenes,
+      measures, queries);
+}
+
+Outcome sweep(const Scratch& s, const std::string& more = "") {
+  return run("sweep '" + s / "study.toml" + "' -o '" + s / "a" + "' " + more);
+}
+
+Json points(const Scratch& s) { return Json::parse(read_file(s / "a/summary.json"))["points"]; }
+
+std::vector<std::string> states(const Scratch& s) {
+  std::vector<std::string> all;
+  for (const Json& p : points(s)) all.push_back(p["state"]);
+  return all;
+}
+using States = std::vector<std::string>;
+
+}  // namespace
+
+TEST_CASE("figures of other settings and points without a measure are missing, not done") {
+  const Scratch s;
+  write_file(s / "study.toml", three_points());
+  REQUIRE(sweep(s).status == 0);
+  CHECK(states(s) == States{"done", "done", "done"});
+  const double lut = points(s)[0]["values"]["resources.lut"]["mean"];
+  write_file(s / "study.toml", three_points("\"gather\", \"resources\"", "", 8));
+  auto o = sweep(s, "--points 1");
+  INFO(o.err);
+  REQUIRE(o.status == 0);
+  CHECK(o.out.find("2 missing") != std::string::npos);
+  CHECK(states(s) == States{"missing", "done", "missing"});
+  auto all = points(s);
+  CHECK_FALSE(all[0]["values"].contains("gather.cycles"));
+  CHECK_FALSE(all[2]["values"].contains("gather.cycles"));
+  CHECK(all[1]["values"]["gather.cycles"]["ratio"].is_null());
+  // What does not depend on the setting stands.
+  CHECK(all[0]["values"]["resources.lut"]["mean"] == lut);
+  CHECK(all[1]["values"]["resources.lut"]["ratio"].is_number());
+  write_file(s / "study.toml", three_points("\"gather\", \"resources\", \"formats\"", "", 8));
+  o = sweep(s, "--points 0");
+  INFO(o.err);
+  REQUIRE(o.status == 0);
+  CHECK(states(s) == States{"done", "missing", "missing"});
+  REQUIRE(sweep(s).status == 0);
+  CHECK(states(s) == States{"done", "done", "done"});
+}
