@@ -12,6 +12,7 @@
 #include <filesystem>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <regex>
 #include <stdexcept>
 
 #include "golden/numeric/output_file.hpp"
@@ -50,6 +51,11 @@ bool is_result_name(const std::string& name, const std::string& folder) {
          is_hex(name.substr(17, 16), 16) && name[33] == '-' && name.substr(17, 2) == folder &&
          name.ends_with(".json") &&
          name.find_first_not_of("0123456789", 34) == name.size() - std::strlen(".json");
+}
+
+// Of a plan in plans/.
+bool is_plan_name(const std::string& name) {
+  return name.ends_with(".toml") && is_hex(name.substr(0, name.size() - 5), 16);
 }
 
 // Without what follows the name of a file that is being written.
@@ -110,10 +116,8 @@ bool is_sweeps(const std::filesystem::path& path) {
   const std::string name = final_name(path);
   if (name == "results") return all_entries(path, is_results_part);
   if (name == "plans")
-    return all_entries(path, [](const std::filesystem::path& file) {
-      const std::string plan = final_name(file);
-      return plan.ends_with(".toml") && is_hex(plan.substr(0, plan.size() - 5), 16);
-    });
+    return all_entries(
+        path, [](const std::filesystem::path& file) { return is_plan_name(final_name(file)); });
   if (name == "references") return entries_end(".exr");
   if (name == "lock") return is_lock(path);
   // Others have tables of these names too, but beside no lock.
@@ -123,6 +127,24 @@ bool is_sweeps(const std::filesystem::path& path) {
   return is_table && std::filesystem::is_regular_file(path, error) &&
          (path.filename() != name || std::filesystem::is_empty(path, error) ||
           (name != kPointsFile && is_lock(path.parent_path() / "lock")));
+}
+
+// Whether a killed sweep left this half-written: a name of its own where it writes such files, and
+// behind it what OutputFile or the database adds meanwhile. Users have files of like names.
+bool is_unfinished(const std::filesystem::path& file, const std::string& sweep_folder) {
+  static const std::regex mark(R"(\.partial-(\d+-\d+|sqlite))");
+  const std::string name = final_name(file);
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(std::filesystem::symlink_status(file, error)) ||
+      !std::regex_match(file.filename().string().substr(name.size()), mark))
+    return false;
+  if (file.parent_path() == sweep_folder) return is_sweeps(file);
+  const std::string folder = file.parent_path().filename().string();
+  if (folder == "plans") return is_plan_name(name);
+  if (folder == "references") return name.ends_with(".exr");
+  if (folder == "search") return name == "question.json" || name == "answer.json";
+  if (folder == "slurm") return name == "points" || name == "job.sh";
+  return is_result_name(name, folder);
 }
 
 bool is_sweep_folder(const std::filesystem::path& folder) {
@@ -234,11 +256,15 @@ void ResultStore::put(const Result& result) const {
 
 void ResultStore::remove_unfinished() const {
   std::error_code ignored;
-  std::vector<std::filesystem::path> found;
-  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder_, ignored))
-    if (entry.is_regular_file() &&
-        entry.path().filename().string().find(".partial-") != std::string::npos)
-      found.push_back(entry.path());
+  std::vector<std::filesystem::path> folders = {folder_}, found;
+  for (const char* name : {"plans", "references", "search", "slurm"})
+    folders.push_back(std::filesystem::path(folder_) / name);
+  for (const auto& part :
+       std::filesystem::directory_iterator(std::filesystem::path(folder_) / "results", ignored))
+    folders.push_back(part.path());
+  for (const auto& folder : folders)
+    for (const auto& entry : std::filesystem::directory_iterator(folder, ignored))
+      if (is_unfinished(entry.path(), folder_)) found.push_back(entry.path());
   for (const auto& path : found) std::filesystem::remove(path, ignored);
 }
 

@@ -55,8 +55,8 @@ class ResultStore {
   // Nothing where there is none. Throws std::runtime_error, naming the file, for a damaged one.
   std::optional<Result> find(const ResultKey& key) const;
   void put(const Result& result) const;
-  // Removes what killed sweeps left half-written. Only under the lock, with no other process at
-  // work in the folder.
+  // Removes what killed sweeps left half-written, and no file that is not theirs. Only under the
+  // lock, with no other process at work in the folder.
   void remove_unfinished() const;
 
  private:

@@ -74,3 +74,39 @@ TEST_CASE("figures of other settings and points without a measure are missing, n
   REQUIRE(sweep(s).status == 0);
   CHECK(states(s) == States{"done", "done", "done"});
 }
+
+TEST_CASE("a sweep removes what a killed one left half-written, and no file of the user's") {
+  const Scratch s;
+  write_file(s / "study.toml", three_points("\"resources\""));
+  REQUIRE(sweep(s).status == 0);
+  const std::string plan = points(s)[0]["plan"];
+  const States left = {"points.json.partial-12-0",
+                       "results.csv.partial-1-3",
+                       "results.sqlite.partial-sqlite",
+                       "plans/" + plan + ".toml.partial-7-0",
+                       "references/cornell.8x8.1.exr.partial-31-1",
+                       "results/" + plan.substr(0, 2) + "/" + std::string(16, 'a') + "-" + plan +
+                           "-1.json.partial-77-30"},
+               kept = {"thesis.partial-2.pdf",
+                       "thesis.md.partial-1-2",
+                       "results.csv.partial-mine",
+                       "notes/my.partial-draft.txt",
+                       "notes/points.json.partial-1-2",
+                       "plans/mine.toml.partial-1-2",
+                       "results/mine.partial-1-2"};
+  for (const States& files : {left, kept})
+    for (const std::string& file : files) {
+      const std::string path = s / ("a/" + file);
+      std::filesystem::create_directories(std::filesystem::path(path).parent_path());
+      std::ofstream(path) << "y";
+    }
+  REQUIRE(sweep(s).status == 0);
+  for (const std::string& file : left) {
+    INFO(file);
+    CHECK_FALSE(std::filesystem::exists(s / ("a/" + file)));
+  }
+  for (const std::string& file : kept) {
+    INFO(file);
+    CHECK(read_file(s / ("a/" + file)) == "y");
+  }
+}
