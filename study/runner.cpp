@@ -324,20 +324,18 @@ class Sweep {
           ++report_.again;
           if (speak) say(fmt::format("{}; it is computed again", error.what()));
         }
-        if (task.old && !task.old->failure.empty()) {
-          if (speak)
-            say(fmt::format("point {}, seed {}: failed before ({}); tried again", n, seed,
-                            task.old->failure));
-          ++report_.again;
-          task.old.reset();
-        }
         if (task.old) {
           const size_t before = task.old->measures.size();
           if (complete(*task.old, *scenes_[p.point.scene])) {
             ++kept;
             continue;
           }
-          if (task.old->measures.size() < before) ++report_.again;
+          const bool failed = !task.old->failure.empty();
+          if (failed && speak)
+            say(fmt::format("point {}, seed {}: failed before ({}); tried again", n, seed,
+                            task.old->failure));
+          if (failed || task.old->measures.size() < before) ++report_.again;
+          task.old->failure.clear();
         }
         tasks.push_back(std::move(task));
       }
@@ -378,8 +376,7 @@ class Sweep {
           result.measures[name] = {m.settings(study_, scene), m.run(run)};
         }
     } catch (const std::exception& error) {
-      result.measures.clear();
-      result.failure = error.what();
+      result.failure = error.what();  // figures that there are stand
       fail(fmt::format("point {}, scene {}, seed {}: {}; the others go on", task.point,
                        scene.name(), task.seed, error.what()));
     }

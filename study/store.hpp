@@ -21,7 +21,7 @@ struct ResultKey {
 
 struct Result {
   ResultKey key;
-  std::string failure;  // why there are no figures; empty: there are
+  std::string failure;  // why measures are missing; empty: none failed
   struct Taken {
     std::string settings;
     Measurement figures;

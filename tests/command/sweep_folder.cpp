@@ -110,3 +110,36 @@ TEST_CASE("a sweep removes what a killed one left half-written, and no file of t
     CHECK(read_file(s / ("a/" + file)) == "y");
   }
 }
+
+TEST_CASE("a measure that fails leaves the stored figures of the others") {
+  const Scratch s;
+  write_file(s / "study.toml", three_points());
+  REQUIRE(sweep(s).status == 0);
+  const Json before = points(s);
+  write_file(s / "study.toml", three_points("\"gather\", \"resources\", \"visible\""));
+  // No image can be written there.
+  std::filesystem::create_directories(s / "a/references/cornell.8x8.walks1.exr/in the way");
+  const auto failed = sweep(s);
+  INFO(failed.err);
+  CHECK(failed.status == 1);
+  CHECK(states(s) == States{"failed", "failed", "failed"});
+  for (size_t i = 0; i < 3; ++i) {
+    const Json p = points(s)[i];
+    CHECK(p["values"] == before[i]["values"]);
+    CHECK(p["reason"].get<std::string>().find("walks1.exr") != std::string::npos);
+  }
+  // Where nothing asks for the measure any more, nothing is missing.
+  write_file(s / "study.toml", three_points());
+  const auto without = sweep(s);
+  CHECK(without.status == 0);
+  CHECK(without.out.find("0 results computed") != std::string::npos);
+  CHECK(points(s) == before);
+  write_file(s / "study.toml", three_points("\"gather\", \"resources\", \"visible\""));
+  std::filesystem::remove_all(s / "a/references/cornell.8x8.walks1.exr");
+  const auto again = sweep(s);
+  INFO(again.err);
+  CHECK(again.status == 0);
+  CHECK(again.err.find("failed before (") != std::string::npos);
+  CHECK(states(s) == States{"done", "done", "done"});
+  CHECK(points(s)[1]["values"]["gather.cycles"] == before[1]["values"]["gather.cycles"]);
+}
