@@ -198,7 +198,7 @@ class PlanSearch::Work {
       : request_(std::move(request)), folder_(prepare_study()), store_(folder_) {
     lock_ = std::make_unique<FolderLock>(folder_, true);
     store_.remove_unfinished();
-    scene_->load_references(study_, folder_ + "/references", request_.progress);
+    scene_->load_references(study_, folder_ + "/references", request_.progress, request_.say);
     const Plan plan = plan_of_point(*scene_, study_, {}).plan;
     for (ChosenLine& line :
          chosen_lines(photons_asked("photons"), photons_asked("caustic_photons"))) {
@@ -293,7 +293,7 @@ class PlanSearch::Work {
     StudyScene scene(request_.scene_file, whole, request_.parameters);
     scene.load_references(
         whole, fmt::format("{}/{}.{}x{}", request_.work, scene.name(), whole.width, whole.height),
-        request_.progress);
+        request_.progress, request_.say);
     MeasuredPlan m;
     m.lines = lines;
     m.plan = plan_of_point(scene, whole, lines).plan;

@@ -93,7 +93,8 @@ class Sweep {
       try {
         scene = std::make_unique<StudyScene>(file, study_);
         if (!study_.referenced().empty()) {
-          scene->load_references(study_, request_.folder + "/references", request_.progress);
+          scene->load_references(study_, request_.folder + "/references", request_.progress,
+                                 [&](const std::string& sentence) { say(sentence); });
           entry.references = scene->references().signature;
           entry.references_relmse = scene->references().own_relmse;
         }

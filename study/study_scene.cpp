@@ -98,13 +98,19 @@ Image walk_image(const World& world, const RayCaster& caster, int spp, Progress*
   return image;
 }
 
-// The image in `path` where it was made of this scene, else what `make` gives, which is left there.
+// The image in `path` where it was made of this scene and can be read, else what `make` gives,
+// which is left there. `say` is told of one that is damaged.
 Image find_or_write(const std::string& path, const std::string& scene_hash,
-                    const std::string& made_of, const std::function<Image()>& make) {
+                    const std::string& made_of, const std::function<Image()>& make,
+                    const std::function<void(const std::string&)>& say) {
   if (std::filesystem::exists(path)) {
-    // The scene or the study may have changed since.
-    Image there = read_exr(path);
-    if (there.metadata["madeOf"] == made_of) return there;
+    try {
+      // The scene or the study may have changed since.
+      Image there = read_exr(path);
+      if (there.metadata["madeOf"] == made_of) return there;
+    } catch (const std::runtime_error& error) {
+      if (say) say(fmt::format("{}; it is made again", error.what()));
+    }
   }
   Image image = make();
   image.metadata["sceneHash"] = scene_hash;
@@ -221,9 +227,10 @@ StudyScene::Any StudyScene::shared_any(const std::string& key, const std::functi
   }
 }
 
-void StudyScene::load_references(const Study& study, const std::string& folder,
-                                 Progress* progress) {
+void StudyScene::load_references(const Study& study, const std::string& folder, Progress* progress,
+                                 std::function<void(const std::string&)> say) {
   references_folder_ = folder;
+  say_ = std::move(say);
   size_text_ = fmt::format("{}x{}", study.width, study.height);
   if (study.frame_width > 0)
     size_text_ += fmt::format(".of{}x{}", study.frame_width, study.frame_height);
@@ -237,14 +244,15 @@ void StudyScene::load_references(const Study& study, const std::string& folder,
     if (path.empty() || (study.reference_spp > 0 && !std::filesystem::exists(path))) {
       path = fmt::format("{}/{}.{}.{}.exr", folder, name_, size_text_, n + 1);
       const std::string made_of = fmt::format("{} {}", hash_text(), study.reference_spp);
-      image = find_or_write(path, hash_text(), made_of, [&] {
+      const auto make = [&] {
         const std::unique_ptr<RayCaster> embree = make_embree(*world_);
         Image traced = render_path(
             *world_, *embree,
             {.spp = study.reference_spp, .seed = kReferenceSeeds[n], .progress = progress});
         std::erase_if(traced.channels, [](const Channel& c) { return c.name.size() > 1; });
         return traced;
-      });
+      };
+      image = find_or_write(path, hash_text(), made_of, make, say_);
     } else {
       image = read_exr(path);
     }
@@ -279,9 +287,9 @@ std::shared_ptr<const WalkNoise> StudyScene::walk_noise(int spp, Progress* progr
   return shared<WalkNoise>(fmt::format("walks of {}", spp), [&] {
     const std::string path =
         fmt::format("{}/{}.{}.walks{}.exr", references_folder_, name_, size_text_, spp);
-    const Image image =
-        find_or_write(path, hash_text(), fmt::format("{} walks of {}", hash_text(), spp),
-                      [&] { return walk_image(*world_, *caster_, spp, progress); });
+    const Image image = find_or_write(
+        path, hash_text(), fmt::format("{} walks of {}", hash_text(), spp),
+        [&] { return walk_image(*world_, *caster_, spp, progress); }, say_);
     WalkNoise noise{planes_of(image, "", path), planes_of(image, "variance", path),
                     std::stod(image.metadata.at("frames"))};
     require_same_size(noise.mean, references().mean);

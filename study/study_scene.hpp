@@ -67,8 +67,10 @@ class StudyScene {
   }
 
   // From the study's files, else from `folder`, else path traced into it. Call it once, before
-  // references() is asked, which throws std::logic_error without.
-  void load_references(const Study& study, const std::string& folder, Progress* progress);
+  // references() is asked, which throws std::logic_error without. An image of `folder` that is
+  // damaged is made again, now or later, and `say` is told so, by any thread.
+  void load_references(const Study& study, const std::string& folder, Progress* progress,
+                       std::function<void(const std::string&)> say = {});
   const SceneReferences& references() const;
 
   // Of frames of `spp` samples a pixel; beside the references, made when first asked for. The
@@ -92,6 +94,7 @@ class StudyScene {
   std::map<std::string, std::shared_future<Any>> shared_;
   SceneReferences references_;
   std::string references_folder_, size_text_;  // the latter names files: 64x64
+  std::function<void(const std::string&)> say_;
 };
 
 }  // namespace photonloom

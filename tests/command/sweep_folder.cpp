@@ -143,3 +143,36 @@ TEST_CASE("a measure that fails leaves the stored figures of the others") {
   CHECK(states(s) == States{"done", "done", "done"});
   CHECK(points(s)[1]["values"]["gather.cycles"] == before[1]["values"]["gather.cycles"]);
 }
+
+TEST_CASE("a damaged image that the sweep made is made again, and that is said; a user's is not") {
+  const Scratch s;
+  write_file(s / "study.toml", three_points("\"visible\""));
+  REQUIRE(sweep(s).status == 0);
+  const Json before = points(s);
+  const std::string reference = s / "a/references/cornell.8x8.1.exr",
+                    walks = s / "a/references/cornell.8x8.walks1.exr";
+  const std::string whole = read_file(reference);
+  REQUIRE(whole.size() > 300);
+  std::filesystem::remove_all(s / "a/results");  // or the walks are not read
+  std::filesystem::resize_file(reference, 300);
+  std::filesystem::resize_file(walks, 0);
+  const auto o = sweep(s);
+  INFO(o.err);
+  CHECK(o.status == 0);
+  for (const std::string& file : {reference, walks}) {
+    const size_t at = o.err.find(file + ": ");
+    REQUIRE(at != std::string::npos);
+    CHECK(o.err.substr(at, o.err.find('\n', at) - at).ends_with("; it is made again"));
+  }
+  CHECK(read_file(reference) == whole);
+  CHECK(points(s) == before);
+  std::filesystem::copy(s / "a/references", s / "given");
+  std::filesystem::resize_file(s / "given/cornell.8x8.1.exr", 300);
+  std::string text = three_points("\"visible\"");
+  text.replace(text.find("spp = 2"), 7, "files = \"given/{scene}.8x8.{n}.exr\"");
+  write_file(s / "study.toml", text);
+  const auto given = sweep(s);
+  CHECK(given.status == 1);
+  CHECK(given.err.find("given/cornell.8x8.1.exr: ") != std::string::npos);
+  CHECK(std::filesystem::file_size(s / "given/cornell.8x8.1.exr") == 300);
+}
