@@ -1,11 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "study/point_table.hpp"
 
+#include <fmt/core.h>
+
 #include <nlohmann/json.hpp>
+#include <stdexcept>
 
 namespace photonloom {
 
 using Json = nlohmann::ordered_json;
+
+namespace {
+
+// The object's last member and end.
+std::string end_with_check(std::string_view before) {
+  return fmt::format(",\n \"check\": \"{}\"\n}}\n", checksum(before));
+}
+
+}  // namespace
 
 std::string point_table_text(const PointTable& t) {
   Json j;
@@ -34,10 +46,15 @@ std::string point_table_text(const PointTable& t) {
                            {"command", p.command},
                            {"refused", p.refused}});
   }
-  return j.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+  std::string text = j.dump(1, ' ', false, Json::error_handler_t::replace);
+  text.resize(text.rfind("\n}"));
+  return text + end_with_check(text);
 }
 
 PointTable parse_point_table(const std::string& text) {
+  const std::string_view before = std::string_view(text).substr(0, text.rfind(",\n \"check\": "));
+  if (text.substr(before.size()) != end_with_check(before))
+    throw std::runtime_error("is damaged: its checksum does not fit");
   const Json j = Json::parse(text);
   PointTable t;
   t.study = j.at("study");
@@ -57,6 +74,11 @@ PointTable parse_point_table(const std::string& text) {
     planned.plan = p.at("plan");
     planned.command = p.at("command");
     planned.refused = p.at("refused");
+    if (planned.point.number != t.points.size() || planned.point.scene >= t.scenes.size() ||
+        planned.point.seeds < 0)
+      throw std::runtime_error(
+          fmt::format("has a wrong point, expected number {} of one of {} scenes", t.points.size(),
+                      t.scenes.size()));
     t.points.push_back(std::move(planned));
   }
   return t;

@@ -34,6 +34,9 @@ struct PointTable {
   std::vector<PlannedPoint> points;  // by number
 };
 
+// The file's text, a JSON object whose last member is a checksum of what stands before it, and
+// back. Reading throws std::exception for a text that was not written so, and for points that are
+// not numbered from 0 or are of no scene.
 std::string point_table_text(const PointTable& table);
 PointTable parse_point_table(const std::string& text);
 

@@ -131,7 +131,11 @@ class Sweep {
       std::optional<PointTable> old;
       try {
         old = parse_point_table(read_file(file));
+        if (old->source == table_.source &&
+            (old->points.size() != count || old->scenes.size() != scenes_.size()))
+          throw std::runtime_error("has other points than its study");
       } catch (const std::exception&) {
+        old.reset();
         say(fmt::format("{}: cannot be read; points are planned again", file));
       }
       if (old && old->source == table_.source) {

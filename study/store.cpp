@@ -158,8 +158,10 @@ bool is_sweep_folder(const std::filesystem::path& folder) {
 
 }  // namespace
 
+std::string checksum(std::string_view text) { return fmt::format("{:016x}", fnv1a(text)); }
+
 std::string check_line(std::string_view before) {
-  return fmt::format("check {:016x}\n", fnv1a(before));
+  return fmt::format("check {}\n", checksum(before));
 }
 
 std::string result_text(const Result& r) {

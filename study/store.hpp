@@ -30,6 +30,8 @@ struct Result {
   double seconds = 0;  // of this machine; no part of any compared table
 };
 
+// 16 hexadecimal digits that nearly always differ where the text does.
+std::string checksum(std::string_view text);
 // A line with the checksum of what stands before it.
 std::string check_line(std::string_view before);
 

@@ -18,6 +18,7 @@
 #include <nlohmann/json.hpp>
 
 #include "golden/numeric/random.hpp"
+#include "study/point_table.hpp"
 #include "tests/catch.hpp"
 #include "tests/command/run.hpp"
 #include "tests/fault_report.hpp"
@@ -331,9 +332,9 @@ TEST_CASE("a sweep whose points or plans were lost or damaged goes on") {
   goes_on();
   // Points of a program that plans otherwise: what the message says to do does it.
   const std::string plan = nlohmann::json::parse(table)["points"][1]["plan"], other(16, 'b');
-  std::string changed = table;
-  changed.replace(changed.find(plan), plan.size(), other);
-  write_file(points, changed);
+  PointTable changed = parse_point_table(table);
+  changed.points.at(1).plan = other;
+  write_file(points, point_table_text(changed));
   const auto refused = run(command(s / "study.toml", a));
   INFO(refused.err);
   CHECK(refused.status == 1);

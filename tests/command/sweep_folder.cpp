@@ -176,3 +176,46 @@ TEST_CASE("a damaged image that the sweep made is made again, and that is said; 
   CHECK(given.err.find("given/cornell.8x8.1.exr: ") != std::string::npos);
   CHECK(std::filesystem::file_size(s / "given/cornell.8x8.1.exr") == 300);
 }
+
+TEST_CASE("points that were edited or damaged are planned again, and that is said") {
+  const Scratch s;
+  write_file(s / "study.toml", three_points("\"resources\""));
+  REQUIRE(sweep(s).status == 0);
+  const std::string file = s / "a/points.json", table = read_file(file);
+  const Json before = points(s);
+  const auto goes_on = [&](const std::string& text) {
+    INFO(text);
+    write_file(file, text);
+    const auto o = sweep(s);
+    INFO(o.err);
+    CHECK(o.status == 0);
+    CHECK(o.err.find("points.json: cannot be read; points are planned again") != std::string::npos);
+    CHECK(read_file(file) == table);
+    CHECK(points(s) == before);
+  };
+  const auto with = [&](const std::string& from, const std::string& to) {
+    const size_t at = table.find(from);
+    REQUIRE(at != std::string::npos);
+    return table.substr(0, at) + to + table.substr(at + from.size());
+  };
+  goes_on(with("\"point\": 1", "\"point\": 99999"));
+  goes_on(with("\"scene\": 0", "\"scene\": 7"));
+  goes_on(with("\"refused\": \"\"", "\"refused\": \"why\""));
+  goes_on(with("\"16\"", "\"17\""));
+  goes_on(Json::parse(table).dump());
+  Json fewer = Json::parse(table);
+  fewer.erase("check");  // as written before there was one
+  goes_on(fewer.dump(1) + "\n");
+  fewer["points"].erase(2);
+  goes_on(fewer.dump(1) + "\n");
+  // With a checksum that fits, bounds hold all the same.
+  PointTable changed = parse_point_table(table);
+  changed.points[1].point.number = 99999;
+  goes_on(point_table_text(changed));
+  changed = parse_point_table(table);
+  changed.points[2].point.scene = 7;
+  goes_on(point_table_text(changed));
+  changed = parse_point_table(table);
+  changed.points.pop_back();
+  goes_on(point_table_text(changed));
+}
