@@ -99,14 +99,27 @@ class Sweep {
           entry.references_relmse = scene->references().own_relmse;
         }
         entry.hash = scene->hash_text();
+        refuse_other_references(entry);
       } catch (const std::exception& error) {
         scene.reset();
+        entry.hash.clear();
         entry.failure = error.what();
         fail(fmt::format("scene {}: {}; the others go on", entry.name, error.what()));
       }
       table_.scenes.push_back(entry);
       scenes_.push_back(std::move(scene));
     }
+  }
+
+  // A result is known by its scene's content. Of two files of one content the second would have the
+  // figures that the first has against its references.
+  void refuse_other_references(const SceneEntry& entry) const {
+    for (const SceneEntry& other : table_.scenes)
+      if (other.hash == entry.hash && other.references != entry.references)
+        throw std::runtime_error(fmt::format(
+            "{} has the same content as {} but other references, and results are kept by a scene's "
+            "content; expected the same references, or a folder for each",
+            entry.file, other.file));
   }
 
   // All points and the plans of those that the study alone decides; from points.json where nothing

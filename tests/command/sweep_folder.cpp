@@ -219,3 +219,32 @@ TEST_CASE("points that were edited or damaged are planned again, and that is sai
   changed.points.pop_back();
   goes_on(point_table_text(changed));
 }
+
+TEST_CASE("scenes of equal content share results, and are refused with different references") {
+  const Scratch s;
+  std::filesystem::create_directory_symlink(photonloom::test::source("scenes/meshes"),
+                                            s / "meshes");
+  for (const char* name : {"one", "two"})
+    write_file(s / (std::string(name) + ".xml"),
+               read_file(photonloom::test::source("scenes/cornell.xml")));
+  std::string text = three_points("\"visible\"", "\"one.xml\", \"two.xml\"");
+  write_file(s / "study.toml", text);
+  const auto shared = sweep(s);
+  INFO(shared.err);
+  REQUIRE(shared.status == 0);
+  CHECK(shared.out.find("6 results computed") != std::string::npos);
+  CHECK(points(s)[0]["values"] == points(s)[3]["values"]);
+  for (const char* n : {"1", "2"})
+    std::filesystem::copy_file(s / ("a/references/one.8x8." + std::string(n) + ".exr"),
+                               s / ("one." + std::string(n) + ".exr"));
+  std::filesystem::copy_file(s / "one.1.exr", s / "two.2.exr");
+  std::filesystem::copy_file(s / "one.2.exr", s / "two.1.exr");
+  text.replace(text.find("spp = 2"), 7, "files = \"{scene}.{n}.exr\"");
+  write_file(s / "study.toml", text);
+  const auto other = sweep(s);
+  INFO(other.err);
+  CHECK(other.status == 1);
+  CHECK(other.err.find("scene two: " + s / "two.xml" + " has the same content as " + s / "one.xml" +
+                       " but other references") != std::string::npos);
+  CHECK(states(s) == States{"done", "done", "done", "failed", "failed", "failed"});
+}
