@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // What `photonloom sweep` left.
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <filesystem>
+#include <iterator>
 #include <map>
+#include <set>
 #include <stdexcept>
 
 #include "report/folder.hpp"
@@ -15,6 +17,95 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 namespace fs = std::filesystem;
+
+// What a member of summary.json must be for the page.
+struct Kind {
+  bool (*fits)(const Json&);
+  const char* expected;
+};
+constexpr Kind kText{[](const Json& j) { return j.is_string(); }, "a text"};
+constexpr Kind kCount{[](const Json& j) { return j.is_number_unsigned(); },
+                      "an integer of at least 0"};
+constexpr Kind kFigure{[](const Json& j) { return j.is_number() || j.is_null(); },
+                       "a number or null"};
+constexpr Kind kArray{[](const Json& j) { return j.is_array(); }, "an array"};
+constexpr Kind kObject{[](const Json& j) { return j.is_object(); }, "an object"};
+constexpr const char* kStates[] = {"done", "refused", "failed", "missing"};
+
+// Throws std::runtime_error, naming file and member, unless the page can show all of a
+// summary.json.
+class SummaryCheck {
+ public:
+  explicit SummaryCheck(const std::string& path) : path_(path) {}
+
+  void check(const Json& summary) const {
+    needed(summary, "", "study", kText);
+    std::set<std::string> scenes;
+    each(summary, "", "scenes", [&](const Json& scene, const std::string& at) {
+      scenes.insert(needed(scene, at, "scene", kText).get<std::string>());
+      for (const char* name : {"file", "hash", "failure"}) optional(scene, at, name, kText);
+      for (const char* name : {"baseline", "reference_relmse"}) optional(scene, at, name, kFigure);
+    });
+    each(summary, "", "measures", [&](const Json& measure, const std::string& at) {
+      for (const char* name : {"measure", "meaning"}) needed(measure, at, name, kText);
+      each(measure, at, "columns", [&](const Json& column, const std::string& of) {
+        for (const char* name : {"name", "unit", "meaning"}) needed(column, of, name, kText);
+      });
+    });
+    each(summary, "", "fronts", [&](const Json& front, const std::string& at) {
+      for (const char* name : {"front", "cost"}) needed(front, at, name, kText);
+    });
+    each(summary, "", "points", [&](const Json& point, const std::string& at) {
+      needed(point, at, "point", kCount);
+      for (const char* name : {"plan", "origin"}) needed(point, at, name, kText);
+      for (const char* name : {"reason", "command"}) optional(point, at, name, kText);
+      const Json& scene = needed(point, at, "scene", kText);
+      if (!scenes.count(scene.get<std::string>())) fail(at + ".scene", scene, "one of the scenes");
+      const Json& state = needed(point, at, "state", kText);
+      if (std::find(std::begin(kStates), std::end(kStates), state.get<std::string>()) ==
+          std::end(kStates))
+        fail(at + ".state", state, fmt::format("{}", fmt::join(kStates, ", ")));
+      for (const auto& [line, value] : needed(point, at, "lines", kObject).items())
+        require(at + ".lines." + line, value, kText);
+      if (point.contains("front"))
+        each(point, at, "front",
+             [&](const Json& front, const std::string& of) { require(of, front, kText); });
+      for (const auto& [name, mean] : needed(point, at, "values", kObject).items())
+        for (const char* figure : {"mean", "error", "ratio", "ratio_error"})
+          needed(mean, at + ".values." + name, figure, kFigure);
+    });
+  }
+
+ private:
+  [[noreturn]] void fail(const std::string& name, const Json& value,
+                         const std::string& expected) const {
+    std::string text = value.dump(-1, ' ', false, Json::error_handler_t::replace);
+    if (text.size() > 40) text = text.substr(0, 40) + "...";
+    throw std::runtime_error(fmt::format("{}: {} is {}, expected {}", path_, name, text, expected));
+  }
+  void require(const std::string& name, const Json& value, const Kind& kind) const {
+    if (!kind.fits(value)) fail(name, value, kind.expected);
+  }
+  const Json& needed(const Json& object, const std::string& at, const char* name,
+                     const Kind& kind) const {
+    const Json& value = member(object, name, at.empty() ? path_ : path_ + ", " + at);
+    require(at.empty() ? name : at + "." + name, value, kind);
+    return value;
+  }
+  void optional(const Json& object, const std::string& at, const char* name,
+                const Kind& kind) const {
+    if (object.contains(name)) needed(object, at, name, kind);
+  }
+  // Every element of an array, with what messages call it.
+  template <class Check>
+  void each(const Json& object, const std::string& at, const char* name, const Check& check) const {
+    const Json& array = needed(object, at, name, kArray);
+    for (size_t i = 0; i < array.size(); ++i)
+      check(array[i], fmt::format("{}{}{}[{}]", at, at.empty() ? "" : ".", name, i));
+  }
+
+  std::string path_;
+};
 
 // The mean of the path-traced references that the sweep made of this scene; nothing where it made
 // none.
@@ -94,13 +185,9 @@ Json study_json(const std::string& folder, const std::vector<ExtraImage>& extra,
                 Payloads& payloads) {
   const std::string path = folder + "/summary.json";
   Json study = read_object(path);
-  for (const char* name : {"study", "scenes", "measures", "fronts", "points"})
-    member(study, name, path);
-  for (const Json& point : study.at("points"))
-    for (const char* name : {"point", "scene", "plan", "origin", "state", "lines", "values"})
-      member(point, name, fmt::format("{}, points", path));
+  SummaryCheck(path).check(study);
   for (Json& scene : study.at("scenes")) {
-    const std::string name = member(scene, "scene", path).get<std::string>();
+    const auto name = scene.at("scene").get<std::string>();
     ImageSet images(kStudyMantissa, payloads);
     for (const ExtraImage& e : extra)
       if (e.scene == name)

@@ -253,6 +253,53 @@ TEST_CASE("a folder that is neither, a missing and a damaged file are errors tha
   refused(s / "study", s / "study/summary.json", "has no \"scenes\"");
 }
 
+TEST_CASE(
+    "a study's summary.json that is no sweep's is refused with the member and what it must be") {
+  const Scratch s;
+  write_study(s / "study");
+  const std::string file = s / "study/summary.json";
+  const Json whole = Json::parse(read_file(file));
+  const struct {
+    const char *at, *value, *said;
+  } wrong[] = {
+      {"/study", "3", "study is 3, expected a text"},
+      {"/scenes", "{}", "scenes is {}, expected an array"},
+      {"/scenes/0", "3", ", scenes[0]: has no \"scene\""},
+      {"/scenes/0/scene", "3", "scenes[0].scene is 3, expected a text"},
+      {"/scenes/0/hash", "3", "scenes[0].hash is 3, expected a text"},
+      {"/measures", "3", "measures is 3, expected an array"},
+      {"/measures/0/columns/0/unit", "null",
+       "measures[0].columns[0].unit is null, expected a text"},
+      {"/fronts", "7", "fronts is 7, expected an array"},
+      {"/points/1", "[]", ", points[1]: has no \"point\""},
+      {"/points/1/point", "-1", "points[1].point is -1, expected an integer of at least 0"},
+      {"/points/1/plan", "3", "points[1].plan is 3, expected a text"},
+      {"/points/1/scene", "\"kitchen\"",
+       "points[1].scene is \"kitchen\", expected one of the scenes"},
+      {"/points/1/state", "\"bogus\"",
+       "points[1].state is \"bogus\", expected done, refused, failed, missing"},
+      {"/points/1/lines/gather.k", "0", "points[1].lines.gather.k is 0, expected a text"},
+      {"/points/0/front", "[1]", "points[0].front[0] is 1, expected a text"},
+      {"/points/1/values", "3", "points[1].values is 3, expected an object"},
+      {"/points/0/values/visible.relmse", "3",
+       ", points[0].values.visible.relmse: has no \"mean\""},
+      {"/points/0/values/visible.relmse/mean", "\"0.01\"",
+       "points[0].values.visible.relmse.mean is \"0.01\", expected a number or null"},
+  };
+  for (const auto& w : wrong) {
+    INFO(w.at << " = " << w.value);
+    Json changed = whole;
+    changed[Json::json_pointer(w.at)] = Json::parse(w.value);
+    write_file(file, changed.dump());
+    const Outcome o = run(report(s / "study", s / "report.html"));
+    INFO(o.err);
+    CHECK(o.status == 1);
+    CHECK(o.one_error_line());
+    CHECK_THAT(o.err, ContainsSubstring(file) && ContainsSubstring(w.said));
+    CHECK_FALSE(std::filesystem::exists(s / "report.html"));
+  }
+}
+
 TEST_CASE("a further image is the first; one of no scene or another size is refused") {
   const Scratch s;
   const auto with = [&](const std::string& image) {
