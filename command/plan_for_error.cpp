@@ -318,6 +318,10 @@ void PlanForError::run(const FrameRequest& request, const std::string& output, b
         saved(best.cost.cycles, found.standard.cost.cycles),
         saved(best.cost.bytes, found.standard.cost.bytes),
         saved(best.cost.gatherer_lut, found.standard.cost.gatherer_lut));
+    const auto predicted = [&](const auto& figure) {
+      return std::count_if(found.points.begin(), found.points.end(),
+                           [&](const MeasuredPlan& m) { return figure(m) > 0; });
+    };
     const int columns = std::min(r.measured_width, width),
               rows = std::min(r.measured_height, height);
     fmt::print(
@@ -325,12 +329,14 @@ void PlanForError::run(const FrameRequest& request, const std::string& output, b
         "  measured: {}, seeds {} to {}, two references of {} samples a pixel; ± is a "
         "standard error; 'a run <' is what a run with another seed exceeds in one case of "
         "twenty\n"
-        "  predicted before they were measured: {} plans; errors of the model, each plan from "
-        "the others, {:.1f} % (root mean square), of {} {:.1f} %\n",
+        "  predicted before they were measured, of {} plans: the error of {}, the {} of {}; errors "
+        "of the model, each plan from the others, {:.1f} % (root mean square), of {} {:.1f} %\n",
         columns == width && rows == height
             ? "all pixels"
             : fmt::format("one pixel of each of {}x{} parts of the frame", columns, rows),
         r.seed, r.seed + static_cast<uint64_t>(seeds_) - 1, reference_spp_, found.points.size(),
+        predicted([](const MeasuredPlan& m) { return m.predicted_error; }), minimise_,
+        predicted([&](const MeasuredPlan& m) { return search.objective(m.predicted_cost); }),
         100 * found.error_prediction, minimise_, 100 * found.cost_prediction);
     j["limit"] = limit;
     j["best"] = measured_json(best);

@@ -46,10 +46,13 @@ struct ChosenLine {
 
 std::vector<ChosenLine> chosen_lines(uint64_t photons, uint64_t caustic_photons) {
   const auto counts = [](uint64_t standard, const std::vector<double>& factors) {
+    // Few are told over fewer values, each once.
+    const auto least = static_cast<int64_t>(std::min<uint64_t>(standard, 16));
     std::vector<std::string> values;
     for (const double f : factors)
       values.push_back(std::to_string(std::max<int64_t>(
-          16, static_cast<int64_t>(std::llround(static_cast<double>(standard) * f)))));
+          least, static_cast<int64_t>(std::llround(static_cast<double>(standard) * f)))));
+    values.erase(std::unique(values.begin(), values.end()), values.end());
     return values;
   };
   return {
@@ -603,6 +606,12 @@ class PlanSearch::Work {
     const Choice standard = standard_choice();
     if (!candidate(standard)) plan_of_point(*scene_, study_, {});  // throws the reason
     add(standard);
+    if (!std::isfinite(points_[0].measured.cost.cycles))
+      throw std::runtime_error(
+          fmt::format("{}: the default plan's frame asks for no gathers, so no plan makes them "
+                      "cheaper; expected --gather-rays above 0, or a scene in whose view light is "
+                      "gathered",
+                      scene_->name()));
     if (points_[0].measured.error.mean <= 0)
       throw std::runtime_error(fmt::format(
           "{}: the default plan's error is {:.3g}, not above 0: nothing can be planned from it; "
@@ -801,12 +810,16 @@ class PlanSearch::Work {
          {std::make_pair(std::string("frame.gather_rays"), 2 * plan.gather_rays),
           std::make_pair(std::string("frame.spp"), 2 * plan.spp)}) {
       if (value == 0) continue;
-      const MeasuredPlan more =
-          measured(joined_lines(best.lines, {{line, std::to_string(value)}}), kSearchSeeds);
-      tell("measured", more);
-      if (more.error.mean < cured) {
-        cured = more.error.mean;
-        cure = fmt::format("{} {}", line == "frame.spp" ? "--spp" : "--gather-rays", value);
+      try {
+        const MeasuredPlan more =
+            measured(joined_lines(best.lines, {{line, std::to_string(value)}}), kSearchSeeds);
+        tell("measured", more);
+        if (more.error.mean < cured) {
+          cured = more.error.mean;
+          cure = fmt::format("{} {}", line == "frame.spp" ? "--spp" : "--gather-rays", value);
+        }
+      } catch (const PlanError&) {
+        // No plan has as many: that is no cure.
       }
     }
     const std::vector<double> parts = model_->parts(least->terms);

@@ -306,3 +306,80 @@ TEST_CASE("plan --board: the fastest engine, the same image") {
     CHECK(r.err.find(w.said) != std::string::npos);
   }
 }
+
+namespace {
+
+// A few pixels, and as few plans as are asked for.
+std::string tiny(const Scratch& s, const std::string& rest) {
+  return "plan" + cornell_box() +
+         "--size 4x4 --spp 1 --photons 1000 --reference-spp 8 --seeds 2 --work '" + s / "work" +
+         "' " + rest;
+}
+
+}  // namespace
+
+TEST_CASE("plan --error: a frame without gathers has none to make cheaper") {
+  const Scratch s;
+  const auto o = run(tiny(s, "--gather-rays 0 --points 2 --error 50 -o '" + s / "p.toml" + "'"));
+  INFO(o.out << o.err);
+  CHECK(o.status == 1);
+  CHECK(o.err.find("cornell: the default plan's frame asks for no gathers, so no plan makes them "
+                   "cheaper; expected --gather-rays above 0") != std::string::npos);
+  CHECK(o.out == "");
+  CHECK_FALSE(std::filesystem::exists(s / "p.toml"));
+}
+
+TEST_CASE("plan --error: where nothing meets it, more rays than a plan can have are no advice") {
+  const Scratch s;
+  const auto o =
+      run(tiny(s, "--gather-rays 40000 --points 1 --error 1e-9 -o '" + s / "p.toml" + "'"));
+  INFO(o.err);
+  CHECK(o.status == 1);
+  CHECK(o.err.find("no plan of cornell is known to stay within 1e-09") != std::string::npos);
+  CHECK(o.err.find("80000") == std::string::npos);
+}
+
+TEST_CASE("plan --error tells how many plans were predicted, and makes a damaged image again") {
+  const Scratch s;
+  const auto told = [&](int points) {
+    const auto o = run(tiny(
+        s, fmt::format("--gather-rays 4 --points {} --error 50 -o '{}'", points, s / "p.toml")));
+    INFO(o.err);
+    REQUIRE(o.status == 0);
+    const std::string begin = "predicted before they were measured, of ";
+    const size_t at = o.out.find(begin);
+    REQUIRE(at != std::string::npos);
+    const size_t from = at + begin.size();
+    return std::make_pair(o.out.substr(from, o.out.find(';', from) - from), o.err);
+  };
+  CHECK(told(1).first == "1 plans: the error of 0, the cycles of 0");
+  // The one that the model chose.
+  CHECK(told(2).first == "2 plans: the error of 1, the cycles of 1");
+  const std::string file = s / "work/cornell.4x4of4x4/references/cornell.4x4.1.exr";
+  std::filesystem::resize_file(file, 100);
+  // And one to learn from, whose cost is known.
+  const auto [three, said] = told(3);
+  CHECK(three == "3 plans: the error of 1, the cycles of 2");
+  INFO(said);
+  CHECK(said.find("photonloom: " + file + ": ") != std::string::npos);
+  CHECK(said.find("; it is made again") != std::string::npos);
+}
+
+TEST_CASE("plan --explain: each number of photons once, however few there are") {
+  const Scratch s;
+  const std::string options = tiny(s, "--gather-rays 2 --points 2 --json --explain photons");
+  const auto values = [&](const std::string& photons) {
+    std::string asked = options;
+    asked.replace(asked.find("--photons 1000"), 14, "--photons " + photons);
+    const auto o = run(asked);
+    INFO(o.err);
+    REQUIRE(o.status == 0);
+    std::vector<std::string> said;
+    const auto points = nlohmann::json::parse(o.out)["curves"]["photons"];
+    for (const auto& p : points) said.push_back(p["value"].get<std::string>());
+    return said;
+  };
+  using Values = std::vector<std::string>;
+  CHECK(values("50") == Values{"16", "19", "25", "38", "50", "100", "200"});
+  CHECK(values("3") == Values{"3", "6", "12"});
+}
