@@ -11,6 +11,7 @@
 #include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <sstream>
 #include <stdexcept>
 
@@ -183,6 +184,13 @@ void run_study(const ShippedStudy& study, const StudyOptions& o) {
   };
   StudyOutcome outcome;
   size_t failures = 0;
+  std::set<std::string> stems;
+  for (const std::string& file : files)
+    if (!stems.insert(stem(file)).second)
+      throw StudyError(
+          fmt::format("--study {}: a study file of the name {} is there already, and each has the "
+                      "folder of its name; expected different names",
+                      file, stem(file)));
   if (files.size() > 1)
     check_folder(o.output, files);
   else

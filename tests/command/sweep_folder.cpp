@@ -87,12 +87,9 @@ TEST_CASE("a sweep removes what a killed one left half-written, and no file of t
                        "references/cornell.8x8.1.exr.partial-31-1",
                        "results/" + plan.substr(0, 2) + "/" + std::string(16, 'a') + "-" + plan +
                            "-1.json.partial-77-30"},
-               kept = {"thesis.partial-2.pdf",
-                       "thesis.md.partial-1-2",
-                       "results.csv.partial-mine",
-                       "notes/my.partial-draft.txt",
-                       "notes/points.json.partial-1-2",
-                       "plans/mine.toml.partial-1-2",
+               kept = {"thesis.partial-2.pdf",          "thesis.md.partial-1-2",
+                       "results.csv.partial-mine",      "notes/my.partial-draft.txt",
+                       "notes/points.json.partial-1-2", "plans/mine.toml.partial-1-2",
                        "results/mine.partial-1-2"};
   for (const States& files : {left, kept})
     for (const std::string& file : files) {
@@ -247,4 +244,21 @@ TEST_CASE("scenes of equal content share results, and are refused with different
   CHECK(other.err.find("scene two: " + s / "two.xml" + " has the same content as " + s / "one.xml" +
                        " but other references") != std::string::npos);
   CHECK(states(s) == States{"done", "done", "done", "failed", "failed", "failed"});
+}
+
+TEST_CASE("study files of one name would share a folder, and are refused") {
+  const Scratch s;
+  for (const char* folder : {"d1", "d2"}) {
+    std::filesystem::create_directories(s / folder);
+    std::string text = three_points("\"layouts\"");
+    write_file(s / (std::string(folder) + "/s.toml"), text);
+  }
+  const auto o = run("study layouts --study '" + s / "d1/s.toml" + "' --study '" + s / "d2/s.toml" +
+                     "' -o '" + s / "a" + "'");
+  INFO(o.err);
+  CHECK(o.status == 1);
+  CHECK(o.one_error_line());
+  CHECK(o.err.find("--study " + s / "d2/s.toml" +
+                   ": a study file of the name s is there already") != std::string::npos);
+  CHECK_FALSE(std::filesystem::exists(s / "a"));
 }
