@@ -10,6 +10,7 @@
 #include <set>
 #include <sstream>
 #include <tuple>
+#include <type_traits>
 
 #include "golden/numeric/strict_size.hpp"
 #include "golden/plan/plan_file.hpp"
@@ -39,8 +40,10 @@ uint64_t point_count(const Study& study) {
   return points;
 }
 
-// As a plan's line takes it: without quotes. Messages have toml_text, which shows them.
+// As a plan's line takes it: without quotes, an integer in decimal digits whatever it is written
+// in. Messages have toml_text, which shows both.
 std::string value_text(const toml::node& node) {
+  if (const auto* i = node.as_integer()) return fmt::format("{}", i->get());
   if (const auto* s = node.as_string()) return s->get();
   return toml_text(node);
 }
@@ -54,6 +57,23 @@ std::vector<std::string> split(const std::string& names) {
     else
       parts.back() += c;
   return parts;
+}
+
+// Whether one of the lines takes integers alone.
+bool is_whole(const std::string& names) {
+  const std::vector<std::string> lines = split(names);
+  const auto has = [&](const std::string& line) {
+    return std::find(lines.begin(), lines.end(), line) != lines.end();
+  };
+  bool whole = has("photons") || has("caustic_photons");
+  const Plan plan;
+  Plan::visit(
+      plan, [&](const char* section, const char* key, const auto& value, auto, auto, const char*) {
+        using Value = std::decay_t<decltype(value)>;
+        whole |= std::is_integral_v<Value> && !std::is_same_v<Value, bool> &&
+                 has(fmt::format("{}.{}", section, key));
+      });
+  return whole;
 }
 
 // Whether the text is a number or a truth value, which TOML writes without quotes.
@@ -320,10 +340,10 @@ class Parser {
       if (!n.is_number())
         fail(n, fmt::format("{}.{} is {}, expected a number", name, key, toml_text(n)));
       check_value(n, name);
-      c.whole &= n.is_integer();
       return n.is_integer() ? static_cast<double>(n.as_integer()->get())
                             : n.as_floating_point()->get();
     };
+    c.whole = is_whole(name);
     c.from = bound("from");
     c.to = bound("to");
     if (!(c.from <= c.to))

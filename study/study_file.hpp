@@ -28,7 +28,7 @@ struct LineChoice {
   std::string line;
   std::vector<std::string> values;  // empty: a range
   double from = 0, to = 0;          // inclusive
-  bool whole = true;                // integers alone
+  bool whole = false;               // integers alone, as the line has
   bool logarithmic = false;
 };
 
