@@ -28,7 +28,8 @@ constexpr int kWalkSamples = 4096, kWalkPixels = 64 * 64, kWalkSamplesLeast = 25
 constexpr int kWalkFramesLeast = 16;
 
 std::string replaced(std::string text, const std::string& mark, const std::string& by) {
-  for (size_t at; (at = text.find(mark)) != std::string::npos;) text.replace(at, mark.size(), by);
+  for (size_t at = 0; (at = text.find(mark, at)) != std::string::npos; at += by.size())
+    text.replace(at, mark.size(), by);
   return text;
 }
 
@@ -115,7 +116,12 @@ Image find_or_write(const std::string& path, const std::string& scene_hash,
   Image image = make();
   image.metadata["sceneHash"] = scene_hash;
   image.metadata["madeOf"] = made_of;
-  std::filesystem::create_directories(std::filesystem::path(path).parent_path());
+  const std::filesystem::path folder = std::filesystem::path(path).parent_path();
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error)
+    throw std::runtime_error(fmt::format("{}: cannot be made a folder ({}), expected one of images",
+                                         folder.string(), error.message()));
   write_exr(image, path);
   return read_exr(path);  // as everyone finds it
 }
@@ -235,11 +241,13 @@ void StudyScene::load_references(const Study& study, const std::string& folder, 
   if (study.frame_width > 0)
     size_text_ += fmt::format(".of{}x{}", study.frame_width, study.frame_height);
   Planes* const planes[2] = {&references_.b1, &references_.b2};
+  std::string paths[2];
   for (size_t n = 0; n < 2; ++n) {
-    std::string path;
+    std::string& path = paths[n];
+    // The scene's name may hold either mark.
     if (!study.reference_files.empty())
-      path = replaced(replaced(study.reference_files, "{scene}", name_), "{n}",
-                      fmt::format("{}", n + 1));
+      path = replaced(replaced(study.reference_files, "{n}", fmt::format("{}", n + 1)), "{scene}",
+                      name_);
     Image image;
     if (path.empty() || (study.reference_spp > 0 && !std::filesystem::exists(path))) {
       path = fmt::format("{}/{}.{}.{}.exr", folder, name_, size_text_, n + 1);
@@ -273,8 +281,9 @@ void StudyScene::load_references(const Study& study, const std::string& folder, 
   references_.own_relmse = own / (3.0 * static_cast<double>(b1.c[0].size()));
   references_.signature = sum.hex().substr(0, 16);
   if (b1.c == b2.c)
-    throw std::runtime_error(fmt::format(
-        "{}: both references are the same image, expected two of different seeds", name_));
+    throw std::runtime_error(
+        fmt::format("{}: is the same image as {}, expected two references of different seeds",
+                    paths[1], paths[0]));
 }
 
 const SceneReferences& StudyScene::references() const {

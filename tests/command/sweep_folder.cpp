@@ -246,6 +246,31 @@ TEST_CASE("scenes of equal content share results, and are refused with different
   CHECK(states(s) == States{"done", "done", "done", "failed", "failed", "failed"});
 }
 
+TEST_CASE("references: marks in a scene's name are the name's, and equal files are named") {
+  const Scratch s;
+  std::filesystem::create_directory_symlink(photonloom::test::source("scenes/meshes"),
+                                            s / "meshes");
+  write_file(s / "a{scene}b{n}.xml", read_file(photonloom::test::source("scenes/cornell.xml")));
+  std::string text = three_points("\"visible\"", "\"a{scene}b{n}.xml\"");
+  write_file(s / "study.toml", text);
+  REQUIRE(sweep(s).status == 0);
+  text.replace(text.find("spp = 2"), 7, "files = \"{scene}.{n}.exr\"");
+  write_file(s / "study.toml", text);
+  const auto missing = sweep(s);
+  INFO(missing.err);
+  CHECK(missing.status == 1);
+  CHECK(missing.err.find(s / "a{scene}b{n}.1.exr" + ": cannot be read") != std::string::npos);
+  for (const char* n : {"1", "2"})
+    std::filesystem::copy_file(s / "a/references/a{scene}b{n}.8x8.1.exr",
+                               s / ("a{scene}b{n}." + std::string(n) + ".exr"));
+  const auto equal = sweep(s);
+  INFO(equal.err);
+  CHECK(equal.status == 1);
+  CHECK(equal.err.find(s / "a{scene}b{n}.2.exr" + ": is the same image as " +
+                       s / "a{scene}b{n}.1.exr" + ", expected two references of different seeds") !=
+        std::string::npos);
+}
+
 TEST_CASE("study files of one name would share a folder, and are refused") {
   const Scratch s;
   for (const char* folder : {"d1", "d2"}) {
