@@ -35,7 +35,13 @@ void sweep(const SweepOptions& o) {
   request.say = [](const std::string& sentence) {
     fmt::print(stderr, "photonloom: {}\n", sentence);
   };
-  const SweepReport r = run_sweep(request);
+  const SweepReport r = [&] {
+    try {
+      return run_sweep(request);
+    } catch (const PointsError& error) {
+      throw UsageError(error.what());
+    }
+  }();
   if (!o.task) {
     const CollectReport& c = r.collected;
     fmt::print(

@@ -142,7 +142,12 @@ class Database {
     run("COMMIT");
     if (sqlite3_close(db_) != SQLITE_OK) fail();
     db_ = nullptr;
-    std::filesystem::rename(temporary_, path_);
+    std::error_code error;
+    std::filesystem::rename(temporary_, path_, error);
+    if (error)
+      throw std::runtime_error(
+          fmt::format("{}: cannot be put in place ({}), expected a database of a sweep, or nothing",
+                      path_, error.message()));
   }
 
  private:

@@ -47,6 +47,12 @@ class Sweep {
       if (const std::string why = routing_missing(); !why.empty()) throw std::runtime_error(why);
     load_scenes();
     plan_points();
+    for (const uint32_t n : request_.only)
+      if (table_.points[n].point.origin == "search" && table_.points[n].point.lines.empty())
+        throw StudyError(fmt::format(
+            "--points: {} is a point of a search, which has not proposed it yet; expected a sweep "
+            "without --points first",
+            n));
     const std::vector<uint32_t> fixed = chosen();
     measure_points(fixed);
     if (searches && request_.only.empty()) search();
@@ -69,8 +75,8 @@ class Sweep {
     for (size_t s = 0; s < study.scenes.size(); ++s) points += points_of_scene(study, s);
     for (const uint32_t n : request.only)
       if (n >= points)
-        throw StudyError(fmt::format("--points: {} is no point of {}, expected 0 to {}", n,
-                                     study.file, points - 1));
+        throw PointsError(fmt::format("--points: {} is no point of {}, expected 0 to {}", n,
+                                      study.file, points - 1));
     return study;
   }
 
@@ -131,6 +137,7 @@ class Sweep {
     Sha256 source;
     source.add(study_.text);
     for (size_t s = 0; s < scenes_.size(); ++s) {
+      source.add(table_.scenes[s].file + "\n");  // commands name it
       source.add(table_.scenes[s].hash + table_.scenes[s].references + table_.scenes[s].failure);
       // Whatever else plans follow from, this one does too.
       if (scenes_[s]) source.add(baseline_hash(s));
@@ -156,7 +163,11 @@ class Sweep {
         if (!request_.is_task) mend_plans();
         return;
       }
-      if (old) say(fmt::format("{}: is of another study or scene; points are planned again", file));
+      if (old)
+        say(
+            fmt::format("{}: is of another study or scene, or of scene files elsewhere; points are "
+                        "planned again",
+                        file));
     }
     for (size_t s = 0; s < scenes_.size(); ++s) {
       std::vector<Point> fixed = fixed_points(study_, s);
@@ -221,7 +232,12 @@ class Sweep {
   // plans/HASH.toml: the plan with the reason for each line.
   void keep_plan(const std::string& hash, const PointPlan& made) const {
     if (is_kept(hash)) return;
-    std::filesystem::create_directories(request_.folder + "/plans");
+    const std::string folder = request_.folder + "/plans";
+    std::error_code error;
+    std::filesystem::create_directories(folder, error);
+    if (error)
+      throw std::runtime_error(fmt::format(
+          "{}: cannot be made a folder ({}), expected one of plans", folder, error.message()));
     check_plan(made.plan);
     const std::string text = plan_text(made.plan, made.reasons);
     write_file(plan_file(hash), text + check_of(hash, text));

@@ -15,6 +15,11 @@ struct StudyError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+// Points asked for that the study does not have; the sentence names the option.
+struct PointsError : StudyError {
+  using StudyError::StudyError;
+};
+
 // Lines set in a point, (name, value as in a plan file), in the file's order. A name is
 // section.key of the plan, several of them joined by '+', or one of the study's own (kStudyLines).
 using LineValues = std::vector<std::pair<std::string, std::string>>;

@@ -156,7 +156,7 @@ TEST_CASE("points by hand, then the rest") {
   CHECK(tables(s / "a") == tables(s / "b"));
   for (const char* folder : {"a", "new"}) {
     const auto beyond = run(command(s / "study.toml", s / folder) + " --points 14");
-    CHECK(beyond.status == 1);
+    CHECK(beyond.status == 2);
     CHECK(beyond.one_error_line());
     CHECK(beyond.err.find("expected 0 to 13") != std::string::npos);
   }

@@ -246,6 +246,48 @@ TEST_CASE("scenes of equal content share results, and are refused with different
   CHECK(states(s) == States{"done", "done", "done", "failed", "failed", "failed"});
 }
 
+TEST_CASE("commands of a study that was moved with its scene name the scene where it is") {
+  const Scratch s;
+  std::filesystem::create_directories(s / "m1");
+  std::filesystem::create_directory_symlink(photonloom::test::source("scenes/meshes"),
+                                            s / "m1/meshes");
+  write_file(s / "m1/box.xml", read_file(photonloom::test::source("scenes/cornell.xml")));
+  write_file(s / "m1/study.toml", three_points("\"resources\"", "\"box.xml\""));
+  const auto swept = [&](const std::string& folder) {
+    const auto o = run("sweep '" + s / (folder + "/study.toml") + "' -o '" + s / "a" + "'");
+    INFO(o.err);
+    REQUIRE(o.status == 0);
+    for (const Json& p : points(s))
+      CHECK(p["command"].get<std::string>().find(s / (folder + "/box.xml")) != std::string::npos);
+    return o;
+  };
+  swept("m1");
+  std::filesystem::rename(s / "m1", s / "m2");
+  CHECK(swept("m2").out.find("0 results computed") != std::string::npos);
+}
+
+TEST_CASE("points of a search that has not run are refused by number") {
+  const Scratch s;
+  std::string text = three_points("\"resources\"");
+  text = text.substr(0, text.find("[[points]]")) +
+         "[[points]]\nstrategy = \"search\"\npopulation = 2\ngenerations = 2\n"
+         "objectives = [\"resources.lut\"]\nlines.gather.k = { from = 2, to = 40 }\n";
+  write_file(s / "study.toml", text);
+  // Nothing is proposed here, so that a library which is there suffices.
+  std::filesystem::create_directories(s / "bin");
+  write_file(s / "bin/python3", "#!/bin/sh\nexit 0\n");
+  std::filesystem::permissions(s / "bin/python3", std::filesystem::perms::owner_all);
+  const std::string path = photonloom::test::environment("PATH");
+  setenv("PATH", (s / "bin:" + path).c_str(), 1);
+  const auto baseline = sweep(s, "--points 0"), proposed = sweep(s, "--points 0,3");
+  setenv("PATH", path.c_str(), 1);
+  CHECK(baseline.status == 0);
+  CHECK(proposed.status == 1);
+  CHECK(proposed.one_error_line());
+  CHECK(proposed.err.find("--points: 3 is a point of a search, which has not proposed it yet; "
+                          "expected a sweep without --points first") != std::string::npos);
+}
+
 TEST_CASE("references: marks in a scene's name are the name's, and equal files are named") {
   const Scratch s;
   std::filesystem::create_directory_symlink(photonloom::test::source("scenes/meshes"),
@@ -268,6 +310,35 @@ TEST_CASE("references: marks in a scene's name are the name's, and equal files a
   CHECK(equal.status == 1);
   CHECK(equal.err.find(s / "a{scene}b{n}.2.exr" + ": is the same image as " +
                        s / "a{scene}b{n}.1.exr" + ", expected two references of different seeds") !=
+        std::string::npos);
+}
+
+TEST_CASE("what stands in a sweep's way in its folder is named, with what was expected") {
+  const Scratch s;
+  write_file(s / "study.toml", three_points("\"resources\""));
+  REQUIRE(sweep(s).status == 0);
+  std::filesystem::rename(s / "a/plans", s / "plans");
+  write_file(s / "a/plans", "");
+  const auto plans = sweep(s);
+  INFO(plans.err);
+  CHECK(plans.status == 1);
+  CHECK(plans.err.find("photonloom: " + s / "a/plans" + ": cannot be made a folder (") !=
+        std::string::npos);
+  std::filesystem::remove(s / "a/plans");
+  std::filesystem::rename(s / "plans", s / "a/plans");
+  std::filesystem::remove(s / "a/results.sqlite");
+  std::filesystem::create_directories(s / "a/results.sqlite/in the way");
+  const auto database = sweep(s);
+  CHECK(database.status == 1);
+  CHECK(database.one_error_line());
+  CHECK(database.err.find(s / "a/results.sqlite" + ": cannot be put in place (") !=
+        std::string::npos);
+  std::filesystem::remove_all(s / "a/results.sqlite");
+  write_file(s / "study.toml", three_points("\"visible\""));
+  write_file(s / "a/references", "");
+  const auto references = sweep(s);
+  CHECK(references.status == 1);
+  CHECK(references.err.find(s / "a/references" + ": cannot be made a folder (") !=
         std::string::npos);
 }
 
