@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <filesystem>
+#include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -12,6 +13,7 @@
 #include "command/unit_times.hpp"
 #include "golden/image/pixel_sum.hpp"
 #include "golden/image/sheet.hpp"
+#include "golden/numeric/elementary.hpp"
 #include "golden/numeric/output_file.hpp"
 #include "golden/pipeline/record.hpp"
 #include "golden/transport/path.hpp"
@@ -115,6 +117,13 @@ Image path_trace(const RenderOptions& o, const FrameRequest& request, ConsolePro
     caster = make_embree(*world);
   }
   print_warnings(world->scene().warnings);
+  const double radiance =
+      max_component(world->emitted_power()) / (kPi * std::max(world->surface_area(), 1e-290));
+  if (radiance < std::numeric_limits<float>::min())
+    print_warnings(
+        {fmt::format("the lamps' mean radiance is {:.3g}, less than the image's single "
+                     "precision holds: pixels lose it",
+                     radiance)});
   PathOptions options;
   options.spp = samples_per_pixel(request, world->scene());
   options.seed = request.seed;

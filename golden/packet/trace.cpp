@@ -56,11 +56,17 @@ uint64_t parse_value(const nlohmann::json& v, const FieldPlace& f, const std::st
 void packet_from_json(const PacketLayout& layout, std::string_view line, const std::string& where,
                       void* packet) {
   using nlohmann::json;
+  constexpr int kDeepest = 8;
   std::set<std::string> seen;
   std::string repeated;
   json object;
+  bool deep = false;
   try {
     object = json::parse(line, [&](int depth, json::parse_event_t event, json& parsed) {
+      // A packet is an object of numbers and of arrays of them. What lies deeper is not kept: a
+      // library that prints it calls itself as often.
+      if (depth > kDeepest) deep = true;
+      if (deep) return false;
       if (event == json::parse_event_t::key && depth == 1 &&
           !seen.insert(parsed.get<std::string>()).second)
         repeated = parsed.get<std::string>();
@@ -71,6 +77,10 @@ void packet_from_json(const PacketLayout& layout, std::string_view line, const s
   } catch (const json::out_of_range&) {
     throw std::runtime_error(fmt::format("{}: is not JSON of numbers up to 1e308", where));
   }
+  if (deep)
+    throw std::runtime_error(fmt::format(
+        "{}: values are nested more than {} deep, expected one JSON object, a {} packet", where,
+        kDeepest, layout.name()));
   if (!object.is_object())
     throw std::runtime_error(
         fmt::format("{}: expected one JSON object, a {} packet", where, layout.name()));

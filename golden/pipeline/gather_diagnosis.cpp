@@ -117,12 +117,13 @@ double three_quarters(std::vector<double> values) {
 double rounded_up(double x) {
   const double step =
       std::pow(10.0, std::floor(std::log10(x)) - 2);  // not golden: advice for people
-  return std::ceil(x / step) * step;
+  return step > 0 ? std::ceil(x / step) * step : x;
 }
 
 Advice advice_for(Shortage shortage, const Plan& plan, double radius, double kth) {
   // k photons lie within `kth` of a gather now; with f times the photons within kth / sqrt(f).
   const double wanted = std::isfinite(kth) ? kth / radius : kMostPhotons;
+  const double reach = std::isfinite(kth) ? kth : kMostPhotons * radius;
   const double f =
       shortage == Shortage::kNoPhoton ? 1 : std::clamp(wanted * wanted, 1.0, kMostPhotons);
   Advice a;
@@ -131,7 +132,7 @@ Advice advice_for(Shortage shortage, const Plan& plan, double radius, double kth
   const uint64_t fewest = std::isfinite(kth) ? 1 : static_cast<uint64_t>(plan.k);
   a.photons = static_cast<uint64_t>(
       std::ceil(f * static_cast<double>(std::max(fewest, plan.global.photons))));
-  a.radius = rounded_up(std::max(radius, wanted * radius / std::sqrt(f)));
+  a.radius = rounded_up(std::max(radius, reach / std::sqrt(f)));
   if (a.photons > plan.global.photons) a.options = fmt::format("--photons {} ", a.photons);
   a.options += fmt::format("--set global.radius={:.4g}", a.radius);
   return a;

@@ -4,6 +4,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <functional>
 #include <memory>
 #include <sstream>
@@ -35,31 +36,66 @@ size_t end_of_string(std::string_view text, size_t at) {
   return text.size();
 }
 
-// The first character beyond ASCII outside of strings and comments, or the text's end.
-size_t find_stray(std::string_view text) {
-  size_t i = 0;
-  while (i < text.size() && is_ascii(text[i])) {
-    if (text[i] == '#')
+constexpr size_t kMostParts = 64;  // of a dotted key
+
+// The characters of bare keys and of numbers.
+bool is_bare(char c) {
+  return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_' ||
+         c == '-' || c == '+' || c == '.';
+}
+
+// Whether a decimal number has digits other than 0 and is 0 in double precision.
+bool is_lost(std::string_view word) {
+  std::string number(word.substr(0, word.find_first_not_of("0123456789_+-.eE")));
+  std::erase(number, '_');
+  const size_t exponent = std::min(number.find_first_of("eE"), number.size());
+  if (number.size() != word.size() - static_cast<size_t>(std::ranges::count(word, '_')))
+    return false;
+  const size_t digit = number.find_first_of("123456789");
+  return digit < exponent && std::strtod(number.c_str(), nullptr) == 0;
+}
+
+struct Fault {
+  size_t at = 0;
+  const char* what = nullptr;
+};
+
+// What toml++ must not see, or takes for another value, outside of strings and comments.
+Fault find_fault(std::string_view text) {
+  size_t parts = 1;
+  for (size_t i = 0; i < text.size();) {
+    const char c = text[i];
+    if (!is_ascii(c)) return {i, "a character beyond ASCII stands outside of strings and comments"};
+    if (c == '#') {
       i = std::min(text.find('\n', i), text.size());
-    else if (text[i] == '"' || text[i] == '\'')
+    } else if (c == '"' || c == '\'') {
       i = end_of_string(text, i);
-    else
+    } else if (is_bare(c)) {
+      size_t end = i;
+      while (end < text.size() && is_bare(text[end])) ++end;
+      const std::string_view word = text.substr(i, end - i);
+      if (is_lost(word)) return {i, "a number is smaller than the least above 0, 4.9e-324"};
+      parts += static_cast<size_t>(std::ranges::count(word, '.'));
+      if (parts > kMostParts) return {i, "a key has more than 64 parts"};
+      i = end;
+    } else {
+      if (c != ' ' && c != '\t') parts = 1;
       ++i;
+    }
   }
-  return i;
+  return {};
 }
 
 }  // namespace
 
 toml::table parse_toml(std::string_view text, const std::string& file) {
   if (text.starts_with(kMark)) text.remove_prefix(kMark.size());
-  if (const size_t stray = find_stray(text); stray < text.size()) {
+  if (const Fault fault = find_fault(text); fault.what) {
     toml::source_position at;
-    const std::string_view before = text.substr(0, stray);
+    const std::string_view before = text.substr(0, fault.at);
     at.line = static_cast<toml::source_index>(1 + std::count(before.begin(), before.end(), '\n'));
-    at.column = static_cast<toml::source_index>(stray - (before.rfind('\n') + 1) + 1);
-    throw toml::parse_error("a character beyond ASCII stands outside of strings and comments", at,
-                            std::make_shared<const std::string>(file));
+    at.column = static_cast<toml::source_index>(fault.at - (before.rfind('\n') + 1) + 1);
+    throw toml::parse_error(fault.what, at, std::make_shared<const std::string>(file));
   }
   // What is no TOML is found while it is ASCII alone: behind an error strings need not be strings.
   if (!std::all_of(text.begin(), text.end(), is_ascii)) {

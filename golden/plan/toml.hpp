@@ -9,8 +9,9 @@
 namespace photonloom {
 
 // As toml::parse; toml::parse_error too where a character beyond ASCII stands outside of strings
-// and comments. TOML 1.0 has none there, and for some of them (U+00A1 to U+0499 among others) what
-// toml++ 3.3 does is undefined.
+// and comments (TOML 1.0 has none there, and for some of them, U+00A1 to U+0499 among others, what
+// toml++ 3.3 does is undefined), where a dotted key has more than 64 parts (toml++ calls itself for
+// each) and where a number other than 0 is too small for a double (toml++ takes it for 0).
 toml::table parse_toml(std::string_view text, const std::string& file = "");
 
 // The shortest text that reads back to the same double, always with a point or an exponent.

@@ -188,13 +188,16 @@ class Loader {
     }
     camera.near_clip = p.number("near_clip", 0);
     camera.far_clip = p.number("far_clip", kInfinity);
-    if (camera.near_clip < 0) fail(p.element("near_clip"), "near_clip is negative");
+    if (!(camera.near_clip >= 0 && camera.near_clip <= kFarthestClip))
+      fail(p.element("near_clip"),
+           fmt::format("{} is {}, expected 0 to {:g}", p.element("near_clip")["name"],
+                       camera.near_clip, kFarthestClip));
     if (!(camera.far_clip > camera.near_clip))
       fail(p.element("far_clip"), "far_clip is not beyond near_clip");
     if (thin) aperture(p);
     if (!parallel) {
-      camera.offset_x = p.number("principal_point_offset_x", 0);
-      camera.offset_y = p.number("principal_point_offset_y", 0);
+      camera.offset_x = offset(p, "principal_point_offset_x");
+      camera.offset_y = offset(p, "principal_point_offset_y");
     }
     if (p.has("kc") && p.text("kc", "") != "0, 0" && p.text("kc", "") != "0,0")
       findings_.add(p.element("kc"), "lens distortion (kc) is not supported", "the lens has none");
@@ -220,6 +223,18 @@ class Loader {
     }
   }
 
+  static constexpr double kFarthestClip = 1e18;
+
+  // Of the principal point, in widths or heights of the film.
+  static double offset(Properties& p, const char* name) {
+    constexpr double kFarthest = 1e6;
+    const double value = p.number(name, 0);
+    if (!(std::fabs(value) <= kFarthest))
+      fail(p.element(name), fmt::format("{} is {}, expected {:g} to {:g}", p.element(name)["name"],
+                                        value, -kFarthest, kFarthest));
+    return value;
+  }
+
   // A lens without an aperture is a pinhole.
   void aperture(Properties& p) {
     Camera& camera = scene_.camera;
@@ -235,6 +250,15 @@ class Loader {
     if (!(camera.focus_distance > 0))
       fail(p.element("focus_distance"),
            fmt::format("focusDistance is {}, expected more than 0", camera.focus_distance));
+    // Rays from the lens's rim are directions still.
+    constexpr double kWidest = 1e6;
+    if (!(camera.aperture_radius <= kWidest * camera.focus_distance &&
+          camera.aperture_radius <= kFarthestClip))
+      fail(
+          p.element("aperture_radius"),
+          fmt::format("apertureRadius is {} at a focusDistance of {}, expected at most {:g} and at "
+                      "most {:g} times focusDistance",
+                      camera.aperture_radius, camera.focus_distance, kFarthestClip, kWidest));
     if (camera.aperture_radius > 0)
       camera.kind = CameraKind::kThinLens;
     else
@@ -274,6 +298,10 @@ class Loader {
       fail(p.element("focal_length"), "focalLength is not a length like 50mm");
     camera.fov = 2 * angle_of(2 * *value, std::sqrt(36.0 * 36.0 + 24.0 * 24.0)) * 180 / kPi;
     camera.fov_axis = FovAxis::kDiagonal;
+    constexpr double kShortest = 1e-6;
+    if (*value < kShortest)
+      fail(p.element("focal_length"),
+           fmt::format("focalLength is {} mm, expected at least {:g} mm", *value, kShortest));
   }
 
   void film(const Element& e) {
@@ -315,10 +343,11 @@ class Loader {
   void crop(Properties& p) {
     Film& film = scene_.film;
     const auto part = [&](const char* offset, const char* size, int whole) {
-      const int64_t from = p.integer(offset, 0), pixels = p.integer(size, whole - from);
+      const int64_t from = p.integer(offset, 0);
       if (from < 0 || from >= whole)
         fail(p.element(offset),
              fmt::format("{} is {}, expected 0 to {}", p.element(offset)["name"], from, whole - 1));
+      const int64_t pixels = p.integer(size, whole - from);
       if (pixels < 1 || pixels > whole - from)
         fail(p.element(size), fmt::format("{} is {}, expected 1 to {}", p.element(size)["name"],
                                           pixels, whole - from));
@@ -772,9 +801,12 @@ class Loader {
       l.kind = LightKind::kSpot;
       const double cutoff = p.number("cutoff_angle", 20);
       const double beam = p.number("beam_width", cutoff * 0.75);
-      if (!(cutoff > 0 && cutoff < 180))
+      // A narrower cone's cosine is 1 but for a rounding.
+      constexpr double kNarrowest = 1e-4;
+      if (!(cutoff >= kNarrowest && cutoff < 180))
         fail(p.element("cutoff_angle"),
-             fmt::format("cutoffAngle is {}, expected more than 0 and less than 180", cutoff));
+             fmt::format("cutoffAngle is {}, expected at least {} and less than 180", cutoff,
+                         kNarrowest));
       if (!(beam >= 0 && beam <= cutoff))
         fail(p.element("beam_width"),
              fmt::format("beamWidth is {}, expected 0 to cutoffAngle ({})", beam, cutoff));

@@ -97,6 +97,12 @@ Mat4 rotation(const Element& element) {
   return columns(column({1, 0, 0}), column({0, 1, 0}), column({0, 0, 1}), Vec3(0));
 }
 
+// Scales what has a square that is no number, or next to none.
+void bring_near_one(Vec3& v) {
+  const double largest = max_component(glm::abs(v));
+  if (largest > 0 && !(largest > 1e-100 && largest < 1e100)) v /= largest;
+}
+
 Mat4 look_at(const Element& element, bool new_dialect) {
   for (const char* name : {"origin", "target"})
     if (!element.find(name)) fail(element, fmt::format("<{}> has no {}", element.tag, name));
@@ -104,9 +110,14 @@ Mat4 look_at(const Element& element, bool new_dialect) {
   Vec3 up(0);
   if (element.find("up") && !element["up"].empty()) up = triple(element, "up");
   Vec3 direction = target - origin;
-  const double length = glm::length(direction);
-  if (!(length > 0) || !std::isfinite(length))
+  if (direction == Vec3(0))
     fail(element, fmt::format("<{}> looks from a point to itself", element.tag));
+  bring_near_one(direction);
+  bring_near_one(up);
+  const double length = glm::length(direction);
+  if (!std::isfinite(length))
+    fail(element, fmt::format("<{}>: origin and target are farther apart than a number can say",
+                              element.tag));
   direction /= length;
   if (up == Vec3(0)) {
     // Any axis will do, but the image depends on it: the same as Mitsuba's.

@@ -192,7 +192,7 @@ Sides BsdfReader::substitute(Properties& p, int level) {
       Bsdf b;
       if (inside.front >= 0) b = scene_.bsdfs[static_cast<size_t>(inside.front)];
       const bool coats = rough_coating && inside.front >= 0;
-      if (coats) b.ior = ior(p, "int_ior", "bk7") / ior(p, "ext_ior", "air");
+      if (coats) b.ior = relative_ior(p, "bk7");
       if (!coats || b.kind != BsdfKind::kDiffuse || b.is_coated() || !(b.ior > 1)) {
         findings_.add(e, refusal, "the BSDF inside of it stands for it");
         p.ignore_all();
@@ -272,6 +272,7 @@ void BsdfReader::principled(Properties& p, Bsdf& b) {
   if (p.has("eta")) {
     b.ior = p.number("eta", 1.5);
     if (!(b.ior > 0)) fail(p.element("eta"), fmt::format("eta is {}, expected more than 0", b.ior));
+    b.ior = checked_ior(p, b.ior);
     if (q.spec_trans > 0 && b.ior == 1) b.ior = 1.001;  // as Mitsuba
   } else {
     double specular = within("specular", p.number("specular", 0.5));
@@ -287,7 +288,7 @@ void BsdfReader::principled(Properties& p, Bsdf& b) {
 Sides BsdfReader::coating(Properties& p, int level) {
   Bsdf coat;
   int factor = -1, absorption = -1;
-  coat.coat_ior = ior(p, "int_ior", "bk7") / ior(p, "ext_ior", "air");
+  coat.coat_ior = relative_ior(p, "bk7");
   if (!(coat.coat_ior > 1))
     fail(p.object(), fmt::format("{} has the relative index {}, expected more than 1: what it "
                                  "coats lies in the denser medium",
@@ -424,6 +425,13 @@ void BsdfReader::conductor(Properties& p, Bsdf& b) {
   for (int i = 0; i < 3; ++i)
     if (given && b.eta[i] == 0 && b.k[i] == 0)
       fail(p.element("eta"), "eta and k are both 0, expected a metal or material \"none\"");
+  // The fourth power is a number.
+  constexpr double kLargest = 1e70;
+  const double largest = std::max(max_component(b.eta), max_component(b.k));
+  if (!(largest <= kLargest))
+    fail(p.object(), fmt::format("eta or k of {} is {} times the index outside, expected at most "
+                                 "{:g} times",
+                                 describe(p.object()), largest, kLargest));
   if (b.kind == BsdfKind::kRoughConductor) roughness(p, b);
 }
 
@@ -443,13 +451,27 @@ double BsdfReader::ior(Properties& p, const std::string& name, const std::string
   return *value;
 }
 
+double BsdfReader::relative_ior(Properties& p, const std::string& otherwise) {
+  const double inside = ior(p, "int_ior", otherwise);
+  return checked_ior(p, inside / ior(p, "ext_ior", "air"));
+}
+
+double BsdfReader::checked_ior(Properties& p, double relative) {
+  // Its square is a number, and so is one over it.
+  constexpr double kSmallest = 1e-100, kLargest = 1e100;
+  if (!(relative >= kSmallest && relative <= kLargest))
+    fail(p.object(), fmt::format("the index of refraction of {} is {} times that outside, expected "
+                                 "{:g} to {:g} times",
+                                 describe(p.object()), relative, kSmallest, kLargest));
+  return relative;
+}
+
 void BsdfReader::dielectric(Properties& p, Bsdf& b) {
   b.specular = value(p, b, Slot::kSpecular, "specular_reflectance", Rgb(1));
   b.transmission = value(p, b, Slot::kTransmission, "specular_transmittance", Rgb(1));
   conserve(p, b, b.specular, Slot::kSpecular, nullptr);
   conserve(p, b, b.transmission, Slot::kTransmission, nullptr);
-  const double inside = ior(p, "int_ior", "bk7");
-  b.ior = inside / ior(p, "ext_ior", "air");
+  b.ior = relative_ior(p, "bk7");
   if (b.kind != BsdfKind::kRoughDielectric) return;
   roughness(p, b);
   if (b.ior == 1)
@@ -463,8 +485,7 @@ void BsdfReader::plastic(Properties& p, Bsdf& b) {
   b.specular = value(p, b, Slot::kSpecular, "specular_reflectance", Rgb(1));
   conserve(p, b, b.diffuse, Slot::kDiffuse, nullptr);
   conserve(p, b, b.specular, Slot::kSpecular, nullptr);
-  const double inside = ior(p, "int_ior", "polypropylene");
-  b.ior = inside / ior(p, "ext_ior", "air");
+  b.ior = relative_ior(p, "polypropylene");
   b.nonlinear = p.boolean("nonlinear", false);
   if (!(b.ior > 1))
     fail(p.object(), fmt::format("{} has the relative index {}, expected more than 1: its diffuse "
@@ -723,8 +744,9 @@ Sides BsdfReader::mixture(Properties& p, int level) {
   for (const double share : front.shares) sum += share;
   const bool ensure = p.boolean("ensure_energy_conservation", true);
   if (sum > 1 && !blend) {
-    if (!ensure)
-      fail(p.element("weights"), fmt::format("weights add up to {}, expected at most 1", sum));
+    if (!ensure || !std::isfinite(sum))
+      fail(p.element("weights"), fmt::format("weights add up to {}, expected {}", sum,
+                                             ensure ? "a finite number" : "at most 1"));
     warn(p.object(),
          fmt::format("weights of {} add up to {} and are scaled to 1", describe(p.object()), sum));
     for (double& share : front.shares) share /= sum;

@@ -44,6 +44,9 @@ class BsdfReader {
   double largest(const Bsdf& b, Slot slot, const Rgb& factor) const;
   void conserve(Properties& p, const Bsdf& b, Rgb& first, Slot slot, Rgb* second);
   double ior(Properties& p, const std::string& name, const std::string& otherwise);
+  // Inside over outside; the medium inside is `otherwise` where none is given.
+  double relative_ior(Properties& p, const std::string& otherwise);
+  static double checked_ior(Properties& p, double relative);
   void roughness(Properties& p, Bsdf& b);
   void diffuse(Properties& p, Bsdf& b);
   void phong(Properties& p, Bsdf& b);

@@ -138,6 +138,7 @@ class EmbreeCaster final : public RayCaster {
 
   Hit closest(const Ray& ray, const Hit* from) const override {
     Query q(world_, triangles_, others_, ray, from);
+    if (!is_single(q.ray)) return exact_->closest(ray, from);
     RTCRayHit r;
     r.ray = single(q);
     r.hit.geomID = RTC_INVALID_GEOMETRY_ID;
@@ -160,6 +161,7 @@ class EmbreeCaster final : public RayCaster {
       q.limit = glm::length(leave_surface(to_hit->position, to_hit->normal, -ray.direction) -
                             q.ray.origin);
     }
+    if (!is_single(q.ray)) return exact_->occluded(ray, distance, from, to_hit);
     RTCRay r = single(q);
     r.tfar = static_cast<float>(q.limit) * (1 + 0x1p-20f);
     occlude(scene_, &q.context, &r);
@@ -216,6 +218,15 @@ class EmbreeCaster final : public RayCaster {
     rtcCommitGeometry(g);
     rtcAttachGeometryByID(scene_, g, number);
     rtcReleaseGeometry(g);
+  }
+  // Whether Embree takes the ray: it stops the program at numbers above 1.8e18, and at none.
+  bool is_single(const Ray& ray) const {
+    constexpr double kLargest = 1e18;
+    bool good = true;
+    for (int i = 0; i < 3; ++i)
+      good = good && std::fabs(ray.origin[i] - world_.centre()[i]) <= kLargest &&
+             std::isfinite(ray.direction[i]);
+    return good;
   }
   RTCRay single(const Query& q) const {
     const Vec3 o = q.ray.origin - world_.centre();

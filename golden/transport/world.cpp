@@ -15,6 +15,10 @@
 namespace photonloom {
 namespace {
 
+std::string file_of(const Scene& scene) {
+  return scene.files.empty() ? scene.name : scene.files.front();
+}
+
 Vec3 column(const Mat4& m, int i) { return Vec3(m[i]); }
 
 Primitive disk_primitive(const Shape& s) {
@@ -198,7 +202,8 @@ void World::add_primitives() {
       if (scene_.shapes[s].group == g) add_shape(s);
     groups_.push_back({begin, size()});
   }
-  if (primitives_.empty()) throw SceneError(scene_.name + ": the scene has no shapes with area");
+  if (primitives_.empty())
+    throw SceneError(file_of(scene_) + ": the scene has no shapes with area");
   add_instances();
   measure();
 }
@@ -351,8 +356,22 @@ void World::measure() {
   const double across = max_component(upper_ - lower_);
   if (!(across >= kSmallest && across <= kLargest))
     throw SceneError(fmt::format("{}: the scene is {:g} units across, expected {:g} to {:g}",
-                                 scene_.files.empty() ? scene_.name : scene_.files.front(), across,
-                                 kSmallest, kLargest));
+                                 file_of(scene_), across, kSmallest, kLargest));
+  // Coordinates hold the place within the scene beside its place in the world.
+  constexpr double kFarthest = 1e9;
+  const double from_origin = max_component(glm::max(glm::abs(lower_), glm::abs(upper_)));
+  if (from_origin > kFarthest * across)
+    throw SceneError(fmt::format(
+        "{}: the scene is {:g} units across and lies {:g} from the origin, expected at most {:g} "
+        "times its size: a number does not hold both",
+        file_of(scene_), across, from_origin, kFarthest));
+  const Vec3 camera(scene_.camera.to_world[3]);
+  const double from_scene = max_component(glm::abs(camera - (lower_ + upper_) * 0.5));
+  if (!(from_scene <= kFarthest * across))
+    throw SceneError(fmt::format(
+        "{}: the sensor is {:g} units from a scene of {:g} units across, expected at most {:g} "
+        "times as far",
+        file_of(scene_), from_scene, across, kFarthest));
   centre_ = (lower_ + upper_) * 0.5;
   for (uint32_t i = world.begin; i < world.end; ++i) {
     const Primitive& p = primitives_[i];
@@ -426,8 +445,14 @@ void World::add_emitters() {
     }
     if (!is_black(e.power)) emitters_.push_back(e);
   }
-  if (emitters_.empty()) throw SceneError(scene_.name + ": the scene has no light");
+  if (emitters_.empty()) throw SceneError(file_of(scene_) + ": the scene has no light");
   for (const Emitter& e : emitters_) emitted_power_ += e.power;
+  // Products with areas, and squares, are numbers.
+  constexpr double kMostPower = 1e120;
+  if (!(max_component(emitted_power_) <= kMostPower))
+    throw SceneError(
+        fmt::format("{}: the lamps emit {:g} W, expected dimmer lamps, of at most {:g} W",
+                    file_of(scene_), max_component(emitted_power_), kMostPower));
   const double total = mean(emitted_power_);
   double sum = 0;
   for (Emitter& e : emitters_) {

@@ -123,6 +123,69 @@ TEST_CASE("numbers that are none") {
                ContainsSubstring("scene.xml:2"));
 }
 
+TEST_CASE("cameras that send no rays") {
+  const auto camera = [](const std::string& lines, const std::string& type = "perspective") {
+    return load_error(scene_text("<sensor type=\"" + type + "\">" + lines + "</sensor>" + kLamp));
+  };
+  const auto line = [](const std::string& name, const std::string& value) {
+    return "<float name=\"" + name + "\" value=\"" + value + "\"/>";
+  };
+  CHECK_THAT(camera(line("nearClip", "1e300") + line("farClip", "1e301")),
+             ContainsSubstring("nearClip is 1e+300, expected 0 to 1e+18"));
+  for (const char* offset : {"1e155", "-1e300"})
+    CHECK_THAT(camera(line("principalPointOffsetX", offset)),
+               ContainsSubstring("scene.xml:2: principalPointOffsetX is") &&
+                   ContainsSubstring("expected -1e+06 to 1e+06"));
+  CHECK_THAT(camera("<string name=\"focalLength\" value=\"1e-300mm\"/>"),
+             ContainsSubstring("focalLength is 1e-300 mm, expected at least 1e-06 mm"));
+  for (const auto& [radius, distance] :
+       {std::pair("1", "1e-300"), std::pair("1e300", "1"), std::pair("1e154", "1e154")})
+    CHECK_THAT(camera(line("apertureRadius", radius) + line("focusDistance", distance), "thinlens"),
+               ContainsSubstring("scene.xml:2: apertureRadius is"));
+  const auto looking = [&](const std::string& from, const std::string& to, const std::string& up) {
+    return camera("<transform name=\"toWorld\"><lookat origin=\"" + from + "\" target=\"" + to +
+                  "\" up=\"" + up + "\"/></transform>");
+  };
+  CHECK(looking("0,0,0", "0,0,-1", "0,1e200,0").empty());
+  CHECK(looking("0,0,0", "0,0,-1", "0,1e-200,0").empty());
+  CHECK(looking("0,0,0", "0,0,1e200", "0,1,0").empty());
+  CHECK(looking("0,0,0", "0,0,1e-200", "0,1,0").empty());
+  CHECK_THAT(looking("0,0,-1e308", "0,0,1e308", "0,1,0"), ContainsSubstring("farther apart"));
+  CHECK_THAT(looking("1,2,3", "1,2,3", "0,1,0"), ContainsSubstring("from a point to itself"));
+  CHECK_THAT(camera("<film type=\"hdrfilm\"><integer name=\"cropOffsetX\" "
+                    "value=\"-9223372036854775808\"/></film>"),
+             ContainsSubstring("cropOffsetX is -9223372036854775808, expected 0 to 767"));
+  CHECK_THAT(body_error("<emitter type=\"spot\">" + line("cutoffAngle", "1e-9") +
+                        line("beamWidth", "0") + "</emitter>"),
+             ContainsSubstring("cutoffAngle is 1e-09, expected at least 0.0001"));
+}
+
+TEST_CASE("optics whose products are no numbers") {
+  const auto bsdf = [](const std::string& type, const std::string& lines) {
+    return body_error("<bsdf type=\"" + type + "\">" + lines + "</bsdf>");
+  };
+  const auto indices = [](const std::string& in, const std::string& out) {
+    return "<float name=\"intIOR\" value=\"" + in + "\"/><float name=\"extIOR\" value=\"" + out +
+           "\"/>";
+  };
+  for (const char* type : {"dielectric", "thindielectric", "roughdielectric", "plastic"}) {
+    CHECK_THAT(bsdf(type, indices("1e200", "1e-200")),
+               ContainsSubstring("scene.xml:2") && ContainsSubstring("is inf times that outside"));
+    CHECK(bsdf(type, indices("1e90", "1")).empty());
+  }
+  for (const char* values : {"1e155", "1e300"})
+    for (const char* name : {"eta", "k"})
+      CHECK_THAT(bsdf("conductor", std::string("<rgb name=\"eta\" value=\"") +
+                                       (name == std::string("eta") ? values : "0") +
+                                       "\"/><rgb name=\"k\" value=\"" +
+                                       (name == std::string("k") ? values : "0") + "\"/>"),
+                 ContainsSubstring("scene.xml:2: eta or k of"));
+  CHECK_THAT(bsdf("mixturebsdf",
+                  "<string name=\"weights\" value=\"1e308,1e308\"/><bsdf "
+                  "type=\"diffuse\"/><bsdf type=\"conductor\"/>"),
+             ContainsSubstring("weights add up to inf, expected a finite number"));
+}
+
 TEST_CASE("meshes that are missing, empty or not meshes") {
   CHECK_THAT(
       body_error("<shape type=\"obj\"><string name=\"filename\" value=\"none.obj\"/></shape>"),

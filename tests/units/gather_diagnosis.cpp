@@ -118,6 +118,14 @@ TEST_CASE("a radius in which there is no photon") {
   CHECK(channel_mean(image.image, "starvedLight.Y") == 0);
 }
 
+TEST_CASE("the advice is a number where the radius is next to none") {
+  FrameRequest request = request_of(2000, 20);
+  request.radius = 5e-324;
+  const ShortRegion r = check_planted(scene_of(10, {}), request, Shortage::kNoPhoton);
+  CHECK(r.advice.radius > 0.02);
+  CHECK(r.advice.radius < 1);
+}
+
 TEST_CASE("a map with fewer than k photons within the radius") {
   FrameRequest request = request_of(300, 50);
   request.radius = 0.15;

@@ -151,6 +151,12 @@ TEST_CASE("a bad line is one clear error") {
         "q.jsonl, line 3: expected one JSON object, a gather_query packet");
   CHECK(message(R"({"pixel": )", plan).find("is not JSON") != std::string::npos);
   CHECK(message(R"({"pixel": 1e999})", plan).find("is not JSON") != std::string::npos);
+  for (const int depth : {9, 200000})
+    CHECK(message("{\"pixel\": " + std::string(static_cast<size_t>(depth), '[') +
+                      std::string(static_cast<size_t>(depth), ']') + "}",
+                  plan) ==
+          "q.jsonl, line 3: values are nested more than 8 deep, expected one JSON "
+          "object, a gather_query packet");
   for (const char* bad : {"-1", "1.5", "true", "\"x\"", "null", "99999999999999999999999"})
     CHECK(message(
               start + R"("want_photons": )" + bad + R"(, "position": [1, 2, 3], "normal": [0, 1]})",

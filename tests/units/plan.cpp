@@ -74,6 +74,24 @@ TEST_CASE("characters beyond ASCII stand in strings and comments alone") {
           "p.toml:2: not TOML: a character beyond ASCII stands outside of strings and comments");
 }
 
+TEST_CASE("a number too small for a double is no 0, and keys have few parts") {
+  const Plan plan = sample_plan();
+  const auto radius = [&](const std::string& value) {
+    return error_of(edited(plan, "global", "radius", value));
+  };
+  for (const char* lost : {"1e-400", "1_0.5e-9_99", "0.1E-324"})
+    CHECK_THAT(radius(lost),
+               ContainsSubstring("not TOML: a number is smaller than the least above 0, 4.9e-324"));
+  for (const char* held : {"5e-324", "0e-400", "0.0", "1e-300"}) CHECK(radius(held).empty());
+  std::string deep = "a";
+  for (int i = 0; i < 200000; ++i) deep += i % 2 ? " . a" : ".'b'";
+  for (const std::string& text : {deep + " = 1\n", "[" + deep + "]\n", "x = {" + deep + " = 1}\n"})
+    CHECK(error_of(text) == "p.toml:1: not TOML: a key has more than 64 parts");
+  std::string numbers = "0.5";
+  for (int i = 0; i < 200; ++i) numbers += ", 0.5";
+  CHECK_THAT(radius("[" + numbers + "]"), ContainsSubstring("expected a finite number"));
+}
+
 TEST_CASE("a wrong value is shown, whatever it is") {
   const auto error = [](const std::string& value) {
     const std::string text = error_of(edited(sample_plan(), "scene", "origin", value));

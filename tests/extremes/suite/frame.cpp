@@ -170,6 +170,7 @@ Group frame_cases() {
       furnace_case("a scene 1e12 units across", ", the greatest size that is taken", 0.9999e12 / 3,
                    1),
       furnace_case("a room 1e6 units from the origin", "", 1, 1, Vec3(1e6, -1e6, 1e6)),
+      furnace_case("a room 1e9 units from the origin", "", 1, 1, Vec3(1e9, -1e9, 1e9)),
       furnace_case("radiance 1e-20", "", 1, 1e-20),
       furnace_case("radiance 1e10", "", 1, 1e10),
       {"radiance 1e-30", Known::kRefusal,
@@ -191,6 +192,25 @@ Group frame_cases() {
                 0x1p-50),
       same_case("light 2^30 times stronger", "each pixel 2^30 times as bright, to the bit", 1,
                 0x1p30),
+      {"radiance 1e308", Known::kRefusal, "the power of the lamps is no number",
+       [](Run& run) {
+         run.refused("expected dimmer lamps, of at most 1e+120 W",
+                     [&] { run.frame(furnace(0.5, 1, 1e308), request()); });
+       }},
+      {"a room 1e10 times its size from the origin", Known::kRefusal,
+       "a coordinate does not hold the place within the room",
+       [](Run& run) {
+         run.refused("times its size",
+                     [&] { run.frame(furnace(0.5, 1, 1, Vec3(0, 3e10, 0)), request()); });
+       }},
+      {"a sensor 1e19 units away", Known::kRefusal,
+       "the scene is less than a rounding of the distance",
+       [](Run& run) {
+         Scene scene = furnace();
+         set_camera(scene, Vec3(0, 0, 1e19), Vec3(0), Vec3(0, 1, 0), 60, 4, 4);
+         run.refused("the sensor is 1e+19 units from a scene",
+                     [&] { run.frame(scene, request()); });
+       }},
       {"no light", Known::kRefusal, "nothing to render",
        [](Run& run) {
          run.refused("no light", [&] { run.frame(furnace(0.5, 1, 0), request()); });
