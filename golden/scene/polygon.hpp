@@ -27,6 +27,15 @@ void add_polygon(Mesh& mesh, const std::vector<uint32_t>& corners, Place&& place
     mesh.triangles.push_back(t);
     any = true;
   }
+  // Whose squares are no numbers.
+  constexpr double kFarthest = 1e100;
+  if (!any)
+    for (const uint32_t corner : corners)
+      if (const double far = max_component(glm::abs(mesh.positions[corner])); far > kFarthest)
+        throw SceneError(
+            fmt::format("{}: a corner of the face lies {:g} from the origin, expected "
+                        "at most {:g}",
+                        place(), far, kFarthest));
   if (!any)
     throw SceneError(fmt::format("{}: the face has no area, expected a proper triangle", place()));
 }

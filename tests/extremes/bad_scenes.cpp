@@ -279,6 +279,8 @@ TEST_CASE("NaN and infinite vertices") {
 TEST_CASE("triangles without area") {
   CHECK_THAT(mesh_error("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 2 0 0\nf 1 2 3\nf 1 2 4\n"),
              ContainsSubstring("a.obj:6: the face has no area"));
+  CHECK_THAT(mesh_error("a.obj", "v 0 0 0\nv 1e300 0 0\nv 0 1e300 0\nf 1 2 3\n"),
+             ContainsSubstring("a.obj:4: a corner of the face lies 1e+300 from the origin"));
   CHECK_THAT(mesh_error("a.obj", "v 0.1 0.1 0.1\nv 0.2 0.2 0.2\nv 0.7 0.7 0.7\nf 1 2 3\n"),
              ContainsSubstring("no area"));
   CHECK_THAT(mesh_error("a.ply", ply(kThree, "3 0 1 1\n")),

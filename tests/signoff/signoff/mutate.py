@@ -166,7 +166,7 @@ def section(unit: str, tried: list[Tried], plans: list[str], population: int, se
     of = len(tried) - equivalent
     percent = int(10000 * killed / of) / 100 if of else 100.0
     text = [f"`make mutate-auto` writes this section: {len(tried)} of the {population:,} mutants of this unit's modules, drawn with seed {seed}, "
-            f"one at a time under `bench_{unit}` with the plans {', '.join(plans)}. Equivalent is what "
+            f"one at a time under `bench_{unit}` with the plans {', '.join(sorted(plans))}. Equivalent is what "
             "Yosys proves the same at these plans' parameters, for any contents of registers and any inputs but those that the unit ties.", "", "| mutants | |", "|---|---|", f"| killed | {killed} |",
             f"| proved equivalent | {equivalent} |", f"| survived | {of - killed} |",
             f"| killed of those not proved equivalent | {percent:.2f} %, goal {GOAL:g} %: {'met' if percent >= GOAL else '**MISSED**'} |", ""]
