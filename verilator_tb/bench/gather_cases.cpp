@@ -234,6 +234,14 @@ std::vector<GatherCase> gather_cases() {
          s.leaf_cache = kFetchAnew | ((uint64_t{1} << random.below(4)) - 1);
          return s;
        }},
+      // Queries of the map without photons end at once, between the ends of searches.
+      {"one_map_empty",
+       [](const Plan& plan, BenchRandom& random) {
+         const bool is_caustic = random.below(2) != 0;
+         GatherStimulus s = stimulus(plan, random, is_caustic ? 60 : 0, is_caustic ? 0 : 60);
+         for (GatherQuery& q : s.queries) q.map = random.below(2) != 0;
+         return s;
+       }},
   };
 }
 
