@@ -10,6 +10,7 @@
 #include "golden/numeric/output_file.hpp"
 #include "golden/planner/plan_fit.hpp"
 #include "golden/unit/photon_file.hpp"
+#include "golden/unit/photon_lines.hpp"
 
 namespace photonloom {
 namespace {
@@ -189,7 +190,7 @@ PreparedFrame prepare_frame(std::unique_ptr<World> world, const FrameRequest& re
   }
   if (const std::string coarse = why_pixels_are_coarse(frame.plan, *frame.world); !coarse.empty())
     frame.warnings.push_back((from_file ? request.plan_file : "plan") + ": " + coarse);
-  if (only_plan) return frame;
+  if (only_plan && !frame.plan.compressed()) return frame;
 
   const ProgressPhase phase(progress, "photon maps",
                             frame.global_pass.photons.size() + frame.caustic_pass.photons.size(),
@@ -199,7 +200,10 @@ PreparedFrame prepare_frame(std::unique_ptr<World> world, const FrameRequest& re
     PackCounts& counts = is_caustic ? frame.caustic_counts : frame.global_counts;
     const std::vector<PackedPhoton> packed =
         pack_photons(pass.photons, frame.plan, frame.plan.map(is_caustic), &counts);
-    (is_caustic ? frame.caustic : frame.global) = build_photon_map(packed, frame.plan);
+    PhotonMap& map = is_caustic ? frame.caustic : frame.global;
+    map = build_photon_map(packed, frame.plan);
+    // A map for which the plan has no room is told here, not when hardware is to hold it.
+    if (frame.plan.compressed()) photon_lines(frame.plan, map, is_caustic);
     if (counts.zeroed > 0 || counts.saturated > 0)
       frame.warnings.push_back(fmt::format(
           "{} map: the power format makes {} photons zero and clips {} of {}",

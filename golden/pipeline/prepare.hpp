@@ -58,7 +58,8 @@ struct PreparedFrame {
 };
 
 // Traces or loads the photons, plans, packs and builds the maps; those in double only for
-// Arithmetic::kReference. `only_plan`: stops after the plan.
+// Arithmetic::kReference. `only_plan`: stops after the plan, or with compressed lines after the
+// maps. PlanError where these need more further lines than the plan has.
 PreparedFrame prepare_frame(const FrameRequest& request, Arithmetic arithmetic, Progress* progress,
                             bool only_plan = false);
 

@@ -76,6 +76,17 @@ bool same_bytes(const Image& a, const Image& b) {
 
 }  // namespace
 
+TEST_CASE(
+    "a plan without room for its maps' further lines is refused before anything is rendered") {
+  FrameRequest request = small_request();
+  request.set = {"photon.lines=compressed", "photon.photon_bytes=10", "gatherer.beat_bits=320",
+                 "photon.further_percent=0"};
+  for (const bool only_plan : {false, true})
+    CHECK_THROWS_WITH(prepare_frame(std::make_unique<World>(room(2, true)), request,
+                                    Arithmetic::kGolden, nullptr, only_plan),
+                      ContainsSubstring("expected photon.further_percent of at least"));
+}
+
 TEST_CASE("layers add up to the image and every layer has light") {
   FrameCounts counts;
   const PreparedFrame frame = prepared(room(1, true), small_request());
