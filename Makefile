@@ -57,7 +57,7 @@ bench-rtl: ## throughput of the RTL units beside its goals
 	@cmake --preset release
 	@scripts/bench-rtl
 
-formal: ## proofs of the RTL and of golden's error bounds, each beside a planted bug that must be refuted (15 minutes on two cores; docs/formal.md)
+formal: formal-arguments ## proofs of the RTL and of golden's error bounds, each beside a planted bug that must be refuted (15 minutes on two cores; docs/formal.md)
 	@scripts/setup formal
 	@scripts/fpga-tools
 	@scripts/formal $(FORMAL_FLAGS)
@@ -126,23 +126,37 @@ soak: ## PACKETS (10000000) random packets through the gatherer and the reorder 
 	@cmake --build build --target bench_photon_gatherer bench_reorder_buffer
 	@scripts/soak $(PACKETS)
 
+# Wrong arguments are told before anything is built or fetched; without a Python yet, once scripts/setup brought it.
+JUDGED = ! command -v python3 >/dev/null ||
+FPGA_ARGUMENTS = $(if $(PLAN),"$(PLAN)") $(if $(BOARD),--board "$(BOARD)") $(if $(SEEDS),--seeds "$(SEEDS)") $(if $(UNITS),--units "$(UNITS)") $(if $(CLOCK),--clock "$(CLOCK)") $(FPGA_FLAGS)
+HEADLINE_ARGUMENTS = $(PLAN) $(if $(SEEDS),--seeds "$(SEEDS)") $(if $(CLOCK),--clock "$(CLOCK)") $(HEADLINE_FLAGS)
+.PHONY: fpga-arguments headline-arguments fpga-tools-arguments formal-arguments
+fpga-arguments:
+	@$(JUDGED) scripts/fpga $(FPGA_ARGUMENTS) --dry-run
+headline-arguments:
+	@$(JUDGED) scripts/headline $(HEADLINE_ARGUMENTS) --dry-run
+fpga-tools-arguments:
+	@$(JUDGED) scripts/fpga $(if $(BOARD),--board "$(BOARD)") --dry-run
+formal-arguments:
+	@$(JUDGED) scripts/formal $(FORMAL_FLAGS) --list >/dev/null
+
 FPGA_TOOLS = case "$(BOARD)" in arty-a7-100t | nexys-video) scripts/fpga-tools --xilinx ;; *) scripts/fpga-tools ;; esac
 
-fpga-tools: ## Yosys, nextpnr-ecp5 and ecppack in build/fpga-tools, without touching the host; for an Artix-7 BOARD its nextpnr too
+fpga-tools: fpga-tools-arguments ## Yosys, nextpnr-ecp5 and ecppack in build/fpga-tools, without touching the host; for an Artix-7 BOARD its nextpnr too
 	@$(FPGA_TOOLS)
 
-fpga: build ## resources, Fmax and bitstream of PLAN on BOARD (SEEDS=3, UNITS=... for some parts)
+fpga: fpga-arguments build ## resources, Fmax and bitstream of PLAN on BOARD (SEEDS=3, UNITS=... for some parts)
 	@scripts/setup fpga
 	@case "$(BOARD)" in up5k) ;; *) $(FPGA_TOOLS) ;; esac
-	@scripts/fpga $(if $(PLAN),"$(PLAN)") $(if $(BOARD),--board $(BOARD)) $(if $(SEEDS),--seeds $(SEEDS)) $(if $(UNITS),--units $(UNITS)) $(if $(CLOCK),--clock $(CLOCK)) $(FPGA_FLAGS)
+	@scripts/fpga $(FPGA_ARGUMENTS)
 
-headline: build ## gathers a second of a routed board beside one core of this machine (hours where nothing is routed yet; goes on where it was ended; PLAN, SEEDS, CLOCK)
+headline: headline-arguments build ## gathers a second of a routed board beside one core of this machine (hours where nothing is routed yet; goes on where it was ended; PLAN, SEEDS, CLOCK)
 	@scripts/setup headline
 	@scripts/fpga-tools
 	@cmake --build build --target throughput_gather_cluster board_sim
 	@cmake -S bench -B build/bench -G Ninja
 	@cmake --build build/bench
-	@scripts/headline $(PLAN) $(if $(SEEDS),--seeds $(SEEDS)) $(if $(CLOCK),--clock $(CLOCK)) $(HEADLINE_FLAGS)
+	@scripts/headline $(HEADLINE_ARGUMENTS)
 
 board-sim: build ## a frame through a simulated board over a pseudo-terminal, with link faults (10 minutes)
 	@scripts/setup board-sim

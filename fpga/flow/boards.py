@@ -4,12 +4,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field as member
 from pathlib import Path
 
-from flow.shell import ROOT, Failure, field, read_toml
+from flow.shell import ROOT, Failure, UsageError, field, read_toml
 
 BOARDS = ROOT / "fpga" / "boards"
 
 
-class UnknownBoard(Failure):
+class UnknownBoard(UsageError):
     """There is no folder of that name."""
 
 
@@ -88,9 +88,10 @@ def board_names(folder: Path = BOARDS) -> list[str]:
 
 def read_board(name: str, folder: Path = BOARDS) -> Board:
     """A board by its name."""
-    path = folder / name / "board.toml"
-    if not path.is_file():
+    # A name, not a way to a folder elsewhere.
+    if name not in board_names(folder):
         raise UnknownBoard(f"there is no board {name}, expected one of {', '.join(board_names(folder))}")
+    path = folder / name / "board.toml"
     family, said = FAMILIES[family_of(path)], read_toml(path)
     resources = field(said, path, "part.resources", dict, "a table")
     for resource, number in resources.items():

@@ -10,6 +10,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import NotRequired, TypedDict
 
+from flow.arguments import whole
 from flow.boards import LUT_EQ, Board, read_board
 from flow.goals import FastGoals, fast_goals
 from flow.package import describe, digest, generate
@@ -175,7 +176,7 @@ def page(data: Data, goals: FastGoals) -> str:
 def main() -> int:
     p = argparse.ArgumentParser(prog="fpga-fast", description=__doc__)
     p.add_argument("plans", nargs="*", help="measure these again; the others stay as fpga/fast.json has them")
-    p.add_argument("--seeds", type=int, help="placements of each (default: those of fpga/goals.toml)")
+    p.add_argument("--seeds", type=whole(1), help="placements of each (default: those of fpga/goals.toml)")
     p.add_argument("--placer", choices=("heap", "static"), default="static", help="as of scripts/fpga (default: static)")
     p.add_argument("--no-route", action="store_true", help="take the placements that are there, and make none")
     p.add_argument("--check", action="store_true", help="tell whether docs/photon_gatherer.md is that of fpga/fast.json")

@@ -8,11 +8,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from flow.arguments import LAST_SEED, positive, whole
 from flow.boards import FAMILIES, Board, UnknownBoard, board_names, read_board
 from flow.package import UNITS, PackageFacts, describe, digest, generate
 from flow.results import Entry, Report, add_placements, entries_of, missed_clocks, report_folder
 from flow.routing import place, placements
-from flow.shell import ROOT, Failure, say, warn, write_json
+from flow.shell import ROOT, Failure, UsageError, say, warn, write_json
 from flow.synthesis import binding, synthesise
 from flow.tables import markdown, replace_between
 from flow.tools import Tools, find_tools
@@ -31,6 +32,7 @@ class Options:
     placer: str
     synthesis_only: bool
     tools_only: bool
+    dry_run: bool
 
 
 def package(o: Options, folder: Path, name: str, versions: dict[str, str]) -> tuple[Path, PackageFacts, str]:
@@ -90,9 +92,9 @@ def parser() -> argparse.ArgumentParser:
     p.add_argument("--board", default="ulx3s-85f", help=" or ".join(board_names()))
     p.add_argument("--units", help="these alone, separated by commas: photon_gatherer, reorder_buffer, cdf_sampler, "
                                    "board (default: all that the plan has, and the board's top; on a UP5K the reorder buffer)")
-    p.add_argument("--seeds", type=int, default=3, help="placements of each")
-    p.add_argument("--first-seed", type=int, default=1)
-    p.add_argument("--clock", type=float, help="MHz of the board's core, if not its default")
+    p.add_argument("--seeds", type=whole(1), default=3, help="placements of each")
+    p.add_argument("--first-seed", type=whole(0, LAST_SEED), default=1)
+    p.add_argument("--clock", type=positive, help="MHz of the board's core, if not its default")
     p.add_argument("--route-speed", type=int, choices=(6, 7, 8),
                    help="speed grade of an ECP5 by whose delays the router searches (default: 6, the part's); 8 routes tops "
                         "that 6 does not finish. The result is always analysed at grade 6")
@@ -100,6 +102,7 @@ def parser() -> argparse.ArgumentParser:
                    help="of nextpnr, on an ECP5 (default: heap); static leaves shorter wires in wide tops")
     p.add_argument("--synthesis-only", action="store_true", help="counts alone")
     p.add_argument("--tools", action="store_true", help="only say which tools there are, or what is missing")
+    p.add_argument("--dry-run", action="store_true", help="only tell whether the arguments are right; needs no tools")
     p.add_argument("--readme", action="store_true", help="put the table into README.md too")
     p.add_argument("--page", action="store_true", help="put the table into docs/fpga.md too, where it has marks of the board")
     return p
@@ -118,8 +121,8 @@ def options() -> tuple[Options, list[str] | None, dict[Path, str]]:
         p.error("--route-speed is the ulx3s-85f's")
     if o.placer != "heap" and not ecp5:
         p.error("--placer is the ulx3s-85f's")
-    if o.seeds < 1:
-        p.error("--seeds must be at least 1")
+    if o.first_seed + o.seeds - 1 > LAST_SEED:
+        p.error(f"--seeds: the last one is {o.first_seed + o.seeds - 1}, expected at most {LAST_SEED}")
     asked = o.units.split(",") if o.units else None
     for unit in asked or []:
         if unit not in PARTS:
@@ -131,13 +134,15 @@ def options() -> tuple[Options, list[str] | None, dict[Path, str]]:
         pages[ROOT / "docs" / "fpga.md"] = board.name
     plan = Path(o.plan) if o.plan else board.plan
     if not plan.is_file():
-        raise Failure(f"{plan}: there is no such plan")
+        p.error(f"{plan}: there is no such plan")
     return Options(plan, board, range(o.first_seed, o.first_seed + o.seeds), o.clock, o.route_speed, o.placer,
-                   o.synthesis_only, o.tools), asked, pages
+                   o.synthesis_only, o.tools, o.dry_run), asked, pages
 
 
 def main() -> int:
     o, asked, pages = options()
+    if o.dry_run:
+        return 0
     tools = find_tools(o.board)
     for name, version in tools.versions.items():
         say(f"{name}: {version}")
@@ -147,7 +152,7 @@ def main() -> int:
     units = asked or list(o.board.units) or what["units"] + ["board"]
     for unit in units:
         if unit != "board" and unit not in what["units"]:
-            raise Failure(f"{o.plan}: the plan has no {unit}, only {', '.join(what['units'])}")
+            raise UsageError(f"{o.plan}: the plan has no {unit}, only {', '.join(what['units'])}")
     folder = report_folder(o.board, what["hash"])
     folder.mkdir(parents=True, exist_ok=True)
     path = folder / "report.json"

@@ -16,6 +16,10 @@ class Failure(Exception):
     """Something the user is told in one sentence."""
 
 
+class UsageError(Failure):
+    """What a command was asked for does not exist or cannot be."""
+
+
 def program_name() -> str:
     return os.path.basename(sys.argv[0])
 
@@ -30,12 +34,12 @@ def warn(text: str) -> None:
 
 
 def exit_with(main: Callable[[], int]) -> NoReturn:
-    """Runs a command's main; a Failure is told in its sentence and ends it with status 1."""
+    """Runs a command's main; a Failure is told in its sentence and ends it with status 1, a UsageError with 2."""
     try:
         sys.exit(main())
     except Failure as failure:
         warn(str(failure))
-        sys.exit(1)
+        sys.exit(2 if isinstance(failure, UsageError) else 1)
 
 
 def complaint(command: Sequence[str], output: str, log: Path | None) -> Failure:

@@ -15,13 +15,14 @@ import concurrent.futures
 import os
 from pathlib import Path
 
+from flow.arguments import LAST_SEED, positive, whole
 from flow.boards import read_board
 from flow.goals import HeadlineGoals, headline_goals
 from flow.headline.data import DATA, Data, ImageTime, Link, Replay, Row, merge, read_data
 from flow.headline.images import time_images
 from flow.headline.netlist import SHORT, digest_now
 from flow.headline.page import check_page, images_of, report, stale_plans, summary, write_page
-from flow.headline.plans import HeadlinePlan, find_plan, find_plans
+from flow.headline.plans import HeadlinePlan, check_names, find_plan, find_plans
 from flow.headline.replay import replay
 from flow.headline.rows import coarse_of, rows_of
 from flow.headline.simulation import Bench, sha256, simulate, time_core
@@ -44,10 +45,10 @@ def processor(path: Path = Path("/proc/cpuinfo")) -> str:
 def options() -> argparse.Namespace:
     p = argparse.ArgumentParser(prog="headline", description=__doc__)
     p.add_argument("plans", nargs="*", help="names of fpga/headline or fpga/headline.toml, or files (default: all of fpga/headline)")
-    p.add_argument("--seeds", type=int, default=3, help="placements of each top (default: 3; a top took 10 to 40 minutes)")
-    p.add_argument("--first-seed", type=int, default=1)
-    p.add_argument("--jobs", type=int, default=os.cpu_count(), help="tops routed, then simulated, at a time (default: one a core; 2 GB each)")
-    p.add_argument("--clock", type=float, help="MHz of the core to route to, if not the board's default")
+    p.add_argument("--seeds", type=whole(1), default=3, help="placements of each top (default: 3; a top took 10 to 40 minutes)")
+    p.add_argument("--first-seed", type=whole(0, LAST_SEED), default=1)
+    p.add_argument("--jobs", type=whole(1), default=os.cpu_count(), help="tops routed, then simulated, at a time (default: one a core; 2 GB each)")
+    p.add_argument("--clock", type=positive, help="MHz of the core to route to, if not the board's default")
     p.add_argument("--route-speed", type=int, choices=(6, 7, 8),
                    help="as of scripts/fpga (default: 6, but 8 with nextpnr 0.7, which did not end at 6)")
     p.add_argument("--placer", choices=("heap", "static"), help="as of scripts/fpga (default: static, but heap with nextpnr 0.7)")
@@ -59,11 +60,12 @@ def options() -> argparse.Namespace:
     p.add_argument("--images-only", action="store_true", help="time whole images by golden alone; with --page onto the page")
     p.add_argument("--page", action="store_true", help="put the rows into fpga/headline.json and docs/headline.md too")
     p.add_argument("--render", action="store_true", help="write docs/headline.md from fpga/headline.json, nothing else")
+    p.add_argument("--dry-run", action="store_true", help="only tell whether the arguments are right; needs no tools")
     p.add_argument("--check", action="store_true", help="tell whether docs/headline.md is that of fpga/headline.json and of today's RTL")
     o = p.parse_args()
-    for name in ("jobs", "seeds"):
-        if getattr(o, name) < 1:
-            p.error(f"--{name} must be at least 1")
+    if o.first_seed + o.seeds - 1 > LAST_SEED:
+        p.error(f"--seeds: the last one is {o.first_seed + o.seeds - 1}, expected at most {LAST_SEED}")
+    check_names(o.plans)
     return o
 
 
@@ -133,6 +135,8 @@ def publish(rows: list[Row], played: Replay | None, images: list[ImageTime], lin
 
 def main() -> int:
     o, goals = options(), headline_goals()
+    if o.dry_run:
+        return 0
     work = o.results.resolve()
     work.mkdir(parents=True, exist_ok=True)
     if o.render or o.check:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from flow.package import PHOTONLOOM, set_options
-from flow.shell import ROOT, Failure, field, read_toml, run
+from flow.shell import ROOT, Failure, UsageError, field, read_toml, run
 
 FOLDER = ROOT / "fpga" / "headline"
 VARIANTS = ROOT / "fpga" / "headline.toml"
@@ -78,6 +78,21 @@ def coarse_plan(name: str, work: Path, variants: Path = VARIANTS) -> HeadlinePla
     return HeadlinePlan(name, changed_plan("coarse", name, work, variants), finer=base_of("coarse", name, variants))
 
 
+def known_names() -> list[str]:
+    return [p.stem for p in sorted(FOLDER.glob("*.toml"))] + rejected_names() + variant_names() + coarse_names()
+
+
+def check_names(names: Sequence[str]) -> None:
+    """That there are such plans, each name once; writes none, so it can be asked before anything is built or fetched."""
+    known = known_names()
+    called = [name if name in known else Path(name).stem for name in names]
+    for name in names:
+        if name not in known and not Path(name).is_file():
+            raise UsageError(f"{name}: there is no such plan, expected a file or one of {', '.join(known)}")
+    if twice := next((name for name in called if called.count(name) > 1), None):
+        raise UsageError(f"there are two plans {twice}, expected each name once")
+
+
 def find_plan(name: str, work: Path) -> HeadlinePlan:
     """A plan of the headline, a rejected one, a variant, or one of a file of its own."""
     path = FOLDER / f"{name}.toml"
@@ -89,19 +104,15 @@ def find_plan(name: str, work: Path) -> HeadlinePlan:
         return variant_plan(name, work)
     if name in coarse_names():
         return coarse_plan(name, work)
+    check_names([name])
     path = Path(name)
-    if not path.is_file():
-        known = [p.stem for p in sorted(FOLDER.glob("*.toml"))] + rejected_names() + variant_names() + coarse_names()
-        raise Failure(f"{name}: there is no such plan, expected a file or one of {', '.join(known)}")
     return HeadlinePlan(path.stem, path, "" if path.resolve().parent == FOLDER else f"not in {FOLDER.relative_to(ROOT)}")
 
 
 def find_plans(names: Sequence[str], work: Path) -> list[HeadlinePlan]:
     """The named plans, or those of fpga/headline; each of a name of its own, under which results are kept."""
+    check_names(names)
     plans = [find_plan(name, work) for name in names or [p.stem for p in sorted(FOLDER.glob("*.toml"))]]
     if not plans:
         raise Failure("fpga/headline: has no plan")
-    twice = next((p.name for p in plans if [q.name for q in plans].count(p.name) > 1), None)
-    if twice:
-        raise Failure(f"there are two plans {twice}, expected each name once")
     return plans

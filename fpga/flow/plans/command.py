@@ -8,6 +8,8 @@ import argparse
 import concurrent.futures
 import os
 
+from flow.arguments import whole
+from flow.package import UNITS
 from flow.plans.catalogue import Catalogue, read_catalogue, write_plans
 from flow.plans.fit import Fits, fit
 from flow.plans.measurements import DATA, WORK, Measurements, jobs_of, measure, merge
@@ -30,7 +32,7 @@ def options(catalogue: Catalogue) -> argparse.Namespace:
     p.add_argument("--plans-only", action="store_true", help="write the plans alone")
     p.add_argument("--fit", action="store_true", help="fit the committed measurements again")
     p.add_argument("--check", action="store_true", help="tell whether the fit is that of the committed measurements")
-    p.add_argument("--jobs", type=int, default=os.cpu_count())
+    p.add_argument("--jobs", type=whole(1), default=os.cpu_count())
     o = p.parse_args()
     if (o.units or o.update) and not o.plans:
         p.error(f"{'--units' if o.units else '--update'} goes with plans")
@@ -39,6 +41,9 @@ def options(catalogue: Catalogue) -> argparse.Namespace:
     for name in o.plans:
         if name not in catalogue.names():
             p.error(f"there is no plan {name}, expected some of {', '.join(catalogue.names())}")
+    for unit in o.units.split(",") if o.units else []:
+        if unit not in UNITS:
+            p.error(f"--units: there is no {unit}, expected some of {', '.join(UNITS)}")
     return o
 
 

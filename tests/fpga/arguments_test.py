@@ -1,0 +1,73 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Wrong arguments: status 2 and a sentence, before tools are looked for, fetched or run."""
+import os
+import subprocess
+import tempfile
+import unittest
+from collections.abc import Mapping
+from pathlib import Path
+
+from flow.boards import UnknownBoard, read_board
+from flow.shell import ROOT
+
+
+def told(*command: str, environment: Mapping[str, str] | None = None) -> tuple[int, str]:
+    """Status, and the last line that is not make's own."""
+    done = subprocess.run(command, cwd=ROOT, env={**os.environ, **(environment or {})}, capture_output=True, text=True)
+    lines = [line for line in (done.stdout + done.stderr).splitlines() if not line.startswith("make")]
+    return done.returncode, lines[-1] if lines else ""
+
+
+class Scripts(unittest.TestCase):
+    def refused(self, sentence: str, script: str, *arguments: str) -> None:
+        status, said = told(f"scripts/{script}", *arguments)
+        self.assertRegex(said, f"^{script}: .*{sentence}")
+        self.assertEqual(status, 2)
+
+    def test_numbers(self) -> None:
+        self.refused("--seeds: is 0, expected a whole number of at least 1$", "fpga", "--seeds", "0")
+        self.refused("--first-seed: is -5, expected", "fpga", "--first-seed", "-5")
+        self.refused("--seeds: the last one is 2147483649, expected at most 2147483647$", "fpga", "--first-seed", "2147483647")
+        for clock in ("0", "-1", "nan", "inf"):
+            self.refused(f"--clock: is {clock}, expected a number above 0$", "fpga", "--clock", clock)
+            self.refused(f"--clock: is {clock}, expected a number above 0$", "headline", "--clock", clock)
+        self.refused("--first-seed: is -1, expected", "headline", "--first-seed", "-1")
+        for seeds in ("0", "-1", "1.5"):
+            self.refused(f"--seeds: is {seeds}, expected a whole number of at least 1$", "fpga-fast", "--seeds", seeds)
+        self.refused("--jobs: is 0, expected", "fpga-plans", "--jobs", "0")
+
+    def test_names(self) -> None:
+        self.refused("there is no board none, expected one of ", "fpga", "--board", "none")
+        self.refused("none.toml: there is no such plan", "fpga", "none.toml")
+        self.refused("none.toml: there is no such plan, expected a file or one of ", "headline", "none.toml")
+        self.refused("there are two plans sdram_k8, expected each name once$", "headline", "sdram_k8", "fpga/headline/sdram_k8.toml")
+        self.refused("--units: there is no none, expected some of ", "fpga-plans", "small", "--units", "none")
+        self.refused("there is no option --none, expected ", "fpga-tools", "--none")
+
+    def test_a_board_is_a_name_and_no_path(self) -> None:
+        for name in ("../boards/up5k", "./up5k", "up5k/", "", "."):
+            with self.assertRaisesRegex(UnknownBoard, "^there is no board "):
+                read_board(name)
+
+
+class Make(unittest.TestCase):
+    def test_arguments_come_before_builds_and_tools(self) -> None:
+        with tempfile.TemporaryDirectory() as folder:
+            # What a verb would build or fetch with leaves its mark.
+            for name in ("cmake", "apt-get"):
+                Path(folder, name).write_text(f"#!/bin/sh\ntouch {folder}/started\nexit 1\n")
+                Path(folder, name).chmod(0o755)
+            path = {"PATH": f"{folder}:{os.environ['PATH']}"}
+            for arguments, sentence in ((["fpga", "BOARD=none"], "there is no board none"), (["fpga", "SEEDS=0"], "--seeds: is 0"),
+                                        (["fpga", "CLOCK=0"], "--clock: is 0"), (["fpga", "UNITS=none"], "--units: there is no none"),
+                                        (["headline", "PLAN=none.toml"], "none.toml: there is no such plan"),
+                                        (["fpga-tools", "BOARD=none"], "there is no board none"),
+                                        (["formal", "FORMAL_FLAGS=none"], "none: no such property")):
+                status, said = told("make", *arguments, environment=path)
+                self.assertIn(sentence, said)
+                self.assertEqual(status, 2)
+                self.assertFalse(Path(folder, "started").exists(), arguments)
+
+
+if __name__ == "__main__":
+    unittest.main()
