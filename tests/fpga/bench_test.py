@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """scripts/bench: the tables that it writes of what was measured."""
 import runpy
+import subprocess
 import unittest
 from typing import Any
 
@@ -38,6 +39,16 @@ class Tables(unittest.TestCase):
             self.assertTrue(all(int(n) > 0 and int(k) > 0 for n, some in library["microseconds"].items() for k in some))
         for mark in ("uniform", "photons"):
             self.assertIn(f"<!-- end of {mark} -->", read_text(BENCH["PAGE"]))
+
+    def test_arguments_are_judged_first(self) -> None:
+        def told(*arguments: str) -> tuple[int, str]:
+            done = subprocess.run([ROOT / "scripts" / "bench", *arguments], capture_output=True, text=True)
+            return done.returncode, done.stdout + done.stderr
+
+        self.assertEqual(told("--help")[0], 0)
+        self.assertRegex(told("--help")[1], "^usage: bench ")
+        for wrong in (["none"], ["photons", "uniform"], ["--none"]):
+            self.assertEqual(told(*wrong)[0], 2)
 
 
 if __name__ == "__main__":

@@ -6,7 +6,8 @@ import sys
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-from flow.shell import ROOT, Failure, say
+from flow.arguments import positive, whole
+from flow.shell import ROOT, Failure, UsageError, say
 
 from . import elastic, engines, golden, kept, properties, report, sources, steps, tools
 from .outcome import Outcome
@@ -44,8 +45,8 @@ def _check(found: tools.Tools, proved: Property, work: Path, limit: float) -> Re
 def main() -> int:
     parser = argparse.ArgumentParser(prog="formal", description=__doc__)
     parser.add_argument("names", nargs="*", metavar="NAME", help="properties by name, all without one")
-    parser.add_argument("-j", "--jobs", type=int, default=2, help="proofs at a time (default 2)")
-    parser.add_argument("--limit", type=float, default=600.0, help="seconds of the processor until a property counts as undecided (default 600)")
+    parser.add_argument("-j", "--jobs", type=whole(1), default=2, help="proofs at a time (default 2)")
+    parser.add_argument("--limit", type=positive, default=600.0, help="seconds of the processor until a property counts as undecided (default 600)")
     parser.add_argument("--quick", action="store_true", help="only the properties marked quick, in a few seconds")
     parser.add_argument("--page", action="store_true", help=f"prove nothing: write the last results of all, or the rows of those named, into {PAGE}; of bounds into {STEPS_PAGE} too")
     parser.add_argument("--check", action="store_true", help="prove nothing: tell whether sources are there and planted bugs apply")
@@ -56,14 +57,14 @@ def main() -> int:
     arguments = parser.parse_args()
 
     table = chosen = properties.load(ROOT / TABLE)
+    unknown = sorted(set(arguments.names) - {proved.name for proved in chosen})
+    if unknown:
+        raise UsageError(f"{unknown[0]}: no such property in {TABLE}")
+    if arguments.page and arguments.quick:
+        raise UsageError("--page: wants the whole table, or properties by name")
     bounds = steps.read(ROOT / sources.BOUNDS)
     steps.check(bounds, table)
     modules = elastic.rows(elastic.elastic(ROOT), elastic.unproved(ROOT), chosen)
-    unknown = sorted(set(arguments.names) - {proved.name for proved in chosen})
-    if unknown:
-        raise Failure(f"{unknown[0]}: no such property in {TABLE}")
-    if arguments.page and arguments.quick:
-        raise Failure("--page: wants the whole table, or properties by name")
     if arguments.names:
         chosen = [proved for proved in chosen if proved.name in arguments.names]
     if arguments.quick:
@@ -96,7 +97,7 @@ def main() -> int:
     found = tools.find(ROOT, {proved.method for proved in chosen})
     print(report.heading(), flush=True)
     results = []
-    with ThreadPoolExecutor(max_workers=max(1, arguments.jobs)) as pool:
+    with ThreadPoolExecutor(max_workers=arguments.jobs) as pool:
         for result in pool.map(lambda proved: check(found, proved, arguments.work, arguments.limit), chosen):
             print(report.line(result), flush=True)
             kept.keep(ROOT, arguments.work, result)

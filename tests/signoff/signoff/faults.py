@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from flow.arguments import whole
 from flow.shell import ROOT, Failure, read_text, run, say
 
 from . import page, units
@@ -107,13 +108,11 @@ def main() -> int:
     parser.add_argument("--update", action="store_true", help=f"write the table of {PAGE}; without, print it")
     parser.add_argument("--join", type=Path, metavar="FILE",
                         help="run nothing: take rows that a test program left in PHOTONLOOM_FAULTS=FILE, and the page's others")
-    parser.add_argument("--seeds", type=int, default=10, help="seeds of each unit's resets (default 10)")
+    parser.add_argument("--seeds", type=whole(1), default=10, help="seeds of each unit's resets (default 10)")
     parser.add_argument("--tests", type=Path, default=ROOT / "build" / "tests", help="where the test programs are (default build/tests)")
     parser.add_argument("--benches", type=Path, default=ROOT / "build" / "verilator_tb", help="where the benches are (default build/verilator_tb)")
     parser.add_argument("--work", type=Path, default=ROOT / "build" / "faults", help="where logs go (default build/faults)")
     arguments = parser.parse_args()
-    if arguments.seeds < 1:
-        raise Failure(f"--seeds {arguments.seeds}: expected at least 1")
 
     if arguments.join:
         rows = joined(read_text(ROOT / PAGE), [row_of(json.loads(line)) for line in read_text(arguments.join).splitlines()])

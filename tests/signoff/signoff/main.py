@@ -70,7 +70,9 @@ def main() -> int:
 
     work = arguments.work.resolve()
     faults = 0
-    for unit in units.chosen(arguments.units):
+    chosen = units.chosen(arguments.units)
+    units.check_plans(arguments.benches.resolve(), chosen, arguments.plan)
+    for unit in chosen:
         found, bare = _unit(unit, arguments.plan, arguments.benches.resolve(), work, arguments.again)
         said = {figure.kind: f"{page.NAMES[figure.kind]} {figure.percent:.2f} %{'' if figure.met else ' MISSED'}"
                 for figure in page.figures(found.coverage) if figure.of}

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from flow.arguments import whole
 from flow.shell import ROOT, Failure, read_json, read_toml, say, warn, write_json
 
 from . import equivalence, page, units
@@ -198,7 +199,7 @@ def _kept(file: Path, tried: list[Tried], made_from: str) -> list[str]:
 def main() -> int:
     parser = argparse.ArgumentParser(prog="mutate-auto", description=__doc__)
     parser.add_argument("units", nargs="*", metavar="UNIT", help="units by name, all without one")
-    parser.add_argument("--count", type=int, default=200, help="mutants of each unit (default 200)")
+    parser.add_argument("--count", type=whole(1), default=200, help="mutants of each unit (default 200)")
     parser.add_argument("--seed", type=int, default=1, help="of the sample (default 1)")
     parser.add_argument("--plan", action="append", default=[], metavar="PLAN", help="only this plan of the bench; may be repeated (default all)")
     parser.add_argument("--update", action="store_true", help="write the section of docs/UNIT.md; without, print it")
@@ -207,11 +208,11 @@ def main() -> int:
     parser.add_argument("--benches", type=Path, default=ROOT / "build" / "verilator_tb", help="where the benches are (default build/verilator_tb)")
     parser.add_argument("--work", type=Path, default=ROOT / "build" / "mutate-auto", help="where models and results go (default build/mutate-auto)")
     arguments = parser.parse_args()
-    if arguments.count < 1:
-        raise Failure(f"--count {arguments.count}: expected at least 1")
 
     faults = 0
-    for unit in units.chosen(arguments.units):
+    chosen = units.chosen(arguments.units)
+    units.check_plans(arguments.benches.resolve(), chosen, arguments.plan)
+    for unit in chosen:
         population = sum(len(mutants_of((ROOT / units.source(module)).read_text(), str(units.source(module)))) for module in units.modules(unit))
         tried = draw(unit, arguments.count, arguments.seed)
         say(f"{unit}: {len(tried)} of {population} mutants, seed {arguments.seed}")

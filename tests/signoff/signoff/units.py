@@ -5,7 +5,7 @@ import re
 from collections.abc import Iterable
 from pathlib import Path
 
-from flow.shell import ROOT, Failure, read_text, run
+from flow.shell import ROOT, Failure, UsageError, read_text, run
 
 LIST = Path("golden/plan/units.hpp")
 COVER = Path("tests/signoff/cover")
@@ -24,7 +24,7 @@ def chosen(named: list[str]) -> list[str]:
     every = names()
     for name in named:
         if name not in every:
-            raise Failure(f"{name}: no such unit, expected one of {', '.join(every)}")
+            raise UsageError(f"{name}: no such unit, expected one of {', '.join(every)}")
     return named or every
 
 
@@ -45,8 +45,14 @@ def plans_of(program: Path, named: list[str]) -> list[str]:
     every = plans(program)
     for plan in named:
         if plan not in every:
-            raise Failure(f"--plan {plan}: {program.name} has none of this name, expected one of {', '.join(every)}")
+            raise UsageError(f"--plan {plan}: {program.name} has none of this name, expected one of {', '.join(every)}")
     return [plan for plan in every if plan in named] or every
+
+
+def check_plans(benches: Path, of: list[str], named: list[str]) -> None:
+    """That every one of these units has the plans that are named, before the first of them runs."""
+    for unit in of if named else []:
+        plans_of(bench(benches, unit), named)
 
 
 def made_from(program: Path, others: Iterable[Path] = ()) -> str:
