@@ -92,11 +92,13 @@ class TileCache {
       const Rgb weight = (*entries_)[entry].weight * kPi;
       ShaderCounts own;
       ClampCounts clamps;
-      QueryWeight share = share_of(weight, own);
+      QueryWeight share{};  // of each record's light; the same where no gradient turns it
       for (uint32_t i = 0; i < s.count; ++i) {
         const Value& light = record_light_[s.entry[i]];
         if (has_gradients())
           share = share_of(weight * change_between(s.entry[i], entry, clamps), own);
+        else if (i == 0)
+          share = share_of(weight, own);
         if constexpr (kGolden)
           add(values[entry], shader_.interpolated(light, s.weight[i], total, share));
         else
