@@ -14,21 +14,19 @@ namespace {
 constexpr double kFurther = 1.25;
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
-double asked_rays(const StudyRow& row, const RayKind& kind) {
-  const std::string mean = row.line(kind.mean), rays = row.line(kind.fixed);
-  const std::string& asked = mean.empty() ? rays : mean;
-  return asked.empty() ? kNone : std::stod(asked);
-}
-
 }  // namespace
+
+std::string asked_rays(const StudyRow& row, const RayKind& kind) {
+  return row.line(row.line(kind.first) == "0" ? kind.fixed : kind.mean);
+}
 
 RayCurve::RayCurve(std::string name, const std::vector<const StudyRow*>& rows, const RayKind& kind)
     : name_(std::move(name)) {
   const std::string measure = kind.measure;
   for (const StudyRow* row : rows) {
-    const Point p{asked_rays(*row, kind), row->value(measure + "." + kind.rays),
+    const Point p{std::stod(asked_rays(*row, kind)), row->value(measure + "." + kind.rays),
                   row->value(measure + ".relmse"), row->error(measure + ".relmse")};
-    if (std::isfinite(p.asked) && p.rays > 0 && p.noise > 0) points_.push_back(p);
+    if (p.rays > 0 && p.noise > 0) points_.push_back(p);
   }
   std::sort(points_.begin(), points_.end(),
             [](const Point& a, const Point& b) { return a.rays < b.rays; });

@@ -22,15 +22,28 @@ struct RayKind {
   const char* measure;  // with a column `relmse`
   const char* rays;     // its column of rays
   const char* name;     // of the rays, in plots
-  const char* mean;     // plan line with the rays asked for, in the mean
-  const char* fixed;    // likewise where there is no mean
+  const char* first;    // plan line of the first of two passes, "0" for one pass
+  const char* mean;     // plan line with the rays asked for of two passes
+  const char* fixed;    // likewise of one
 };
-inline constexpr RayKind kGatherRays{"noise", "rays", "final gather rays", "frame.mean_rays",
+inline constexpr RayKind kGatherRays{"noise",
+                                     "rays",
+                                     "final gather rays",
+                                     "frame.first_rays",
+                                     "frame.mean_rays",
                                      "frame.gather_rays"};
-inline constexpr RayKind kAllShadowRays{"shadows", "rays", "shadow rays", "frame.mean_shadow_rays",
-                                        "frame.shadow_rays"};
-inline constexpr RayKind kEmitterRays{"shadows", "emitter_rays", "shadow rays to emitters",
-                                      "frame.mean_shadow_rays", "frame.shadow_rays"};
+inline constexpr RayKind kAllShadowRays{
+    "shadows",          "rays", "shadow rays", "frame.first_shadow_rays", "frame.mean_shadow_rays",
+    "frame.shadow_rays"};
+inline constexpr RayKind kEmitterRays{"shadows",
+                                      "emitter_rays",
+                                      "shadow rays to emitters",
+                                      "frame.first_shadow_rays",
+                                      "frame.mean_shadow_rays",
+                                      "frame.shadow_rays"};
+
+// "16": the rays that a row's plan asks for.
+std::string asked_rays(const StudyRow& row, const RayKind& kind);
 
 class RayCurve {
  public:

@@ -3,6 +3,7 @@
 #include "command/study.hpp"
 
 #include <fmt/core.h>
+#include <sys/wait.h>
 
 #include <algorithm>
 #include <cmath>
@@ -18,6 +19,7 @@
 #include "command/command.hpp"
 #include "command/console.hpp"
 #include "golden/numeric/output_file.hpp"
+#include "golden/plan/toml.hpp"
 #include "rtl/generate/data_files.hpp"
 #include "study/measures.hpp"
 #include "study/runner.hpp"
@@ -110,9 +112,9 @@ void check_folder(const std::string& folder, const std::vector<std::string>& fil
                   folder, names));
 }
 
-// Throws StudyError for a file whose figures the study has nothing to say of.
-void check_needed(const ShippedStudy& study, const std::string& file) {
-  const Study asked = parse_study(read_file(file), file, measure_names());
+// The file's study. Throws StudyError for one whose figures the study has nothing to say of.
+Study read_needed(const ShippedStudy& study, const std::string& file) {
+  Study asked = parse_study(read_file(file), file, measure_names());
   std::string names;
   for (const auto& [name, measures] : study.needed) {
     names += (names.empty() ? "" : ", ") + name;
@@ -123,7 +125,7 @@ void check_needed(const ShippedStudy& study, const std::string& file) {
             fmt::format("{}: study.measure has no \"{}\", expected it, as study {} "
                         "concludes from it",
                         file, m, study.name));
-    return;
+    return asked;
   }
   throw StudyError(
       fmt::format("{}: study.name is {}, expected one of {}, by which study {} knows "
@@ -141,29 +143,17 @@ bool draw(const std::string& folder, const Plot& plot) {
     const std::string terminal = fmt::format("set terminal {} size {},{} background \"white\"",
                                              kind, plot.width, plot.height),
                       drawn = fmt::format("{}.{}", beside, kind);
-    if (std::system(
-            fmt::format("gnuplot -e {} {} >{}", quoted(terminal), quoted(file), quoted(drawn))
-                .c_str()) != 0) {
+    const int status = std::system(
+        fmt::format("gnuplot -e {} {} >{}", quoted(terminal), quoted(file), quoted(drawn)).c_str());
+    if (status != 0) {
       std::filesystem::remove(drawn);
-      fmt::print(stderr,
-                 "photonloom: {}: gnuplot did not draw it (Debian package gnuplot-nox); the tables "
-                 "are whole\n",
-                 file);
+      const bool is_missing = WIFEXITED(status) && WEXITSTATUS(status) == 127;
+      fmt::print(stderr, "photonloom: {}: gnuplot did not draw it{}; the tables are whole\n", file,
+                 is_missing ? " (it is not there: Debian package gnuplot-nox)" : "");
       return false;
     }
   }
   return true;
-}
-
-// Whether one of a page's tables has more than its head.
-bool has_table_row(const std::string& page) {
-  std::istringstream lines(page);
-  bool after_head = false;
-  for (std::string line; std::getline(lines, line);) {
-    if (after_head && line.starts_with("|")) return true;
-    after_head = line.starts_with("|---");
-  }
-  return false;
 }
 
 // Every file's folder is DIR, or where a study has several DIR/FILE.
@@ -195,22 +185,41 @@ void run_study(const ShippedStudy& study, const StudyOptions& o) {
     check_folder(o.output, files);
   else
     check_sweep_folder(o.output);
-  for (const std::string& file : files) check_needed(study, file);
-  for (const std::string& file : files) {
+  std::vector<LineValues> bases;
+  for (const std::string& file : files) bases.push_back(read_needed(study, file).base);
+  for (size_t i = 0; i < files.size(); ++i) {
+    const std::string& file = files[i];
     request.study_file = file;
     request.folder = o.output;
     if (files.size() > 1) request.folder += "/" + stem(file);
     const SweepReport r = run_sweep(request);
     fmt::print("{}: {} results computed, {} there before\n", request.folder, r.computed, r.kept);
     failures += r.failures.size();
-    read_outcome(request.folder, outcome);
+    read_outcome(request.folder, bases[i], outcome);
   }
   Conclusion conclusion = study.conclude(outcome);
-  if (!has_table_row(conclusion.page))
+  const std::string page = fmt::format("{}/{}.md", o.output, study.name);
+  const auto failed = [&](const std::string& more) {
+    return CheckFailed(fmt::format("{} of scenes and points failed; what they said stands above{}",
+                                   failures, more));
+  };
+  if (conclusion.rows == 0) {
+    for (const std::string& sentence : conclusion.left_out)
+      if (failures > 0 || conclusion.left_out.size() > 1) request.say(sentence);
+    const std::string where = fmt::format("; the results stand in {}", o.output);
+    if (failures > 0) throw failed(fmt::format("; {} is not written{}", page, where));
+    if (!conclusion.left_out.empty())
+      throw std::runtime_error(fmt::format(
+          "{}: is not written: {}; expected a scene with figures that study {} concludes from{}",
+          page,
+          conclusion.left_out.size() > 1 ? "no scene has a row, as stands above"
+                                         : conclusion.left_out.front(),
+          study.name, where));
     throw std::runtime_error(fmt::format(
-        "{}/{}.md: is not written: no scene has the points that study {} concludes from, expected "
-        "{} with all its [[points]]; the results stand in {}",
-        o.output, study.name, study.name, files.front(), o.output));
+        "{}: is not written: no scene has the points that study {} concludes from, expected {} "
+        "with all its [[points]]{}",
+        page, study.name, files.front(), where));
+  }
   bool has_plots = false;
   for (const Plot& plot : conclusion.plots) has_plots |= draw(o.output, plot);
   for (const Goal& goal : conclusion.goals) {
@@ -220,12 +229,14 @@ void run_study(const ShippedStudy& study, const StudyOptions& o) {
     fmt::print("{}\n", line);
     conclusion.page += "- " + line + "\n";
   }
-  write_file(fmt::format("{}/{}.md", o.output, study.name), conclusion.page);
-  fmt::print("wrote {}/{}.md{}, and {}/results.csv and summary.json\n", o.output, study.name,
-             has_plots ? ", plots" : "", files.size() > 1 ? o.output + "/*" : o.output);
-  if (failures > 0)
-    throw CheckFailed(
-        fmt::format("{} of scenes and points failed; what they said stands above", failures));
+  for (const std::string& sentence : conclusion.left_out) {
+    request.say(sentence);
+    conclusion.page += "- " + sentence + "\n";
+  }
+  write_file(page, conclusion.page);
+  fmt::print("wrote {}{}, and {}/results.csv and summary.json\n", page, has_plots ? ", plots" : "",
+             files.size() > 1 ? o.output + "/*" : o.output);
+  if (failures > 0) throw failed("");
 }
 
 void add_study(CLI::App& app) {
@@ -260,9 +271,52 @@ const Command study_command(47, add_study);
 
 }  // namespace
 
-std::string StudyRow::line(const std::string& name, const std::string& otherwise) const {
-  const auto found = lines.find(name);
-  return found == lines.end() ? otherwise : found->second;
+const std::string& StudyRow::line(const std::string& name) const {
+  const auto found = settings.find(name);
+  if (found != settings.end()) return found->second;
+  throw std::runtime_error(
+      fmt::format("study {}, scene {}: a plan has no line {}, expected all", study, scene, name));
+}
+
+double StudyRow::number(const std::string& name) const { return std::stod(line(name)); }
+
+std::string StudyRow::others(const std::vector<std::string>& but) const {
+  std::string text;
+  for (const auto& [name, value] : lines)
+    if (std::find(but.begin(), but.end(), name) == but.end())
+      text += fmt::format(", {} {}", name, value);
+  return text;
+}
+
+std::string StudyRow::size() const {
+  return fmt::format("{} × {}", line("frame.width"), line("frame.height"));
+}
+
+std::vector<const StudyRow*> rows_with(const std::vector<std::string>& columns, Figures wanted,
+                                       const std::vector<const StudyRow*>& rows,
+                                       Conclusion& conclusion) {
+  std::vector<const StudyRow*> kept, all;
+  std::copy_if(rows.begin(), rows.end(), std::back_inserter(all),
+               [](const StudyRow* row) { return !row->is_baseline(); });
+  std::string lacking;  // the first column that one has not
+  for (const StudyRow* row : all) {
+    const auto none = std::find_if(columns.begin(), columns.end(), [&](const std::string& name) {
+      const double value = row->value(name);
+      return !std::isfinite(value) || (wanted == Figures::kAboveZero && value <= 0);
+    });
+    if (none == columns.end())
+      kept.push_back(row);
+    else if (lacking.empty())
+      lacking = *none;
+  }
+  if (kept.size() < all.size())
+    conclusion.left_out.push_back(fmt::format(
+        "study {}, scene {}: {} left out, {} has no {} there", all.front()->study,
+        all.front()->scene,
+        kept.empty() ? fmt::format("all {} points are", all.size())
+                     : fmt::format("{} of {} points are", all.size() - kept.size(), all.size()),
+        lacking, wanted == Figures::kAboveZero ? "figure above 0" : "finite figure"));
+  return kept;
 }
 
 namespace {
@@ -290,7 +344,38 @@ std::vector<const StudyRow*> StudyOutcome::rows_of(const std::string& study,
   return found;
 }
 
-void read_outcome(const std::string& folder, StudyOutcome& outcome) {
+namespace {
+
+// Each name of "section.key+section.key", with the value that all have.
+void set_lines(const std::string& names, const std::string& value,
+               std::map<std::string, std::string>& to) {
+  std::istringstream stream(names);
+  for (std::string name; std::getline(stream, name, '+');) to[name] = value;
+}
+
+// A plan file's lines, spelt as a study's.
+std::map<std::string, std::string> plan_lines(const std::string& file) {
+  std::map<std::string, std::string> lines;
+  const toml::table plan = parse_toml(read_file(file), file);
+  for (const auto& [section, keys] : plan)
+    if (const toml::table* table = keys.as_table())
+      for (const auto& [key, value] : *table) {
+        std::string& line = lines[fmt::format("{}.{}", section.str(), key.str())];
+        if (const auto* text = value.as_string())
+          line = text->get();
+        else if (const auto* flag = value.as_boolean())
+          line = flag->get() ? "true" : "false";
+        else if (const auto* whole = value.as_integer())
+          line = fmt::format("{}", whole->get());
+        else if (const auto* number = value.as_floating_point())
+          line = toml_number(number->get());
+      }
+  return lines;
+}
+
+}  // namespace
+
+void read_outcome(const std::string& folder, const LineValues& base, StudyOutcome& outcome) {
   const nlohmann::json summary = nlohmann::json::parse(read_file(folder + "/summary.json"));
   outcome.seeds[summary.at("study").get<std::string>()] =
       summary.at("seeds").get<std::vector<uint64_t>>();
@@ -307,8 +392,13 @@ void read_outcome(const std::string& folder, StudyOutcome& outcome) {
     StudyRow row;
     row.study = summary.at("study").get<std::string>();
     row.scene = point.at("scene").get<std::string>();
-    for (const auto& [line, value] : point.at("lines").items())
-      row.lines[line] = value.get<std::string>();
+    row.settings =
+        plan_lines(fmt::format("{}/plans/{}.toml", folder, point.at("plan").get<std::string>()));
+    for (const auto& [names, value] : base) set_lines(names, value, row.settings);
+    for (const auto& [names, value] : point.at("lines").items()) {
+      set_lines(names, value.get<std::string>(), row.lines);
+      set_lines(names, value.get<std::string>(), row.settings);
+    }
     for (const auto& [name, value] : point.at("values").items()) {
       row.values[name] = number(value.at("mean"));
       row.errors[name] = number(value.at("error"));

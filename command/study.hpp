@@ -8,18 +8,27 @@
 #include <string>
 #include <vector>
 
+#include "study/study_file.hpp"
+
 namespace photonloom {
 
 // A point with figures, as summary.json has it.
 struct StudyRow {
   std::string study;  // the name that its file has
   std::string scene;
-  std::map<std::string, std::string> lines;  // set in this point, beyond the study's base
-  std::map<std::string, double> values;      // "measure.column": the mean; NaN where there is none
-  std::map<std::string, double> errors;      // their standard errors
+  std::map<std::string, std::string> lines;     // set in this point, beyond the study's base
+  std::map<std::string, std::string> settings;  // all: these, the base's, and the plan's others
+  std::map<std::string, double> values;  // "measure.column": the mean; NaN where there is none
+  std::map<std::string, double> errors;  // their standard errors
 
-  // The line's value, or what it is without.
-  std::string line(const std::string& name, const std::string& otherwise = "") const;
+  bool is_baseline() const { return lines.empty(); }
+  // The line's value, wherever it is set; a std::runtime_error for a name that is no line.
+  const std::string& line(const std::string& name) const;
+  double number(const std::string& name) const;
+  // Lines of its own but these: ", frame.tile 8"; empty where there is none.
+  std::string others(const std::vector<std::string>& but) const;
+  // "256 × 256".
+  std::string size() const;
   // Of a column that the study measured; a std::runtime_error for others.
   double value(const std::string& name) const;
   double error(const std::string& name) const;
@@ -32,8 +41,8 @@ struct StudyOutcome {
 
   std::vector<const StudyRow*> rows_of(const std::string& study, const std::string& scene) const;
 };
-// Adds what a finished file's folder holds.
-void read_outcome(const std::string& folder, StudyOutcome& outcome);
+// Adds what the folder of a finished file with this base holds.
+void read_outcome(const std::string& folder, const LineValues& base, StudyOutcome& outcome);
 
 // What a study set out to reach; printed with what was reached, and MISSED where it was not.
 struct Goal {
@@ -55,9 +64,19 @@ std::string gnuplot_text(const std::string& text);
 // there.
 struct Conclusion {
   std::string page;
+  size_t rows = 0;                    // of the tables
+  std::vector<std::string> left_out;  // what they do not hold, and why: a sentence each
   std::vector<Goal> goals;
   std::vector<Plot> plots;
 };
+
+enum class Figures { kFinite, kAboveZero };
+// Rows of a scene that have such figures in all these columns, its baseline left aside. That others
+// are left out is said in the conclusion.
+std::vector<const StudyRow*> rows_with(const std::vector<std::string>& columns, Figures wanted,
+                                       const std::vector<const StudyRow*>& rows,
+                                       Conclusion& conclusion);
+
 Conclusion conclude_reordering(const StudyOutcome& outcome);
 Conclusion conclude_layouts(const StudyOutcome& outcome);
 Conclusion conclude_caching(const StudyOutcome& outcome);

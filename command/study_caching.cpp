@@ -25,10 +25,31 @@ bool is_uncached(const StudyRow& row) { return row.line("cache.present") == "fal
 
 // What a row sets, the accuracy first.
 std::string setting(const StudyRow& row) {
-  std::string text = row.line("cache.accuracy", "0.1");
+  std::string text = row.line("cache.accuracy");
   for (const auto& [line, value] : row.lines)
-    if (line != "cache.accuracy" && line.starts_with("cache."))
-      text += fmt::format(", {} {}", line.substr(6), value);
+    if (line != "cache.accuracy")
+      text += fmt::format(", {} {}", line.starts_with("cache.") ? line.substr(6) : line, value);
+  return text;
+}
+
+// "1024" as "1,024".
+std::string grouped(std::string digits) {
+  for (size_t i = digits.size(); i > 3; i -= 3) digits.insert(i - 3, ",");
+  return digits;
+}
+
+// "256 × 256, 16 rays a sample": of a table's rows, whose names hold what they differ in.
+std::string measured(const std::vector<const StudyRow*>& rows) {
+  const auto same = [&](const char* line) {
+    return std::all_of(rows.begin(), rows.end(), [&](const StudyRow* row) {
+      return row->line(line) == rows.front()->line(line);
+    });
+  };
+  std::string text = rows.front()->size();
+  if (same("frame.gather_rays"))
+    text += fmt::format(", {} rays a sample", grouped(rows.front()->line("frame.gather_rays")));
+  if (same("frame.spp") && rows.front()->line("frame.spp") != "1")
+    text += fmt::format(", {} samples a pixel", grouped(rows.front()->line("frame.spp")));
   return text;
 }
 
@@ -48,13 +69,19 @@ struct Block {
 // Adds avoided gathers, and error beside them, over the accuracy.
 void plot(const std::string& scene, const std::vector<const StudyRow*>& counted,
           const std::vector<const StudyRow*>& converged, std::vector<Plot>& to) {
+  const auto size = [](const std::vector<const StudyRow*>& rows) {
+    return rows.empty() ? "" : rows.front()->size();
+  };
   const std::vector<Block> blocks = {
-      {"avoided", "256 × 256: gathers avoided", counted,
+      {"avoided", size(counted) + ": gathers avoided", counted,
        [](const StudyRow& r) { return caching(r, "avoided"); }},
-      {"avoided64", "64 × 64: gathers avoided", converged,
+      {"avoided64", size(converged) + ": gathers avoided", converged,
        [](const StudyRow& r) { return caching(r, "avoided"); }},
-      {"difference", "64 × 64, 1,024 rays: relMSE to the image without", converged,
-       [](const StudyRow& r) { return caching(r, "relmse"); }}};
+      {"difference",
+       converged.empty() ? ""
+                         : fmt::format("{}, {} rays: relMSE to the image without", size(converged),
+                                       grouped(converged.front()->line("frame.gather_rays"))),
+       converged, [](const StudyRow& r) { return caching(r, "relmse"); }}};
   std::string data, plots;
   for (const Block& b : blocks) {
     std::string lines;
@@ -83,38 +110,52 @@ void plot(const std::string& scene, const std::vector<const StudyRow*>& counted,
 Conclusion conclude_caching(const StudyOutcome& outcome) {
   Conclusion conclusion;
   for (const std::string& scene : outcome.scenes) {
-    const auto counted = outcome.rows_of("caching", scene),
-               converged = outcome.rows_of("caching_converged", scene);
+    const auto counted = rows_with({"caching.avoided", "caching.rays_saved"}, Figures::kFinite,
+                                   outcome.rows_of("caching", scene), conclusion);
+    // An image without a cache has an error alone.
+    const auto images = outcome.rows_of("caching_converged", scene);
+    const auto without = std::find_if(images.begin(), images.end(), [](const StudyRow* row) {
+      return is_uncached(*row) && std::isfinite(row->value("visible.relmse"));
+    });
+    std::vector<const StudyRow*> cached;
+    std::copy_if(images.begin(), images.end(), std::back_inserter(cached),
+                 [](const StudyRow* row) { return !is_uncached(*row); });
+    const auto converged = rows_with({"caching.avoided", "caching.relmse", "visible.relmse"},
+                                     Figures::kFinite, cached, conclusion);
+    if (!converged.empty() && without == images.end())
+      conclusion.left_out.push_back(
+          fmt::format("study caching_converged, scene {}: its table is left out, no point has the "
+                      "error without "
+                      "a cache; expected one with cache.present = false",
+                      scene));
     if (counted.empty() && converged.empty()) continue;
     conclusion.page += fmt::format("### Cache on {}\n\n", scene);
     if (!counted.empty()) {
-      conclusion.page +=
-          "256 × 256, 16 rays a sample:\n\n| accuracy | gathers avoided | rays saved | most "
-          "records of a tile | "
-          "samples in full tiles |\n|---|---|---|---|---|\n";
+      conclusion.page += measured(counted) +
+                         ":\n\n| accuracy | gathers avoided | rays saved | most "
+                         "records of a tile | "
+                         "samples in full tiles |\n|---|---|---|---|---|\n";
       for (const StudyRow* row : counted)
-        if (!row->lines.empty())
-          conclusion.page +=
-              fmt::format("| {} | {:.1f} % | {:.1f} % | {:.0f} | {:.0f} |\n", setting(*row),
-                          100 * caching(*row, "avoided"), 100 * caching(*row, "rays_saved"),
-                          caching(*row, "most_records"), caching(*row, "full"));
+        conclusion.page +=
+            fmt::format("| {} | {:.1f} % | {:.1f} % | {:.0f} | {:.0f} |\n", setting(*row),
+                        100 * caching(*row, "avoided"), 100 * caching(*row, "rays_saved"),
+                        caching(*row, "most_records"), caching(*row, "full"));
       conclusion.page += "\n";
     }
-    const auto without = std::find_if(converged.begin(), converged.end(),
-                                      [](const StudyRow* row) { return is_uncached(*row); });
-    if (without != converged.end()) {
+    conclusion.rows += counted.size();
+    if (!converged.empty() && without != images.end()) {
+      conclusion.rows += converged.size();
       const double paths = (*without)->value("visible.relmse");
       conclusion.page += fmt::format(
-          "64 × 64, 1,024 rays a sample; without a cache the error against path tracing is "
+          "{}; without a cache the error against path tracing is "
           "{:.2e}:\n\n"
           "| accuracy | gathers avoided | relMSE to the image without | largest difference over "
           "the "
           "mean | error against path tracing | over that without |\n|---|---|---|---|---|---|\n",
-          paths);
+          measured(converged), paths);
       double most = 0;
       std::string most_at = "none";
       for (const StudyRow* row : converged) {
-        if (row->lines.empty() || is_uncached(*row)) continue;
         const double avoided = caching(*row, "avoided"), difference = caching(*row, "relmse"),
                      error = row->value("visible.relmse");
         conclusion.page +=
@@ -129,9 +170,9 @@ Conclusion conclude_caching(const StudyOutcome& outcome) {
       if (std::find(kJudged.begin(), kJudged.end(), scene) != kJudged.end())
         conclusion.goals.push_back(
             {fmt::format(
-                 "{}, 64 × 64: part of the gathers avoided with relMSE at most {:g} to the image "
+                 "{}, {}: part of the gathers avoided with relMSE at most {:g} to the image "
                  "without and error at most {:g} of its (accuracy {})",
-                 scene, kDifference, kAgainstPaths, most_at),
+                 scene, converged.front()->size(), kDifference, kAgainstPaths, most_at),
              kAvoided, most});
     }
     plot(scene, counted, converged, conclusion.plots);

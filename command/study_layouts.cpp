@@ -2,7 +2,9 @@
 // What `photonloom study layouts` says: bytes a gather in each layout of the photon map.
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <string>
+#include <vector>
 
 #include "command/study.hpp"
 
@@ -18,32 +20,52 @@ Conclusion conclude_layouts(const StudyOutcome& outcome) {
                                  {"plain16", "lines of 16, no padding"},
                                  {"plain", "lines of 8, no padding"},
                                  {"compressed", "compressed lines of 8 in 80 bytes"}};
+  const auto others = [](const StudyRow& row) { return row.others({"gather.k"}); };
+  const auto name = [&](const StudyRow& row) {
+    return fmt::format("k = {}{}", row.line("gather.k"), others(row));
+  };
   Conclusion conclusion;
   for (const std::string& scene : outcome.scenes) {
     std::vector<const StudyRow*> rows;
     for (const StudyRow& row : outcome.rows)
-      if (row.scene == scene && !row.line("gather.k").empty()) rows.push_back(&row);
+      if (row.scene == scene) rows.push_back(&row);
+    rows = rows_with(
+        {"layouts.plain", "layouts.compressed", "layouts.to_plain", "layouts.to_textbook"},
+        Figures::kAboveZero, rows, conclusion);
     if (rows.empty()) continue;
     std::string head = "| bytes a gather (of plain lines of 8) |", rule = "|---|";
     for (const StudyRow* row : rows) {
-      head += fmt::format(" k = {} |", row->line("gather.k"));
+      head += fmt::format(" {} |", name(*row));
       rule += "---|";
     }
     conclusion.page += fmt::format("### {}\n\n{}\n{}\n", scene, head, rule);
+    // Curves over k are of points that differ in nothing else.
+    std::vector<std::string> families;
+    for (const StudyRow* row : rows)
+      if (std::find(families.begin(), families.end(), others(*row)) == families.end())
+        families.push_back(others(*row));
     std::string blocks, plots;
     for (const Layout& layout : kLayouts) {
       conclusion.page += fmt::format("| {} |", layout.name);
-      blocks += fmt::format("${} << EOD\n", layout.column);
       for (const StudyRow* row : rows) {
         const double bytes = row->value(std::string("layouts.") + layout.column);
         conclusion.page +=
             fmt::format(" {:.1f} ({:.3f}) |", bytes, bytes / row->value("layouts.plain"));
-        blocks += fmt::format("{} {}\n", row->line("gather.k"), bytes);
       }
       conclusion.page += "\n";
-      blocks += "EOD\n";
-      plots += fmt::format("{}${} using 1:2 with linespoints title \"{}\" noenhanced",
-                           plots.empty() ? "plot " : ", ", layout.column, layout.name);
+      ++conclusion.rows;
+      for (size_t f = 0; f < families.size(); ++f) {
+        const std::string block = f == 0 ? layout.column : fmt::format("{}_{}", layout.column, f);
+        blocks += fmt::format("${} << EOD\n", block);
+        for (const StudyRow* row : rows)
+          if (others(*row) == families[f])
+            blocks += fmt::format("{} {}\n", row->line("gather.k"),
+                                  row->value(std::string("layouts.") + layout.column));
+        blocks += "EOD\n";
+        plots += fmt::format("{}${} using 1:2 with linespoints title {} noenhanced",
+                             plots.empty() ? "plot " : ", ", block,
+                             gnuplot_text(layout.name + families[f]));
+      }
     }
     conclusion.page += "| further lines of compressed leaves, of the leaves |";
     for (const StudyRow* row : rows)
@@ -58,7 +80,7 @@ Conclusion conclude_layouts(const StudyOutcome& outcome) {
                      gnuplot_text(scene + ": layouts of the photon map"), blocks, plots),
          900, 420});
     for (const StudyRow* row : rows) {
-      const std::string what = fmt::format("{}, k = {}: ", scene, row->line("gather.k"));
+      const std::string what = fmt::format("{}, {}: ", scene, name(*row));
       conclusion.goals.push_back({what + "compressed over plain lines without padding", 0.85,
                                   row->value("layouts.to_plain"), false});
       conclusion.goals.push_back({what + "compressed over the textbook tree", 0.6,

@@ -19,55 +19,73 @@ constexpr double kWholeImage = 1e18;  // as a buffer
 // A figure of an order with a buffer and a cache.
 struct Cell {
   std::string scene, order;
+  int tile = 0;                  // its edge in pixels
   double buffer = 0, cache = 0;  // bytes
   double bytes = 0, gathers = 0;
   double gain = 0, share = 0;
   double image_mb() const { return bytes * gathers / 1e6; }
 };
 
+// Lines that the order's name, the buffer and the cache hold.
+const std::vector<std::string> kTold = {"frame.order",   "frame.tile",      "reorder.key",
+                                        "reorder.drain", "reorder.packets", "gatherer.cache_bytes"};
+constexpr int kTile = 16;  // unless a name says otherwise
+
 std::string order_name(const StudyRow& row) {
-  const std::string order = row.line("frame.order", "tile"), key = row.line("reorder.key");
+  const std::string &order = row.line("frame.order"), &key = row.line("reorder.key");
   std::string name = order == "direction_bins" ? "direction bins" : order;
-  if (const std::string tile = row.line("frame.tile"); !tile.empty() && tile != "16")
+  if (const std::string& tile = row.line("frame.tile"); tile != std::to_string(kTile))
     name += fmt::format(" of {0} × {0}", tile);
-  if (key == "none") return name == "pixel" ? "pixel (naive)" : name;
-  return fmt::format("{}, {} {}", name, key == "hash" ? "hashed," : "Hilbert bins,",
-                     row.line("reorder.drain", "sweep"));
+  if (key == "none") return (name == "pixel" ? "pixel (naive)" : name) + row.others(kTold);
+  return fmt::format("{}, {} {}{}", name, key == "hash" ? "hashed," : "Hilbert bins,",
+                     row.line("reorder.drain"), row.others(kTold));
 }
 
-std::vector<Cell> cells_of(const StudyOutcome& outcome) {
+// The order of the measure's windows, which are of tiles of 16 x 16 and have no bins.
+std::string windows_name(const StudyRow& row) {
+  std::vector<std::string> told = kTold;
+  told.insert(told.end(), {"reorder.bins", "reorder.cell_bits", "frame.direction_bin_bits"});
+  return "tile, sorted Hilbert windows" + row.others(told);
+}
+
+std::vector<Cell> cells_of(const StudyOutcome& outcome, const std::string& scene,
+                           Conclusion& conclusion) {
   std::vector<Cell> cells;
   const auto known = [&](const Cell& c) {
     return std::any_of(cells.begin(), cells.end(), [&](const Cell& other) {
-      return other.scene == c.scene && other.order == c.order && other.buffer == c.buffer &&
-             other.cache == c.cache;
+      return other.order == c.order && other.buffer == c.buffer && other.cache == c.cache;
     });
   };
-  for (const StudyRow& row : outcome.rows) {
-    const std::string cache = row.line("gatherer.cache_bytes");
-    if (cache.empty() || row.line("reorder.key").empty()) continue;  // the baseline
-    const auto value = [&](const char* name) { return row.value(std::string("traffic.") + name); };
-    Cell c{row.scene,
-           order_name(row),
-           value("buffer_bytes"),
-           std::stod(cache),
-           value("bytes"),
-           value("gathers"),
-           0,
-           0};
-    const auto add = [&](const std::string& order, double buffer, double bytes) {
+  std::vector<const StudyRow*> rows;
+  for (const StudyRow& row : outcome.rows)
+    if (row.scene == scene) rows.push_back(&row);
+  for (const StudyRow* row :
+       rows_with({"traffic.bytes", "traffic.naive"}, Figures::kAboveZero, rows, conclusion)) {
+    const auto value = [&](const char* name) { return row->value(std::string("traffic.") + name); };
+    const Cell c{scene,
+                 "",
+                 0,
+                 value("buffer_bytes"),
+                 row->number("gatherer.cache_bytes"),
+                 0,
+                 value("gathers"),
+                 0,
+                 0};
+    const auto add = [&](const std::string& order, int tile, double buffer, double bytes) {
       Cell more = c;
       more.order = order;
+      more.tile = tile;
       more.buffer = buffer;
       more.bytes = bytes;
       more.gain = value("naive") / bytes;
       more.share = value("hilbert") / bytes;
       if (std::isfinite(bytes) && !known(more)) cells.push_back(more);
     };
-    add(c.order, c.buffer, c.bytes);
-    add(c.order, kWholeImage, value("unlimited"));
-    add("tile, sorted Hilbert windows", c.buffer, value("window"));
-    add("tile, sorted Hilbert windows", kWholeImage, value("hilbert"));
+    const int tile = static_cast<int>(row->number("frame.tile"));
+    add(order_name(*row), tile, c.buffer, value("bytes"));
+    add(order_name(*row), tile, kWholeImage, value("unlimited"));
+    add(windows_name(*row), kTile, c.buffer, value("window"));
+    add(windows_name(*row), kTile, kWholeImage, value("hilbert"));
   }
   return cells;
 }
@@ -154,19 +172,20 @@ Plot plot(const std::string& scene, const std::vector<Cell>& cells) {
 }  // namespace
 
 Conclusion conclude_reordering(const StudyOutcome& outcome) {
-  const std::vector<Cell> all = cells_of(outcome);
   Conclusion conclusion;
   for (const std::string& scene : outcome.scenes) {
-    const std::vector<Cell> cells = where(all, [&](const Cell& c) { return c.scene == scene; });
+    const std::vector<Cell> cells = cells_of(outcome, scene, conclusion);
     if (cells.empty()) continue;
     const std::vector<Cell> set = where(cells, [](const Cell& c) { return c.cache == kSetCache; });
+    conclusion.rows += orders_of(cells).size();
     conclusion.page += fmt::format("### {}\n\n", scene);
-    conclusion.page += table(
-        set,
-        "Gain over naive order (share of the gain of Hilbert order over the image), "
-        "cache 128 KB:",
-        "order, by buffer", [](const Cell& c) { return c.buffer; },
-        [](const Cell& c) { return fmt::format("{:.2f}× ({:.1f} %)", c.gain, 100 * c.share); });
+    if (!set.empty())
+      conclusion.page += table(
+          set,
+          "Gain over naive order (share of the gain of Hilbert order over the image), "
+          "cache 128 KB:",
+          "order, by buffer", [](const Cell& c) { return c.buffer; },
+          [](const Cell& c) { return fmt::format("{:.2f}× ({:.1f} %)", c.gain, 100 * c.share); });
     for (const double buffer : sorted(cells, [](const Cell& c) { return c.buffer; }))
       conclusion.page += table(
           where(cells, [&](const Cell& c) { return c.buffer == buffer; }),
@@ -179,7 +198,7 @@ Conclusion conclude_reordering(const StudyOutcome& outcome) {
         for (const bool any_tile : {false, true}) {
           const Cell* best = nullptr;
           for (const Cell& c : set)
-            if (c.buffer <= limit && (any_tile || c.order.find(" of ") == std::string::npos) &&
+            if (c.buffer <= limit && (any_tile || c.tile == kTile) &&
                 (!best || c.gain > best->gain))
               best = &c;
           if (best)

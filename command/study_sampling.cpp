@@ -22,30 +22,42 @@ const std::vector<std::string> kConcentrated = {"doorway", "water_pool"};
 
 // Columns of the tables.
 std::string combination(const StudyRow& row) {
-  const std::string combine = row.line("sampler.combine", "cosine");
-  if (combine == "cosine") return "cosine | – | –";
-  return fmt::format("{} | {} | {}", combine, row.line("sampler.levels", "1"),
-                     row.line("frame.table_photons", "all"));
+  const std::string& combine = row.line("sampler.combine");
+  const std::string others =
+      row.others({"frame.gather_rays", "sampler.combine", "sampler.levels", "frame.table_photons"});
+  if (combine == "cosine") return "cosine | – | –" + others;
+  return fmt::format("{} | {} | {}{}", combine, row.line("sampler.levels"),
+                     row.line("frame.table_photons"), others);
 }
-std::string passes(const StudyRow& row) {
-  const std::string first = row.line("frame.first_rays");
-  return first.empty() ? "one pass" : fmt::format("two passes, the first of {}", first);
+std::string pass_name(const StudyRow& row, const RayKind& kind) {
+  const std::string& first = row.line(kind.first);
+  return (first == "0" ? "one pass" : fmt::format("two passes, the first of {}", first)) +
+         row.others({kind.first, kind.mean, kind.fixed});
 }
-std::string shadow_passes(const StudyRow& row) {
-  const std::string first = row.line("frame.first_shadow_rays");
-  return first.empty() ? "one pass" : fmt::format("two passes, the first of {}", first);
-}
+std::string passes(const StudyRow& row) { return pass_name(row, kGatherRays); }
+std::string shadow_passes(const StudyRow& row) { return pass_name(row, kAllShadowRays); }
 
 // Names of rows in the order in which they come.
 template <class Name>
-std::vector<std::string> names_of(const StudyOutcome& outcome, const std::string& study,
-                                  const Name& name) {
+std::vector<std::string> names_of(const std::vector<const StudyRow*>& rows, const Name& name) {
   std::vector<std::string> names;
-  for (const StudyRow& row : outcome.rows)
-    if (row.study == study && !row.lines.empty() &&
-        std::find(names.begin(), names.end(), name(row)) == names.end())
-      names.push_back(name(row));
+  for (const StudyRow* row : rows)
+    if (std::find(names.begin(), names.end(), name(*row)) == names.end())
+      names.push_back(name(*row));
   return names;
+}
+
+// A study's rows that have noise, scene by scene.
+std::vector<const StudyRow*> noisy_rows(const StudyOutcome& outcome, const std::string& study,
+                                        const RayKind& kind, Conclusion& conclusion) {
+  std::vector<const StudyRow*> all;
+  for (const std::string& scene : outcome.scenes) {
+    const auto rows = rows_with(
+        {fmt::format("{}.{}", kind.measure, kind.rays), fmt::format("{}.relmse", kind.measure)},
+        Figures::kAboveZero, outcome.rows_of(study, scene), conclusion);
+    all.insert(all.end(), rows.begin(), rows.end());
+  }
+  return all;
 }
 
 // What settings are compared and goals judged by: a part that is known as too large only reaches
@@ -67,20 +79,20 @@ struct RowCurves {
 
 // Rays for equal noise, a row a name and a column a scene; the first name is the baseline.
 template <class Name>
-std::vector<RowCurves> part_table(const StudyOutcome& outcome, const std::string& study,
-                                  const RayKind& kind, double rays, const Name& name,
-                                  const std::string& heads, std::string& page,
-                                  std::vector<std::string>& scenes) {
+std::vector<RowCurves> part_table(const std::vector<const StudyRow*>& points, const RayKind& kind,
+                                  double rays, const Name& name, const std::string& heads,
+                                  std::string& page, std::vector<std::string>& scenes) {
   std::vector<RowCurves> rows;
-  for (const std::string& scene : outcome.scenes)
-    if (!outcome.rows_of(study, scene).empty()) scenes.push_back(scene);
-  for (const std::string& row : names_of(outcome, study, name)) {
+  for (const StudyRow* point : points)
+    if (std::find(scenes.begin(), scenes.end(), point->scene) == scenes.end())
+      scenes.push_back(point->scene);
+  for (const std::string& row : names_of(points, name)) {
     rows.push_back({row, {}, {}});
     for (const std::string& scene : scenes) {
-      std::vector<const StudyRow*> points;
-      for (const StudyRow* r : outcome.rows_of(study, scene))
-        if (!r->lines.empty() && name(*r) == row) points.push_back(r);
-      rows.back().by_scene.emplace_back(row, points, kind);
+      std::vector<const StudyRow*> here;
+      std::copy_if(points.begin(), points.end(), std::back_inserter(here),
+                   [&](const StudyRow* r) { return r->scene == scene && name(*r) == row; });
+      rows.back().by_scene.emplace_back(row, here, kind);
     }
   }
   if (rows.empty()) return rows;
@@ -140,15 +152,16 @@ void means_table(const StudyOutcome& outcome, const std::string& study, const st
   for (const std::string& scene : outcome.scenes) {
     double farthest = 0, saturated = 0;
     size_t rows = 0;
-    for (const StudyRow* row : outcome.rows_of(study, scene)) {
-      if (row->lines.empty()) continue;
+    for (const StudyRow* row :
+         rows_with({"ray_means.z", "ray_means.bias", "ray_means.bias_error", "ray_means.saturated"},
+                   Figures::kFinite, outcome.rows_of(study, scene), conclusion)) {
       const auto value = [&](const char* column) {
         return row->value(std::string("ray_means.") + column);
       };
       const double z = value("z") * root;
       table += fmt::format("| {} | {} | {} | {:+.2f} ± {:.2f} % | {:+.2f} |", scene, name(*row),
-                           row->line("frame.mean_rays", row->line("frame.gather_rays")),
-                           100 * value("bias"), 100 * value("bias_error") / root, z);
+                           asked_rays(*row, kGatherRays), 100 * value("bias"),
+                           100 * value("bias_error") / root, z);
       if (seeds == 1) table += fmt::format(" {:+.2f} | {:.1f} |", value("worst_z"), value("chi2"));
       table += "\n";
       if (std::fabs(z) > std::fabs(farthest)) farthest = z;
@@ -156,6 +169,7 @@ void means_table(const StudyOutcome& outcome, const std::string& study, const st
       ++rows;
     }
     if (rows == 0) continue;
+    conclusion.rows += rows;
     conclusion.goals.push_back(
         {fmt::format("{}: farthest mean over {}64 ray seeds, of {} settings, in standard errors",
                      scene, seeds == 1 ? "" : fmt::format("{} × ", seeds), rows),
@@ -176,11 +190,12 @@ void means_table(const StudyOutcome& outcome, const std::string& study, const st
 // A table of two passes beside one, and as goals the best two scenes of the one setting whose
 // second best scene is best.
 template <class Name>
-void compare_passes(const StudyOutcome& outcome, const std::string& study, const RayKind& kind,
-                    double rays, const Name& name, Conclusion& conclusion) {
+void compare_passes(const std::vector<const StudyRow*>& points, const std::string& study,
+                    const RayKind& kind, double rays, const Name& name, Conclusion& conclusion) {
   std::vector<std::string> scenes;
   const std::vector<RowCurves> rows =
-      part_table(outcome, study, kind, rays, name, "frame", conclusion.page, scenes);
+      part_table(points, kind, rays, name, "frame", conclusion.page, scenes);
+  conclusion.rows += rows.size();
   plot_rows(study, kind, scenes, rows, conclusion.plots);
   const RowCurves* best = nullptr;
   std::vector<size_t> order;
@@ -207,15 +222,17 @@ void compare_passes(const StudyOutcome& outcome, const std::string& study, const
 
 // Rays of each combination for the noise that so many cosine-sampled rays leave; as goals the one
 // setting that comes nearest to its goals in all scenes, and where light is concentrated the best.
-void compare_combinations(const StudyOutcome& outcome, double rays, Conclusion& conclusion) {
+void compare_combinations(const StudyOutcome& outcome, const std::vector<const StudyRow*>& points,
+                          double rays, Conclusion& conclusion) {
   conclusion.page += fmt::format(
       "Rays for the noise that {:g} cosine-sampled rays leave, as a part of those {:g}; seeds "
       "{}:\n\n",
       rays, rays, seeds_text(outcome, "sampling"));
   std::vector<std::string> scenes;
   const std::vector<RowCurves> rows =
-      part_table(outcome, "sampling", kGatherRays, rays, combination, "combine | levels | photons",
+      part_table(points, kGatherRays, rays, combination, "combine | levels | photons",
                  conclusion.page, scenes);
+  conclusion.rows += rows.size();
   if (rays == kRays) plot_rows("sampling", kGatherRays, scenes, rows, conclusion.plots);
   const auto concentrated = [&](size_t scene) {
     return std::find(kConcentrated.begin(), kConcentrated.end(), scenes[scene]) !=
@@ -257,7 +274,10 @@ void compare_combinations(const StudyOutcome& outcome, double rays, Conclusion& 
 
 Conclusion conclude_sampling(const StudyOutcome& outcome) {
   Conclusion conclusion;
-  for (const double rays : {kRays, kManyRays}) compare_combinations(outcome, rays, conclusion);
+  const auto points = noisy_rows(outcome, "sampling", kGatherRays, conclusion);
+  if (!points.empty())
+    for (const double rays : {kRays, kManyRays})
+      compare_combinations(outcome, points, rays, conclusion);
   means_table(outcome, "sampling_means", "", combination, "combine | levels | photons", conclusion);
   means_table(outcome, "sampling_again", "The same with other photons", combination,
               "combine | levels | photons", conclusion);
@@ -266,19 +286,24 @@ Conclusion conclude_sampling(const StudyOutcome& outcome) {
 
 Conclusion conclude_adaptive(const StudyOutcome& outcome) {
   Conclusion conclusion;
-  conclusion.page = fmt::format(
-      "Rays for the noise that one pass of {:g} rays leaves, as a part of those {:g}; seeds "
-      "{}:\n\n",
-      kRays, kRays, seeds_text(outcome, "adaptive"));
-  compare_passes(outcome, "adaptive", kGatherRays, kRays, passes, conclusion);
+  if (const auto points = noisy_rows(outcome, "adaptive", kGatherRays, conclusion);
+      !points.empty()) {
+    conclusion.page = fmt::format(
+        "Rays for the noise that one pass of {:g} rays leaves, as a part of those {:g}; seeds "
+        "{}:\n\n",
+        kRays, kRays, seeds_text(outcome, "adaptive"));
+    compare_passes(points, "adaptive", kGatherRays, kRays, passes, conclusion);
+  }
   means_table(outcome, "adaptive_means", "", passes, "frame", conclusion);
   for (const RayKind* kind : {&kAllShadowRays, &kEmitterRays}) {
+    const auto points = noisy_rows(outcome, "adaptive_shadows", *kind, conclusion);
+    if (points.empty()) continue;
     conclusion.page += fmt::format(
         "Rays for the noise of direct light that one pass of {:g} shadow rays of each kind leaves, "
         "as a part of those that it casts; {}; seeds {}:\n\n",
         kShadowBaseline, kind == &kEmitterRays ? "rays towards emitters alone" : "both kinds",
         seeds_text(outcome, "adaptive_shadows"));
-    compare_passes(outcome, "adaptive_shadows", *kind, kShadowBaseline, shadow_passes, conclusion);
+    compare_passes(points, "adaptive_shadows", *kind, kShadowBaseline, shadow_passes, conclusion);
   }
   return conclusion;
 }
