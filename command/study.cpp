@@ -112,6 +112,18 @@ void check_folder(const std::string& folder, const std::vector<std::string>& fil
                   folder, names));
 }
 
+// A page and plots of another study would stand there beside figures that are none of theirs.
+void check_pages(const std::string& folder, const ShippedStudy& study) {
+  std::error_code error;
+  for (const ShippedStudy& other : kStudies)
+    if (const std::string page = fmt::format("{}/{}.md", folder, other.name);
+        &other != &study && std::filesystem::exists(page, error))
+      throw std::runtime_error(
+          fmt::format("{}: is the page of study {}, expected a new folder, an empty one, or one of "
+                      "study {} to go on with",
+                      page, other.name, study.name));
+}
+
 // The file's study. Throws StudyError for one whose figures the study has nothing to say of.
 Study read_needed(const ShippedStudy& study, const std::string& file) {
   Study asked = parse_study(read_file(file), file, measure_names());
@@ -185,6 +197,7 @@ void run_study(const ShippedStudy& study, const StudyOptions& o) {
     check_folder(o.output, files);
   else
     check_sweep_folder(o.output);
+  check_pages(o.output, study);
   std::vector<LineValues> bases;
   for (const std::string& file : files) bases.push_back(read_needed(study, file).base);
   for (size_t i = 0; i < files.size(); ++i) {

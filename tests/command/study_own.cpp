@@ -158,6 +158,17 @@ TEST_CASE("a scene without figures is left out by name, and alone makes no page"
   CHECK(says(text, "- study layouts, scene lamp: all 1 points are left out, layouts.plain has no"));
 }
 
+TEST_CASE("a study refuses a folder with another study's page") {
+  const Scratch s;
+  write_own(s, "layouts", "\"layouts\", \"traffic\"", "frame.gather_rays = 2", "{ gather.k = 8 }");
+  own_page(s, "layouts", "layouts");
+  const Outcome o = own_study(s, "reordering", "layouts");
+  CHECK(o.status == 1);
+  CHECK(o.one_error_line());
+  CHECK(says(o.err, "out/layouts.md: is the page of study layouts, expected a new folder"));
+  CHECK_FALSE(std::filesystem::exists(s / "out/reordering.md"));
+}
+
 TEST_CASE("where all points failed a study says so, not that points are missing") {
   const Scratch s;
   write_own(s, "layouts", "\"layouts\"", "frame.gather_rays = 2", "{ gather.k = 8 }",
