@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <fstream>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <set>
 
 #include "command/backend_option.hpp"
@@ -85,6 +87,28 @@ void write_packets(const std::vector<P>& packets, const Plan& plan, const std::s
   fmt::print("wrote {}: {} {} packets\n", path, packets.size(), P::kName);
 }
 
+// Whether a file's first line has fields of gather_photon packets and no others.
+bool has_photons(const std::string& file, const PacketLayout& layout) {
+  std::ifstream in(file);
+  std::string line;
+  std::getline(in, line);
+  const auto object = nlohmann::json::parse(line, nullptr, false);
+  if (!object.is_object() || object.empty()) return false;
+  for (const auto& [name, value] : object.items())
+    if (!layout.find(name)) return false;
+  return true;
+}
+
+// Photons of an earlier run do not stay beside results that have none. Another file of that name
+// is somebody's own.
+void remove_photons(const std::string& file, const Plan& plan) {
+  if (!std::filesystem::is_regular_file(file) ||
+      !has_photons(file, PacketLayout::of<GatherPhoton>(plan)))
+    return;
+  std::filesystem::remove(file);
+  fmt::print("removed {}: photons of an earlier run, and no query wants any\n", file);
+}
+
 // The unit by the backend that was asked for.
 template <class Unit>
 std::unique_ptr<Unit> make_unit(std::type_identity<Unit> unit, const ReplayOptions& o,
@@ -129,7 +153,7 @@ void replay_unit(std::type_identity<PhotonGatherer> kind, const ReplayOptions& o
   if (wanted)
     write_packets(photons, plan, beside(o.output, "photons"));
   else
-    std::filesystem::remove(beside(o.output, "photons"));  // an earlier run's
+    remove_photons(beside(o.output, "photons"), plan);
   if (!o.photons.empty()) write_addresses(global, plan, beside(o.output, "addresses"));
   if (!o.caustics.empty()) write_addresses(caustic, plan, beside(o.output, "caustic_addresses"));
   check_waveform(*unit, o);

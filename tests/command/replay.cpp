@@ -104,8 +104,23 @@ TEST_CASE("photons that an earlier run wrote do not stay beside results that hav
   REQUIRE(f.replay("photon_gatherer", "queries.jsonl", golden).status == 0);
   CHECK(std::filesystem::exists(f.scratch / "out.photons.jsonl"));
   write_file(f.scratch / "none.jsonl", fmt::format(fmt::runtime(kQuery), 1, 0, 5, 6, 7));
-  REQUIRE(f.replay("photon_gatherer", "none.jsonl", golden).status == 0);
+  const Outcome removed = f.replay("photon_gatherer", "none.jsonl", golden);
+  REQUIRE(removed.status == 0);
+  CHECK_THAT(removed.out, ContainsSubstring("removed " + (f.scratch / "out.photons.jsonl") + ": "));
   CHECK_FALSE(std::filesystem::exists(f.scratch / "out.photons.jsonl"));
+}
+
+TEST_CASE("a file that no replay wrote stays where the photons would be") {
+  Files f;
+  write_file(f.scratch / "none.jsonl", fmt::format(fmt::runtime(kQuery), 1, 0, 5, 6, 7));
+  for (const std::string text : {"", "mine\n", "[]\n", "{}\n", "{\"index\": 1, \"mine\": 2}\n"}) {
+    write_file(f.scratch / "out.photons.jsonl", text);
+    const Outcome o = f.replay("photon_gatherer", "none.jsonl", "--backend golden");
+    INFO(text << o.err);
+    CHECK(o.status == 0);
+    CHECK_THAT(o.out, !ContainsSubstring("removed"));
+    CHECK(read_file(f.scratch / "out.photons.jsonl") == text);
+  }
 }
 
 TEST_CASE("addresses follow the photons, not their order") {
