@@ -16,6 +16,7 @@
 #include "rtl/generate/board_file.hpp"
 #include "rtl/generate/hardware.hpp"
 #include "study/board_room.hpp"
+#include "study/engine_search.hpp"
 
 namespace photonloom {
 namespace {
@@ -104,7 +105,13 @@ void describe(const Plan& plan, const std::string& file, const PlanOptions& o,
       fmt::format("its whole top, {} gatherer{}", plan.gatherers, plan.gatherers == 1 ? "" : "s"),
       b.total());
   for (const std::string& name : board_names()) {
-    const BoardDescription board = read_board(name);
+    BoardDescription board;
+    try {
+      board = read_board(name);
+    } catch (const std::runtime_error& error) {  // a board that was not asked for
+      print_warnings({error.what()});
+      continue;
+    }
     const auto has = board.resources.find(kBlockRam);
     if (board.has_core() && has != board.resources.end() && b.total() > has->second)
       fmt::print("  more than the {} block RAMs of board {}\n", has->second, name);
@@ -150,7 +157,7 @@ void plan_a_board(const FrameRequest& request, const PlanOptions& o) {
   further["engine"]["board"] = board;
   further["engine"]["core_khz"] = found.core_khz;
   further["engine"]["tried"] = found.engine.tried;
-  further["engine"]["without"] = json_of(found.engine.given);
+  if (found.engine.given) further["engine"]["without"] = json_of(*found.engine.given);
   further["engine"]["without"]["misfit"] = found.engine.misfit;
   if (!o.json) fmt::print("wrote {} (hash {})\n", o.output, plan_hash_text(plan));
   describe(plan, o.output, o, further);
@@ -158,9 +165,9 @@ void plan_a_board(const FrameRequest& request, const PlanOptions& o) {
 }
 
 void check_board(const std::string& board) {
-  const std::vector<std::string> all = board_names();
-  if (!board.empty() && std::find(all.begin(), all.end(), board) == all.end())
-    as_usage("", [&] { predicted_board(board); });
+  if (board.empty()) return;
+  if (board_names().empty()) read_board(board);  // the folder is wrong, not the name
+  as_usage("", [&] { predicted_board(board); });
 }
 
 void plan(const PlanOptions& o) {
@@ -177,20 +184,22 @@ void plan(const PlanOptions& o) {
     request.outputs = {o.output};
     check_outputs(request.outputs, inputs);
   }
-  check_board(o.for_error.board());
+  const std::string& board = o.for_error.board();
+  check_board(board);
   if (o.for_error.wanted())
     return o.for_error.run(request, o.output, o.json, o.threads.threads(),
                            [&](const Plan& plan) { describe(plan, o.output, o); });
   o.for_error.refuse_alone();
   if (is_plan(request.scene_file)) {
-    if (!o.for_error.board().empty())
+    if (!board.empty())
       throw UsageError(
           "--board: counts the gathers of a scene; give the scene, and this plan as --plan");
     return edit(request, o);
   }
+  if (!board.empty()) refuse_decided(request.set, {"--board", engine_lines(read_board(board))});
   if (o.output.empty()) throw UsageError("a scene's plan needs -o FILE (- for standard output)");
   o.threads.apply();
-  if (!o.for_error.board().empty()) return plan_a_board(request, o);
+  if (!board.empty()) return plan_a_board(request, o);
   ConsoleProgress progress;
   const PreparedFrame frame = prepare_frame(request, Arithmetic::kGolden, &progress, true);
   print_warnings(frame.warnings);

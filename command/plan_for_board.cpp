@@ -49,10 +49,11 @@ std::string engine_text(const BoardPlan& found, const std::string& board) {
       "engine for {}: {:.2f} cycles a gather, {:.2f} million gathers/s at {:g} MHz, predicted; the "
       "fastest that fits of {}\n"
       "  the gatherers need {:.2f} cycles, the photon memory {:.2f}\n"
-      "  the plan without --board: {:.2f} cycles",
+      "  the plan without --board: ",
       board, e.best.cycles.cycles, rate(e.best.cycles.cycles), found.core_khz / 1000.0, e.tried,
-      e.best.cycles.gatherers, e.best.cycles.memory, e.given.cycles);
-  if (!e.misfit.empty()) text += ", which " + e.misfit;
+      e.best.cycles.gatherers, e.best.cycles.memory);
+  if (e.given) text += fmt::format("{:.2f} cycles", e.given->cycles);
+  if (!e.misfit.empty()) text += (e.given ? ", which " : "") + e.misfit;
   return text + "\n";
 }
 

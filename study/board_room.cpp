@@ -14,8 +14,10 @@ namespace {
 
 std::string board_list() {
   std::string names;
-  for (const std::string& name : board_names())
-    if (read_board(name).resources.count(kBlockRam)) names += (names.empty() ? "" : ", ") + name;
+  for (const std::string& name : board_names()) try {
+      if (read_board(name).resources.count(kBlockRam)) names += (names.empty() ? "" : ", ") + name;
+    } catch (const std::runtime_error&) {  // of no use, but not the one that was asked for
+    }
   return names;
 }
 
@@ -30,6 +32,7 @@ BoardNeeds unit_needs(const Plan& plan, const std::string& unit) {
 
 BoardDescription predicted_board(const std::string& name) {
   const std::vector<std::string> all = board_names();
+  if (all.empty()) return read_board(name);  // throws: the folder has no board
   if (std::find(all.begin(), all.end(), name) == all.end())
     throw std::runtime_error(
         fmt::format("--board: there is no board {}, expected one of {}", name, board_list()));

@@ -214,6 +214,9 @@ std::vector<Widths> all_widths(const Plan& plan) {
 }  // namespace
 
 std::string engine_misfit(const Plan& plan, const BoardDescription& board) {
+  const char* const top = plan.photon_memory == PhotonMemory::kSdram ? "sdram" : "block_ram";
+  if (!board.tops.count(top))
+    return fmt::format("has its photons in {}, and {} has no top for that", top, board.name);
   const std::string why = misfit(plan, board, kEngineShare);
   return why.empty() ? too_many_wires(plan) : why;
 }
@@ -229,6 +232,25 @@ EngineCycles engine_cycles(const Plan& plan, const PhotonMap& global, const Phot
       core_khz, sdram_khz);
 }
 
+std::vector<const char*> engine_lines(const BoardDescription& board) {
+  std::vector<const char*> lines{"board.gatherers",
+                                 "board.photon_memory",
+                                 "board.cache_bytes",
+                                 "board.lut_ram_words",
+                                 "gatherer.nodes_per_cycle",
+                                 "gatherer.candidates_per_cycle",
+                                 "gatherer.powers_per_cycle",
+                                 "gatherer.lanes",
+                                 "gatherer.contexts",
+                                 "gatherer.cache_bytes",
+                                 "gatherer.cache_ways",
+                                 "gatherer.beat_bits",
+                                 "reorder.key"};
+  // Before block RAM the pool is the plan's own.
+  if (board.tops.count("sdram")) lines.push_back("reorder.packets");
+  return lines;
+}
+
 EngineSearch fastest_engine(const Plan& plan, const PhotonMap& global, const PhotonMap& caustic,
                             std::span<const GatherQuery> queries, const BoardDescription& board) {
   if (queries.empty())
@@ -237,7 +259,8 @@ EngineSearch fastest_engine(const Plan& plan, const PhotonMap& global, const Pho
         "another");
   const Load load = load_of(plan, global, caustic, queries);
   const LineVisits& visits = load.searches.visits;
-  const int sdram_khz = board.sdram ? board.sdram->clock_khz : 1;
+  const bool has_sdram = board.tops.count("sdram") && board.sdram;
+  const int sdram_khz = has_sdram ? board.sdram->clock_khz : 1;  // 1: of no engine that is tried
 
   // ---- memories and buffers ----
   std::vector<Stream> streams;
@@ -261,7 +284,7 @@ EngineSearch fastest_engine(const Plan& plan, const PhotonMap& global, const Pho
   if (board.tops.count("block_ram"))
     for (const ReorderKey key : {ordered, ReorderKey::kNone})
       add(PhotonMemory::kBlockRam, key, plan.reorder_packets, plan.board_cache_bytes);
-  if (board.tops.count("sdram") && board.sdram)
+  if (has_sdram)
     for (const int lines : kSharedLines) {
       for (const int packets : kPools)
         add(PhotonMemory::kSdram, ordered, packets, lines * plan.line_bytes());
@@ -339,7 +362,8 @@ EngineSearch fastest_engine(const Plan& plan, const PhotonMap& global, const Pho
   }
   found.best = {plan_of(*best), best->cycles};
   derive_plan(found.best.plan);
-  found.given = engine_cycles(plan, global, caustic, queries, board.core_khz, sdram_khz);
+  if (plan.photon_memory != PhotonMemory::kSdram || has_sdram)
+    found.given = engine_cycles(plan, global, caustic, queries, board.core_khz, sdram_khz);
   found.misfit = engine_misfit(plan, board);
 
   // ---- what each line's next values would do, all others as they are ----
@@ -435,7 +459,7 @@ EngineSearch fastest_engine(const Plan& plan, const PhotonMap& global, const Pho
     tell("board.photon_memory",
          {{"block_ram", streamed(PhotonMemory::kBlockRam, made.reorder_key, plan.reorder_packets,
                                  plan.board_cache_bytes)}});
-  } else if (board.tops.count("sdram") && board.sdram) {
+  } else if (has_sdram) {
     tell("board.photon_memory",
          {{"sdram",
            streamed(PhotonMemory::kSdram, made.reorder_key,

@@ -4,6 +4,7 @@
 // decides when packets come, never which. docs/planner.md, "The fastest that a board holds".
 #pragma once
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -37,8 +38,9 @@ struct Engine {
 struct EngineSearch {
   Engine best;
   PlanReasons reasons;  // of every line that the search decides
-  EngineCycles given;   // of the plan as it was
-  std::string misfit;   // why that does not fit; empty: it does
+  std::optional<EngineCycles>
+      given;           // of the plan as it was; none where the board lacks its memory
+  std::string misfit;  // why that does not fit; empty: it does
   size_t tried = 0;
 };
 
@@ -50,9 +52,12 @@ inline constexpr double kEngineShare = 0.55;
 // 3,072 and 4,096 (docs/headline.md).
 inline constexpr int kEngineWires = 2048;
 
-// Why a plan's engine is not one for this board: it does not fit in kEngineShare, or is wider than
-// kEngineWires; empty: it is.
+// Why a plan's engine is not one for this board: it has no top with the plan's memory, it does not
+// fit in kEngineShare, or is wider than kEngineWires; empty: it is.
 std::string engine_misfit(const Plan& plan, const BoardDescription& board);
+
+// Lines of a plan that the search decides on this board, whatever they were.
+std::vector<const char*> engine_lines(const BoardDescription& board);
 
 // Every combination of the searched lines is predicted; the fastest that fits is the plan, the
 // smallest of those that are as fast within 1 %. Throws std::runtime_error where none fits, with

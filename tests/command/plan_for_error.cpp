@@ -3,6 +3,7 @@
 // an error out of reach is said to be, wrong command lines are refused.
 #include <fmt/core.h>
 
+#include <cstdlib>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <string>
@@ -269,6 +270,91 @@ TEST_CASE("plan --points: no more plans are measured in a search, each told once
   }
 }
 
+TEST_CASE("plan --board: lines that it decides are refused") {
+  const Scratch s;
+  for (const std::string line :
+       {"board.gatherers=1", "board.photon_memory=sdram", "board.cache_bytes=8192",
+        "board.lut_ram_words=32", "gatherer.nodes_per_cycle=1", "gatherer.candidates_per_cycle=1",
+        "gatherer.powers_per_cycle=1", "gatherer.lanes=2", "gatherer.contexts=8",
+        "gatherer.cache_bytes=4096", "gatherer.cache_ways=2", "gatherer.beat_bits=512",
+        "reorder.key=none", "reorder.packets=512"}) {
+    const auto o = run("plan" + cornell_box() + "--board ulx3s-85f --set " + line + " -o '" +
+                       s / "p.toml" + "'");
+    INFO(line << ": " << o.err);
+    CHECK(o.status == 2);
+    CHECK(o.one_error_line());
+    CHECK(o.err.find(" is decided by --board") != std::string::npos);
+  }
+  CHECK(s.entries() == 0);
+}
+
+namespace {
+
+// PHOTONLOOM_BOARDS for as long as it stands.
+struct BoardsAt {
+  explicit BoardsAt(const std::string& dir) { setenv("PHOTONLOOM_BOARDS", dir.c_str(), 1); }
+  ~BoardsAt() { unsetenv("PHOTONLOOM_BOARDS"); }
+  BoardsAt(const BoardsAt&) = delete;
+  BoardsAt& operator=(const BoardsAt&) = delete;
+};
+
+}  // namespace
+
+TEST_CASE("plan --board: a plan whose memory the board lacks has no cycles there") {
+  const Scratch s;
+  const std::string folder = s / "boards" + "/b";
+  std::filesystem::create_directories(s / "boards");
+  std::filesystem::copy(photonloom::test::source("fpga/boards/ulx3s-85f"), folder,
+                        std::filesystem::copy_options::recursive);
+  std::string text = read_file(folder + "/board.toml");
+  const auto erase = [&](const std::string& from, const std::string& to) {
+    const size_t at = text.find(from), end = text.find(to, at);
+    REQUIRE(end != std::string::npos);
+    text.erase(at, end - at);
+  };
+  erase("[sdram]", "# speed");
+  erase("[top.sdram]", "[top.unit]");
+  write_file(folder + "/board.toml", text);
+  const BoardsAt boards(s / "boards");
+  const std::string scene = cornell_box() + "--photons 500 --size 8x8 --spp 1 --gather-rays 4 ";
+  const std::string plan = s / "sdram.toml";
+  REQUIRE(run("plan" + scene + "--set board.photon_memory=sdram -o '" + plan + "'").status == 0);
+  const auto of_plan = cornell_box() + "--plan '" + plan + "' --board b -o '" + s / "b.toml" + "'";
+  const auto o = run("plan" + of_plan);
+  INFO(o.err);
+  REQUIRE(o.status == 0);
+  CHECK(o.out.find("the plan without --board: has its photons in sdram, and b has no top") !=
+        std::string::npos);
+  const auto json = nlohmann::json::parse(run("plan" + of_plan + " --json").out);
+  CHECK(json["engine"]["without"].size() == 1);
+  CHECK(json["engine"]["without"].contains("misfit"));
+}
+
+TEST_CASE("plan: a board that cannot be read does not stand in another's way") {
+  const Scratch s;
+  const std::string boards = s / "boards", plan = s / "p.toml";
+  std::filesystem::create_directories(boards);
+  for (const char* name : {"a", "b"})
+    std::filesystem::copy(photonloom::test::source("fpga/boards/ulx3s-85f"), boards + "/" + name,
+                          std::filesystem::copy_options::recursive);
+  write_file(boards + "/a/board.toml", "tested = 1\n");
+  const std::string scene = cornell_box() + "--photons 300 --size 4x4 --spp 1 --gather-rays 2 ";
+  {
+    const BoardsAt at(boards);
+    const auto o = run("plan" + scene + "-o '" + plan + "'");
+    CHECK(o.status == 0);
+    CHECK(o.err.find("warning: " + boards + "/a/board.toml: tested") != std::string::npos);
+    const auto wrong = run("plan" + scene + "--board nope -o '" + plan + "'");
+    CHECK(wrong.status == 2);
+    CHECK(wrong.err.find("there is no board nope, expected one of b") != std::string::npos);
+  }
+  const BoardsAt nowhere(s / "none");
+  const auto o = run("plan" + scene + "--board b -o '" + plan + "'");
+  CHECK(o.status == 1);
+  CHECK(o.err.find("there is no board b: " + (s / "none") + " has no folder with a board.toml") !=
+        std::string::npos);
+}
+
 TEST_CASE("plan --board: the fastest engine, the same image") {
   const Scratch s;
   const std::string scene = cornell_box() + "--photons 2000 --size 12x12 --spp 1 --gather-rays 8 ";
@@ -294,7 +380,7 @@ TEST_CASE("plan --board: the fastest engine, the same image") {
     int status;
   } wrong[] = {
       {scene + "--board nowhere -o -", "there is no board nowhere, expected one of ulx3s-85f", 2},
-      {scene + "--board up5k -o -", "up5k states no ", 1},
+      {scene + "--board up5k -o -", "up5k states no ", 2},
       {scene + "--board ulx3s-85f", "needs -o FILE", 2},
       {" '" + s / "plain.toml" + "' --board ulx3s-85f", "--board: counts the gathers of a scene",
        2},
