@@ -18,6 +18,7 @@
 #include "golden/numeric/output_file.hpp"
 #include "golden/plan/plan_file.hpp"
 #include "golden/plan/quantiser.hpp"
+#include "golden/planner/plan_fit.hpp"
 #include "golden/unit/pack_photons.hpp"
 #include "golden/unit/photon_file.hpp"
 #include "golden/unit/photon_gatherer.hpp"
@@ -55,6 +56,24 @@ struct Job {
   double unit2 = 1;  // a squared position unit in scene units
 };
 
+// Lines that no gather reads do not matter here.
+bool is_unread(const std::string& line) {
+  const std::string section = line.substr(0, line.find('.'));
+  const std::vector<std::string> unread{"caustic", "reorder", "sampler", "cache",
+                                        "board",   "frame",   "pixel"};
+  return line == "scene.name" || line == "gather.reciprocal_bits" ||
+         std::find(unread.begin(), unread.end(), section) != unread.end();
+}
+
+// Throws PlanError where lines of --set make a plan that no plan file may be.
+void check_lines(Plan plan) {
+  // A map of no photons can be gathered from; in a plan it is not present.
+  for (MapPlan* map : {&plan.global, &plan.caustic}) map->present = map->photons > 0;
+  derive_plan(plan);
+  if (const auto problem = find_problem(plan); problem && !is_unread(problem->line))
+    throw PlanError(fmt::format("--set: {} {}", problem->line, problem->what));
+}
+
 Job prepare(const GatherOptions& o) {
   Job job;
   Plan& plan = job.plan;
@@ -91,6 +110,12 @@ Job prepare(const GatherOptions& o) {
   map.r2_max = radius_to_r2_max(plan, o.radius);
   if (o.plan.empty()) map.power_exponent = choose_power_exponent(job.file.photons, plan);
   plan.caustic = map;
+  if (!o.set.empty()) check_lines(plan);
+  if (o.arithmetic == "golden" && !channels_hold(plan, job.file.photons))
+    throw std::runtime_error(
+        fmt::format("{}: photon.channels is 1, but photons of {} have other colours than "
+                    "photon.channel_color; expected 3",
+                    o.plan.empty() ? "--set" : o.plan, o.photons));
   const std::vector<PackedPhoton> packed =
       pack_photons(job.file.photons, plan, map, &job.pack_counts);
   job.map = build_photon_map(packed, plan);
@@ -210,16 +235,12 @@ const Shortcut kDecided[] = {{"--k", {"gather.k"}},
 // Refuses a line of --set that no gather reads. Lines of the gatherer stay: others are valid only
 // beside theirs.
 void refuse_without_effect(const std::string& line, const GatherOptions& o) {
-  const std::string name = line.substr(0, line.find('=')), section = line.substr(0, line.find('.'));
+  const std::string name = line.substr(0, line.find('='));
   const bool of_the_points =
       name == "scene.origin" || name == "scene.extent" || name == "global.power_exponent";
   if (of_the_points && o.plan.empty())
     throw UsageError(fmt::format("--set {}: without --plan, photons and queries decide it", line));
-  const std::vector<std::string> unread{"caustic", "reorder", "sampler", "cache",
-                                        "board",   "frame",   "pixel"};
-  if (name == "scene.name" || name == "gather.reciprocal_bits" ||
-      std::find(unread.begin(), unread.end(), section) != unread.end())
-    throw UsageError(fmt::format("--set {}: has no effect on a gather", line));
+  if (is_unread(name)) throw UsageError(fmt::format("--set {}: has no effect on a gather", line));
 }
 
 void gather(const GatherOptions& o) {

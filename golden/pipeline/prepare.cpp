@@ -142,6 +142,8 @@ PreparedFrame prepare_frame(std::unique_ptr<World> world, const FrameRequest& re
   plan_request.radius = request.radius;
   plan_request.format_error = request.format_error;
   plan_request.set = request.set;
+  plan_request.photon_file = request.load_photons;
+  plan_request.caustic_file = request.load_caustics;
 
   // With a plan from a file its maps decide; the photons are counted as stored, so that the same
   // seed gives the same paths.

@@ -179,6 +179,7 @@ void choose_pixel(Plan& plan, const World& world, const PlanRequest& request, Pl
   const double gather_weight =
       kThroughput / kPi * std::ldexp(4 * 5.1961525, plan.probability_bits) / kPi;
   plan.integer_bits = 1;
+  const std::string* loaded = nullptr;  // the file whose photons take too many of them
   for (const bool is_caustic : {false, true}) {
     const MapPlan& m = plan.map(is_caustic);
     if (!m.present) continue;
@@ -187,6 +188,8 @@ void choose_pixel(Plan& plan, const World& world, const PlanRequest& request, Pl
         exponent_above((is_caustic ? kThroughput / kPi : gather_weight) * inverse_area);
     plan.integer_bits = std::max(
         plan.integer_bits, weight + m.power_exponent + plan.flux_bits() - msb(plan.r2_floor) + 2);
+    const std::string& file = is_caustic ? request.caustic_file : request.photon_file;
+    if (plan.integer_bits > 96 && !loaded && !file.empty()) loaded = &file;
   }
   double brightest = 0;
   for (const Shape& s : world.scene().shapes)
@@ -223,6 +226,11 @@ void choose_pixel(Plan& plan, const World& world, const PlanRequest& request, Pl
         "plan: pixel.fraction_bits has no value: 96 bits, the most there are, cannot hold a mean "
         "radiance of {:.3g}; expected brighter lamps",
         most));
+  if (loaded)
+    throw PlanError(fmt::format(
+        "{}: pixel.integer_bits has no value: the largest contribution of its photons takes {} "
+        "bits, at most 96 can be had; expected photons of less power",
+        *loaded, plan.integer_bits));
   if (plan.integer_bits > 96)
     throw PlanError(fmt::format(
         "plan: pixel.integer_bits has no value: the largest contribution takes {} bits, at most 96 "

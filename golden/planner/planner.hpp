@@ -21,7 +21,8 @@ struct PlanRequest {
   int gather_rays = 16;
   // Relative error that the formats may add to an estimate. Else the formats of struct Plan.
   std::optional<double> format_error;
-  std::vector<std::string> set;  // "section.key=value", over everything
+  std::vector<std::string> set;           // "section.key=value", over everything
+  std::string photon_file, caustic_file;  // where photons were read from; empty: traced
 };
 
 // Which photon maps the scene can fill and the image can use, and why.

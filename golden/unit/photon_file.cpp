@@ -5,6 +5,7 @@
 
 #include <charconv>
 #include <cmath>
+#include <set>
 #include <sstream>
 
 #include "golden/scene/ply.hpp"
@@ -13,6 +14,7 @@ namespace photonloom {
 namespace {
 
 constexpr double kPadding = 1 + 0x1p-16;
+constexpr double kMostPower = 1e100;  // W: sums of as many photons as there can be stay finite
 
 // Three columns of a file's vertices.
 class Columns {
@@ -37,10 +39,12 @@ class Columns {
     }
     return v;
   }
-  Vec3 not_negative(size_t row) const {
+  Vec3 not_negative(size_t row, double most) const {
     const Vec3 v = at(row);
-    for (int c = 0; c < 3; ++c)
+    for (int c = 0; c < 3; ++c) {
       if (v[c] < 0) refuse(row, c, v[c], "no negative number");
+      if (v[c] > most) refuse(row, c, v[c], fmt::format("at most {}", most));
+    }
     return v;
   }
   Vec3 not_zero(size_t row) const {
@@ -54,7 +58,7 @@ class Columns {
   }
 
  private:
-  [[noreturn]] void refuse(size_t row, int c, double value, const char* expected) const {
+  [[noreturn]] void refuse(size_t row, int c, double value, const std::string& expected) const {
     throw SceneError(fmt::format("{}: vertex {}: {} is {}, expected {}", path_, row,
                                  names_[static_cast<size_t>(c)], value, expected));
   }
@@ -80,7 +84,7 @@ uint64_t whole(const std::vector<double>& values, size_t row, double top, const 
 }
 
 // What follows `key` and a blank in a comment that starts with it.
-std::optional<std::string> after(const std::string& comment, const std::string& key) {
+std::optional<std::string> text_after(const std::string& comment, const std::string& key) {
   if (comment.size() > key.size() && comment.compare(0, key.size(), key) == 0 &&
       comment[key.size()] == ' ')
     return comment.substr(key.size() + 1);
@@ -113,7 +117,15 @@ Cube parse_cube(const std::string& text, const std::string& comment, const std::
 }
 
 void parse_comments(const PlyTable& table, const std::string& path, PhotonFile& file) {
+  std::set<std::string> seen;
   for (const std::string& comment : table.comments) {
+    const auto after = [&](const std::string& text, const char* key) {
+      const auto value = text_after(text, key);
+      if (value && !seen.insert(key).second)
+        throw SceneError(
+            fmt::format("{}: comment \"{}\": {} stands twice, expected once", path, text, key));
+      return value;
+    };
     if (const auto text = after(comment, "photonloom kind")) {
       if (*text != "global" && *text != "caustic")
         throw SceneError(
@@ -209,7 +221,7 @@ PhotonFile read_photon_file(const std::string& path) {
     file.photons[i] = {
         position.at(i),
         direction.not_zero(i),
-        power.not_negative(i),
+        power.not_negative(i, kMostPower),
         paths ? whole(*paths, i, 0x1p53, "path", path) : i,
         bounces ? static_cast<uint32_t>(whole(*bounces, i, 0x1p32 - 1, "bounce", path)) : 0,
         flight};

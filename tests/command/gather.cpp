@@ -212,6 +212,43 @@ TEST_CASE("gather and photons refuse what they cannot do, in one line") {
   CHECK(s.entries() == 1);
 }
 
+TEST_CASE("gather refuses lines that no plan may have, other colours and powers without end") {
+  const Scratch s;
+  const auto photons = [&](const std::string& power) {
+    std::string text = "ply\nformat ascii 1.0\nelement vertex 1\n";
+    for (const char* name :
+         {"x", "y", "z", "dx", "dy", "dz", "power_r", "power_g", "power_b", "nx", "ny", "nz"})
+      text += fmt::format("property double {}\n", name);
+    write_file(s / "p.ply", text + "end_header\n0 0 0 0 0 1 " + power + " 0 0 1\n");
+  };
+  const auto gathers = [&](const std::string& more) {
+    return run("gather --k 1 --photons " + s / "p.ply" + " --queries " + s / "p.ply" + " -o " +
+               s / "out" + " " + more);
+  };
+  photons("1 2 3");
+  const auto refused = [&](const std::string& more, const std::string& said) {
+    const Outcome o = gathers(more);
+    INFO(more << ": " << o.err);
+    CHECK(o.status == 1);
+    CHECK(o.one_error_line());
+    CHECK_THAT(o.err, ContainsSubstring(said));
+  };
+  refused("--set gatherer.candidates_per_cycle=3",
+          "--set: gatherer.candidates_per_cycle is 3, expected");
+  refused("--set photon.channels=1", "photon.channels is 1, but photons of " + s / "p.ply");
+  CHECK(gathers("--set photon.mantissa_bits=8").status == 0);
+  CHECK(gathers("--set photon.channels=1 --arithmetic reference").status == 0);
+  photons("2 2 2");
+  CHECK(gathers("--set photon.channels=1").status == 0);
+  photons("1 1.797e308 1");
+  refused("", "p.ply: vertex 0: power_g is 1.797e+308, expected at most 1e+100");
+  photons("1e50 1e50 1e50");
+  const Outcome o = run("plan " + source("scenes/cornell.xml") + " --load-photons " + s / "p.ply" +
+                        " --size 4x4 --spp 1 -o " + s / "p.toml");
+  CHECK(o.status == 1);
+  CHECK_THAT(o.err, ContainsSubstring("p.ply: pixel.integer_bits has no value"));
+}
+
 TEST_CASE("gather refuses points so far apart, or so close, that squares of distances are lost") {
   const Scratch s;
   const auto points = [&](const std::string& names, const std::string& low,

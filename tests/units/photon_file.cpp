@@ -134,6 +134,15 @@ TEST_CASE("what is wrong with a photon or query file is said in one sentence") {
   CHECK(message(ascii(kPhotonProperties, good, 1, "comment photonloom cube 0 0 0 -1\n")) ==
         "comment \"photonloom cube 0 0 0 -1\": expected the cube's lower corner and its edge, four "
         "numbers");
+  std::string doubles = kPhotonProperties;
+  for (size_t at; (at = doubles.find("float")) != std::string::npos;)
+    doubles.replace(at, 5, "double");
+  CHECK(message(ascii(doubles, "1 2 3 0 0 1 4 5 1e100\n", 1)) == "nothing");
+  CHECK(message(ascii(doubles, "1 2 3 0 0 1 4 5 2e100\n", 1)) ==
+        "vertex 0: power_b is 2e+100, expected at most 1e+100");
+  CHECK(message(ascii(kPhotonProperties, good, 1,
+                      "comment photonloom cube 0 0 0 8\ncomment photonloom cube 0 0 0 9\n")) ==
+        "comment \"photonloom cube 0 0 0 9\": photonloom cube stands twice, expected once");
   CHECK(message(ascii(kPhotonProperties, good, 1, "comment photonloom kind other\n")) ==
         "comment \"photonloom kind other\": expected global or caustic");
   CHECK(message("ply\nformat ascii 1.0\nelement face 0\nend_header\n") ==
