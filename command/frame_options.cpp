@@ -173,6 +173,12 @@ void FrameOptions::refuse_derivation(const std::string& plan_file) const {
           fmt::format("{}: {} already is a plan; change its lines with --set", option, plan_file));
 }
 
+void FrameOptions::refuse_all(const std::string& why) const {
+  if (command_->count("--set") > 0) throw UsageError("--set: " + why);
+  for (const char* option : kDerivation)
+    if (command_->count(option) > 0) throw UsageError(fmt::format("{}: {}", option, why));
+}
+
 std::vector<std::string> FrameOptions::photon_options() const {
   std::vector<std::string> given;
   for (const char* option : kPhotonOnly)

@@ -26,6 +26,8 @@ class FrameOptions {
   // Throws UsageError where an option is given that changes a plan which is derived: `plan_file` is
   // there already.
   void refuse_derivation(const std::string& plan_file) const;
+  // The same for every option of a plan, --set too; `why` is what is said of it.
+  void refuse_all(const std::string& why) const;
   // Options given that only the photon mapper reads.
   std::vector<std::string> photon_options() const;
 

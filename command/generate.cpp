@@ -88,6 +88,7 @@ void generate(const GenerateOptions& o) {
           "go "
           "with "
           "it");
+    o.frame.refuse_all("--check looks at the package in a folder, whose plan is there");
     check_hardware(source, o.rtl.empty() ? default_rtl_dir() : o.rtl, o.boards);
     check_kernels(source);
     fmt::print("{}: is what its plan and the RTL sources give\n", source);

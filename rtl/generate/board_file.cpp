@@ -9,6 +9,7 @@
 #include <limits>
 #include <set>
 #include <stdexcept>
+#include <string_view>
 
 #include "golden/numeric/output_file.hpp"
 #include "golden/plan/toml.hpp"
@@ -21,6 +22,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kMost = std::numeric_limits<int>::max();
+constexpr int kLeastBaud = 300;
+constexpr int kMostKHz = 1000000;  // of a board's clock
 
 std::string joined(const std::set<std::string>& names) {
   std::string text;
@@ -45,14 +48,14 @@ class Table {
     return checked(node(key, expected(least, most)), key, least, most);
   }
   IntRange range(const std::string& key, int most = kMost) {
-    const std::vector<int> ends = numbers(key, most);
+    const std::vector<int> ends = numbers(key, 1, most);
     if (ends.size() != 2 || ends[0] > ends[1])
       fail(key, "is no range", "two numbers, [least, most]");
     return {ends[0], ends[1]};
   }
-  std::vector<int> numbers(const std::string& key, int most = kMost) {
+  std::vector<int> numbers(const std::string& key, int least = 1, int most = kMost) {
     std::vector<int> list;
-    each(key, [&](const toml::node& n) { list.push_back(checked(n, key, 1, most)); });
+    each(key, [&](const toml::node& n) { list.push_back(checked(n, key, least, most)); });
     return list;
   }
   std::vector<std::string> texts(const std::string& key) {
@@ -153,19 +156,29 @@ BoardSdram read_sdram(Table t) {
 void read_flow(Table t, BoardDescription& board) {
   board.flow = t.text("name");
   const std::string flows = data_dir() + "/fpga/flows";
-  if (!fs::is_directory(flows + "/" + board.flow)) {
-    std::set<std::string> known;
-    for (const auto& entry : fs::directory_iterator(flows))
-      known.insert(entry.path().filename().string());
-    t.fail("name", "is " + board.flow, "one of " + joined(known));
-  }
+  std::set<std::string> known;
+  for (const auto& entry : fs::directory_iterator(flows))
+    known.insert(entry.path().filename().string());
+  if (!known.count(board.flow)) t.fail("name", "is " + board.flow, "one of " + joined(known));
   for (const std::string& key : t.keys()) {
     if (key == "name") continue;
     std::string place;
     for (const char c : key)
       place += static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
-    board.flow_places[place] = t.word(key);
+    const std::string word = t.word(key);
+    // It becomes part of a command in a Makefile or a script.
+    if (!std::all_of(word.begin(), word.end(), [](unsigned char c) {
+          return std::isalnum(c) ||
+                 std::string_view(" -_.,+=:/").find(static_cast<char>(c)) != std::string_view::npos;
+        }))
+      t.fail(key, "is " + word, "letters, digits, blanks and - _ . , + = : / alone");
+    board.flow_places[place] = word;
   }
+}
+
+// Whether a path stays in the folder that it is relative to.
+bool inside(const fs::path& path) {
+  return path.is_relative() && std::find(path.begin(), path.end(), "..") == path.end();
 }
 
 void read_tops(Table t, BoardDescription& board) {
@@ -179,11 +192,46 @@ void read_tops(Table t, BoardDescription& board) {
     files.insert(files.end(), top.constraints.begin(), top.constraints.end());
     one.done();
     for (const std::string& file : files)
-      if (!fs::is_regular_file(board.folder + "/" + file))
+      if (!inside(file) || !fs::is_regular_file(board.folder + "/" + file))
         t.fail(name, "names " + file, "a file of " + board.folder);
   }
   t.done();
   if (board.tops.empty()) t.fail("unit", "is missing", "one of block_ram, sdram, unit at least");
+}
+
+// Reserved in IEEE 1800-2017.
+constexpr std::string_view kReserved =
+    " accept_on alias always always_comb always_ff always_latch and assert assign assume"
+    " automatic before begin bind bins binsof bit break buf bufif0 bufif1 byte case casex"
+    " casez cell chandle checker class clocking cmos config const constraint context continue"
+    " cover covergroup coverpoint cross deassign default defparam design disable dist do edge"
+    " else end endcase endchecker endclass endclocking endconfig endfunction endgenerate"
+    " endgroup endinterface endmodule endpackage endprimitive endprogram endproperty"
+    " endsequence endspecify endtable endtask enum event eventually expect export extends"
+    " extern final first_match for force foreach forever fork forkjoin function generate"
+    " genvar global highz0 highz1 if iff ifnone ignore_bins illegal_bins implements implies"
+    " import incdir include initial inout input inside instance int integer interconnect"
+    " interface intersect join join_any join_none large let liblist library local localparam"
+    " logic longint macromodule matches medium modport module nand negedge nettype new"
+    " nexttime nmos nor noshowcancelled not notif0 notif1 null or output package packed"
+    " parameter pmos posedge primitive priority program property protected pull0 pull1"
+    " pulldown pullup pulsestyle_ondetect pulsestyle_onevent pure rand randc randcase"
+    " randsequence rcmos real realtime ref reg reject_on release repeat restrict return rnmos"
+    " rpmos rtran rtranif0 rtranif1 s_always s_eventually s_nexttime s_until s_until_with"
+    " scalared sequence shortint shortreal showcancelled signed small soft solve specify"
+    " specparam static string strong strong0 strong1 struct super supply0 supply1"
+    " sync_accept_on sync_reject_on table tagged task this throughout time timeprecision"
+    " timeunit tran tranif0 tranif1 tri tri0 tri1 triand trior trireg type typedef union"
+    " unique unique0 unsigned until until_with untyped use uwire var vectored virtual void"
+    " wait wait_order wand weak weak0 weak1 while wildcard wire with within wor xnor xor ";
+
+// A simple identifier of SystemVerilog.
+bool is_identifier(const std::string& name) {
+  const auto is_letter = [](unsigned char c) { return std::isalpha(c) || c == '_'; };
+  return !name.empty() && is_letter(static_cast<unsigned char>(name[0])) &&
+         std::all_of(name.begin(), name.end(),
+                     [&](unsigned char c) { return is_letter(c) || std::isdigit(c); }) &&
+         kReserved.find(" " + name + " ") == std::string_view::npos;
 }
 
 }  // namespace
@@ -211,6 +259,11 @@ BoardDescription read_board(const std::string& name, const std::string& boards_d
   BoardDescription board;
   board.name = board.prefix = name;
   std::replace(board.prefix.begin(), board.prefix.end(), '-', '_');
+  if (!is_identifier(board.prefix + "_top"))
+    throw std::runtime_error(fmt::format(
+        "{}/{}: the folder's name begins the names of modules, expected a letter, then letters, "
+        "digits, - and _",
+        dir, name));
   board.folder = dir + "/" + name;
   board.file = board.folder + "/board.toml";
   toml::table parsed;
@@ -236,9 +289,13 @@ BoardDescription read_board(const std::string& name, const std::string& boards_d
 
   Table clock = t.table("clock");
   board.clock_port = clock.text("port");
-  board.oscillator_khz = clock.number("khz");
-  board.unit_khz = clock.number("unit_khz");
-  if (board.has_core()) board.core_khz = clock.number("core_khz");
+  if (!is_identifier(board.clock_port))
+    clock.fail("port", fmt::format("is '{}'", board.clock_port),
+               "the name of a port: a letter or _, then letters, digits and _, no word of "
+               "SystemVerilog");
+  board.oscillator_khz = clock.number("khz", 1, kMostKHz);
+  board.unit_khz = clock.number("unit_khz", 1, kMostKHz);
+  if (board.has_core()) board.core_khz = clock.number("core_khz", 1, kMostKHz);
   clock.done();
 
   if (board.has_core()) {
@@ -246,7 +303,7 @@ BoardDescription read_board(const std::string& name, const std::string& boards_d
     board.pll = read_pll(t.table("pll"));
     Table serial = t.table("serial");
     board.serial_port = serial.text("port");
-    board.baud = serial.numbers("baud");
+    board.baud = serial.numbers("baud", kLeastBaud);
     std::sort(board.baud.rbegin(), board.baud.rend());
     serial.done();
   }
@@ -256,7 +313,12 @@ BoardDescription read_board(const std::string& name, const std::string& boards_d
     Table tools = t.table("tools");
     for (const std::string& tool : tools.keys()) board.tools[tool] = tools.text(tool);
   }
-  t.has("measure");  // of the flow's Python alone
+  if (t.has("measure")) {  // of the flow's Python alone
+    Table measure = t.table("measure");
+    if (measure.has("plan")) measure.text("plan");
+    if (measure.has("units")) measure.texts("units");
+    measure.done();
+  }
   t.done();
   return board;
 }

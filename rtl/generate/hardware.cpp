@@ -156,6 +156,7 @@ void check_hardware(const std::string& dir, const std::string& rtl_dir,
         fmt::format("{}: is damaged, expected unit, board, clock_khz and images{}", asked, again));
   }
   const std::vector<std::string> boards = board_names(boards_dir);
+  if (!request.board.empty() && boards.empty()) read_board(request.board, boards_dir);
   if (!request.board.empty() &&
       std::find(boards.begin(), boards.end(), request.board) == boards.end()) {
     std::string known;

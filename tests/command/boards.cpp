@@ -155,6 +155,22 @@ TEST_CASE("files of a board that do not fit together are named, with the key or 
            Case{"board.toml", "\"core.lpf\"", "\"pins.lpf\"",
                 "b/board.toml: top.block_ram names pins.lpf, expected a file of"},
            Case{"board.toml", "[clock]", "[clock", "board.toml, line 16: not TOML"},
+           Case{"board.toml", "name = \"ecp5\"", "name = \"\"", "flow.name is , expected one of"},
+           Case{"board.toml", "name = \"ecp5\"", "name = \"..\"", "flow.name is .., expected one"},
+           Case{"board.toml", "\"clk_25mhz\"", "\"a b\"",
+                "b/board.toml: clock.port is 'a b', expected the name of a port"},
+           Case{"board.toml", "\"clk_25mhz\"", "\"\"", "clock.port is '', expected the name"},
+           Case{"board.toml", "\"clk_25mhz\"", "\"module\"", "clock.port is 'module', expected"},
+           Case{"board.toml", "unit_khz = 100000", "unit_khz = 2147483647",
+                "clock.unit_khz is 2147483647, expected a number from 1 to 1000000"},
+           Case{"board.toml", "loader = \"ulx3s\"", "loader = \"$(shell ls)\"",
+                "flow.loader is $(shell ls), expected letters, digits"},
+           Case{"board.toml", "plan = \"fpga/gatherer.toml\"", "plam = \"x\"",
+                "the key measure.plam is unknown, expected one of plan, units"},
+           Case{"board.toml", "[\"unit.lpf\"]", "[\"../b/unit.lpf\"]",
+                "top.unit names ../b/unit.lpf, expected a file of"},
+           Case{"board.toml", "baud = [", "baud = [1] # ",
+                "b/board.toml: serial.baud is 1, expected a number from 300"},
            // places of the flow's files
            Case{"board.toml", "loader = \"ulx3s\"", "", "the place @LOADER@ is unknown, expected"},
            Case{"board.toml", "speed = 6", "speed = 6\nsped = 6",
@@ -184,6 +200,24 @@ TEST_CASE("files of a board that do not fit together are named, with the key or 
     CHECK(o.one_error_line());
     CHECK_THAT(o.err, ContainsSubstring(c.said));
     CHECK(!fs::exists(boards.scratch / "hw"));
+  }
+}
+
+TEST_CASE("a folder whose name begins no module's is refused") {
+  const Scratch scratch;
+  write_small_plan(scratch / "plan.toml", PhotonMemory::kBlockRam);
+  for (const std::string name : {"7k", "my board's", "a.b"}) {
+    INFO(name);
+    const std::string dir = scratch / "boards", hw = scratch / "hw";
+    fs::create_directories(dir);
+    fs::copy(source("fpga/boards/up5k"), dir + "/" + name, fs::copy_options::recursive);
+    const Outcome o =
+        run(fmt::format("generate {} --boards {} --board \"{}\" --unit "
+                        "reorder_buffer -o {}",
+                        scratch / "plan.toml", dir, name, hw));
+    CHECK(o.status == 1);
+    CHECK_THAT(o.err, ContainsSubstring("boards/" + name + ": the folder's name begins the names"));
+    CHECK(!fs::exists(hw));
   }
 }
 

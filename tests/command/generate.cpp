@@ -340,6 +340,13 @@ TEST_CASE("bad plans and wrong use") {
   CHECK(run("generate").status == 2);
   CHECK(run("generate " + (scratch / "none.toml") + " -o " + (scratch / "hw")).status == 1);
   CHECK(run("generate --check a --unit b").status == 2);
+  for (const std::string option :
+       {"--set gather.k=8", "--photons 5", "--load-photons p.ply", "--plan p.toml", "--seed 3"}) {
+    const Outcome o = run("generate --check a " + option);
+    INFO(o.err);
+    CHECK(o.status == 2);
+    CHECK_THAT(o.err, ContainsSubstring("--check looks at the package in a folder"));
+  }
   for (const auto& [option, said] :
        {std::pair{"--unit foo", "--unit: there is no unit foo, expected "},
         {"--board foo", "--board: there is no board foo, expected one of "},
@@ -461,4 +468,7 @@ TEST_CASE("a package of a board that there is not names the file") {
   CHECK(run("generate --check " + hw)
             .err.find(hw + "/package.json: board is foo, expected one of arty-a7-100t, "
                            "nexys-video, ulx3s-85f, up5k") != std::string::npos);
+  CHECK_THAT(run("generate --check " + hw + " --boards " + scratch / "none").err,
+             ContainsSubstring("there is no board foo: " + scratch / "none" +
+                               " has no folder with a board.toml"));
 }
