@@ -133,12 +133,18 @@ struct BoardReplayOptions {
 void replay_on_board(const BoardReplayOptions& o) {
   const FrameRequest request = o.frame.request();
   o.threads.apply();
+  Board board = o.device.open();  // one that is not there is told before the work
   ConsoleProgress progress;
   PreparedFrame frame = prepare_frame(request, Arithmetic::kGolden, &progress);
   print_warnings(frame.warnings);
   const Plan& plan = frame.plan;
-  Board board = o.device.open();
   board.check_plan(plan);
+  const uint64_t room = static_cast<uint64_t>(plan.replay_queries) - (o.reorder ? 1 : 0);
+  const uint64_t wanted = o.queries ? o.queries : room;
+  if (wanted > room)
+    throw std::runtime_error(
+        fmt::format("--queries {}: the plan's replayer holds {} (board.replay_queries = {}{})",
+                    wanted, room, plan.replay_queries, o.reorder ? ", one of them the flush" : ""));
 
   // The frame's final gather queries in the order in which rays hit.
   std::vector<GatherQuery> queries;
@@ -146,12 +152,6 @@ void replay_on_board(const BoardReplayOptions& o) {
   units.reorder_buffer = std::make_unique<Keeping>(std::move(units.reorder_buffer), queries);
   FrameCounts counts;
   render_frame(frame.input(Arithmetic::kGolden), units, counts, &progress);
-  const uint64_t room = static_cast<uint64_t>(plan.replay_queries) - (o.reorder ? 1 : 0);
-  const uint64_t wanted = o.queries ? o.queries : room;
-  if (wanted > room)
-    throw std::runtime_error(
-        fmt::format("--queries {}: the plan's replayer holds {} (board.replay_queries = {}{})",
-                    wanted, room, plan.replay_queries, o.reorder ? ", one of them the flush" : ""));
   if (o.skip >= queries.size())
     throw std::runtime_error(
         fmt::format("--skip {}: the frame has {} final gather queries", o.skip, queries.size()));

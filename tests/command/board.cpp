@@ -218,6 +218,11 @@ TEST_CASE("what is no board") {
   CHECK_THAT(error(with("reorder_buffer=board:/dev/ttyS0"), 2),
              ContainsSubstring("a board has photon_gatherer only"));
   CHECK_THAT(error("board info /nonexistent", 1), ContainsSubstring("cannot be opened"));
+  const Outcome replayed = run("board replay /nonexistent " + scene() + " --photons 300");
+  CHECK(replayed.status == 1);
+  CHECK(replayed.one_error_line());  // before any progress of photons
+  CHECK_THAT(error("board replay /dev/ttyS0@fast none.xml", 2),
+             ContainsSubstring("after @ expected a rate in baud"));
   CHECK(run("board").status == 2);
   CHECK(run("board info").status == 2);
 
