@@ -144,7 +144,7 @@ TEST_CASE("plan --error: wrong command lines name the option and what was expect
       {"--error 0.1 --format-error 0.1" + end, "--format-error", 2},
       {"--error 0.1 --board nowhere" + end, "there is no board nowhere, expected one of ulx3s-85f",
        2},
-      {"--error 0.1 --board up5k" + end, "up5k states no ", 1},
+      {"--error 0.1 --board up5k" + end, "up5k states no ", 2},
       {"--error 0.1 --set gather.k=0" + end, "--set: 'gather.k=0': gather.k", 2},
       {"--error 0.1 --set gather.no_line=0" + end, "gather.no_line", 2},
       {"--error 0.1 --set no_line=0" + end, "--set: unknown line no_line", 2},
