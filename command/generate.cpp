@@ -85,9 +85,7 @@ void generate(const GenerateOptions& o) {
     if (!o.output.empty() || !o.unit.empty() || !o.board.empty() || o.clock_mhz != 0 || o.hls)
       throw UsageError(
           "--check looks at the package in a folder; -o, --unit, --board, --clock and --hls do not "
-          "go "
-          "with "
-          "it");
+          "go with it");
     o.frame.refuse_all("--check looks at the package in a folder, whose plan is there");
     check_hardware(source, o.rtl.empty() ? default_rtl_dir() : o.rtl, o.boards);
     check_kernels(source);

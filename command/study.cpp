@@ -13,7 +13,6 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <set>
-#include <sstream>
 #include <stdexcept>
 
 #include "command/command.hpp"
@@ -22,6 +21,7 @@
 #include "golden/plan/toml.hpp"
 #include "rtl/generate/data_files.hpp"
 #include "study/measures.hpp"
+#include "study/point_plan.hpp"
 #include "study/runner.hpp"
 #include "study/store.hpp"
 #include "study/study_file.hpp"
@@ -359,30 +359,14 @@ std::vector<const StudyRow*> StudyOutcome::rows_of(const std::string& study,
 
 namespace {
 
-// Each name of "section.key+section.key", with the value that all have.
-void set_lines(const std::string& names, const std::string& value,
-               std::map<std::string, std::string>& to) {
-  std::istringstream stream(names);
-  for (std::string name; std::getline(stream, name, '+');) to[name] = value;
-}
-
 // A plan file's lines, spelt as a study's.
 std::map<std::string, std::string> plan_lines(const std::string& file) {
   std::map<std::string, std::string> lines;
   const toml::table plan = parse_toml(read_file(file), file);
   for (const auto& [section, keys] : plan)
     if (const toml::table* table = keys.as_table())
-      for (const auto& [key, value] : *table) {
-        std::string& line = lines[fmt::format("{}.{}", section.str(), key.str())];
-        if (const auto* text = value.as_string())
-          line = text->get();
-        else if (const auto* flag = value.as_boolean())
-          line = flag->get() ? "true" : "false";
-        else if (const auto* whole = value.as_integer())
-          line = fmt::format("{}", whole->get());
-        else if (const auto* number = value.as_floating_point())
-          line = toml_number(number->get());
-      }
+      for (const auto& [key, value] : *table)
+        lines[fmt::format("{}.{}", section.str(), key.str())] = value_text(value);
   return lines;
 }
 
@@ -407,11 +391,11 @@ void read_outcome(const std::string& folder, const LineValues& base, StudyOutcom
     row.scene = point.at("scene").get<std::string>();
     row.settings =
         plan_lines(fmt::format("{}/plans/{}.toml", folder, point.at("plan").get<std::string>()));
-    for (const auto& [names, value] : base) set_lines(names, value, row.settings);
-    for (const auto& [names, value] : point.at("lines").items()) {
-      set_lines(names, value.get<std::string>(), row.lines);
-      set_lines(names, value.get<std::string>(), row.settings);
-    }
+    LineValues own;
+    for (const auto& [names, value] : point.at("lines").items())
+      own.emplace_back(names, value.get<std::string>());
+    for (const auto& [name, value] : joined_lines({}, own)) row.lines[name] = value;
+    for (const auto& [name, value] : joined_lines(base, own)) row.settings[name] = value;
     for (const auto& [name, value] : point.at("values").items()) {
       row.values[name] = number(value.at("mean"));
       row.errors[name] = number(value.at("error"));

@@ -125,16 +125,15 @@ Conclusion conclude_caching(const StudyOutcome& outcome) {
     if (!converged.empty() && without == images.end())
       conclusion.left_out.push_back(
           fmt::format("study caching_converged, scene {}: its table is left out, no point has the "
-                      "error without "
-                      "a cache; expected one with cache.present = false",
+                      "error without a cache; expected one with cache.present = false",
                       scene));
     if (counted.empty() && converged.empty()) continue;
     conclusion.page += fmt::format("### Cache on {}\n\n", scene);
     if (!counted.empty()) {
-      conclusion.page += measured(counted) +
-                         ":\n\n| accuracy | gathers avoided | rays saved | most "
-                         "records of a tile | "
-                         "samples in full tiles |\n|---|---|---|---|---|\n";
+      conclusion.page +=
+          measured(counted) +
+          ":\n\n| accuracy | gathers avoided | rays saved | most records of a tile | "
+          "samples in full tiles |\n|---|---|---|---|---|\n";
       for (const StudyRow* row : counted)
         conclusion.page +=
             fmt::format("| {} | {:.1f} % | {:.1f} % | {:.0f} | {:.0f} |\n", setting(*row),
@@ -147,11 +146,10 @@ Conclusion conclude_caching(const StudyOutcome& outcome) {
       conclusion.rows += converged.size();
       const double paths = (*without)->value("visible.relmse");
       conclusion.page += fmt::format(
-          "{}; without a cache the error against path tracing is "
-          "{:.2e}:\n\n"
+          "{}; without a cache the error against path tracing is {:.2e}:\n\n"
           "| accuracy | gathers avoided | relMSE to the image without | largest difference over "
-          "the "
-          "mean | error against path tracing | over that without |\n|---|---|---|---|---|---|\n",
+          "the mean | error against path tracing | over that without |\n"
+          "|---|---|---|---|---|---|\n",
           measured(converged), paths);
       double most = 0;
       std::string most_at = "none";

@@ -14,7 +14,6 @@
 
 #include "golden/numeric/strict_size.hpp"
 #include "golden/plan/plan_file.hpp"
-#include "golden/plan/toml.hpp"
 
 namespace photonloom {
 namespace {
@@ -38,14 +37,6 @@ uint64_t point_count(const Study& study) {
   for (const PointSet& set : study.sets)
     points += set.points() * (set.scenes.empty() ? study.scenes.size() : set.scenes.size());
   return points;
-}
-
-// As a plan's line takes it: without quotes, an integer in decimal digits whatever it is written
-// in. Messages have toml_text, which shows both.
-std::string value_text(const toml::node& node) {
-  if (const auto* i = node.as_integer()) return fmt::format("{}", i->get());
-  if (const auto* s = node.as_string()) return s->get();
-  return toml_text(node);
 }
 
 // An empty text where a '+' has no name before or after it.
@@ -457,6 +448,12 @@ class Parser {
 };
 
 }  // namespace
+
+std::string value_text(const toml::node& node) {
+  if (const auto* i = node.as_integer()) return fmt::format("{}", i->get());
+  if (const auto* s = node.as_string()) return s->get();
+  return toml_text(node);
+}
 
 bool PointSet::has_scene(size_t scene) const {
   return scenes.empty() || std::binary_search(scenes.begin(), scenes.end(), scene);

@@ -8,6 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include "golden/plan/toml.hpp"
+
 namespace photonloom {
 
 // What is wrong with a study: one sentence with file, line, key, and what was expected.
@@ -23,6 +25,9 @@ struct PointsError : StudyError {
 // Lines set in a point, (name, value as in a plan file), in the file's order. A name is
 // section.key of the plan, several of them joined by '+', or one of the study's own (kStudyLines).
 using LineValues = std::vector<std::pair<std::string, std::string>>;
+// A value as a plan's line takes it: without quotes, an integer in decimal digits whatever it is
+// written in. Messages have toml_text, which shows both.
+std::string value_text(const toml::node& node);
 
 // What a study sets beside the plan's lines.
 inline constexpr const char* kStudyLines[] = {"photons", "caustic_photons", "radius_scale",

@@ -3,7 +3,6 @@
 script says, and when golden agrees with it."""
 import json
 import shutil
-import subprocess
 import tempfile
 import unittest
 import unittest.mock
@@ -250,18 +249,6 @@ endmodule
                                        ({"m": ["ports"]}, {"n": "why"}, "no such module")):
             with self.assertRaisesRegex(Failure, word):
                 elastic.rows(modules, reasons, read)
-
-
-class Arguments(unittest.TestCase):
-    def refused(self, sentence: str, script: str, *arguments: str) -> None:
-        done = subprocess.run([ROOT / "scripts" / script, *arguments], capture_output=True, text=True)
-        self.assertRegex(done.stderr.splitlines()[-1], f"^{script}: .*{sentence}")
-        self.assertEqual(done.returncode, 2)
-
-    def test_wrong_ones_are_status_2(self) -> None:
-        self.refused("none: no such property in ", "formal", "none")
-        self.refused("--jobs: is 0, expected a whole number of at least 1$", "formal", "--jobs", "0")
-        self.refused("--limit: is 0, expected a number above 0$", "formal", "--limit", "0")
 
 
 if __name__ == "__main__":

@@ -44,6 +44,17 @@ class Scripts(unittest.TestCase):
         self.refused("--units: there is no none, expected some of ", "fpga-plans", "small", "--units", "none")
         self.refused("there is no option --none, expected ", "fpga-tools", "--none")
 
+    def test_units_of_the_sign_off(self) -> None:
+        for script in ("signoff", "mutate-auto"):
+            self.refused("none: no such unit, expected one of ", script, "none")
+        self.refused("--count: is 0, expected a whole number of at least 1$", "mutate-auto", "--count", "0", "--read")
+        self.refused("--seeds: is 0, expected a whole number of at least 1$", "faults", "--seeds", "0", "--join", "none.jsonl")
+
+    def test_proofs(self) -> None:
+        self.refused("none: no such property in ", "formal", "none")
+        self.refused("--jobs: is 0, expected a whole number of at least 1$", "formal", "--jobs", "0")
+        self.refused("--limit: is 0, expected a number above 0$", "formal", "--limit", "0")
+
     def test_a_board_is_a_name_and_no_path(self) -> None:
         for name in ("../boards/up5k", "./up5k", "up5k/", "", "."):
             with self.assertRaisesRegex(UnknownBoard, "^there is no board "):

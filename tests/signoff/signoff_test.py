@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
 """What the sign-off reads and plants: counters, holes, mutants."""
-import subprocess
 import tempfile
 import unittest
 from pathlib import Path
@@ -241,19 +240,6 @@ class Evidence(unittest.TestCase):
     def test_figures_are_rounded_down(self) -> None:
         self.assertIn("99.99 %", page.row(page.Figure("line", 99999, 100000)))
         self.assertIn("MISSED", page.row(page.Figure("toggle", 89, 100)))
-
-
-class Arguments(unittest.TestCase):
-    def refused(self, sentence: str, script: str, *arguments: str) -> None:
-        done = subprocess.run([ROOT / "scripts" / script, *arguments], capture_output=True, text=True)
-        self.assertRegex(done.stderr.splitlines()[-1], f"^{script}: .*{sentence}")
-        self.assertEqual(done.returncode, 2)
-
-    def test_wrong_ones_are_status_2(self) -> None:
-        self.refused("none: no such unit, expected one of ", "signoff", "none")
-        self.refused("none: no such unit, expected one of ", "mutate-auto", "none", "--read")
-        self.refused("--count: is 0, expected a whole number of at least 1$", "mutate-auto", "--count", "0", "--read")
-        self.refused("--seeds: is 0, expected a whole number of at least 1$", "faults", "--seeds", "0", "--join", "none.jsonl")
 
 
 if __name__ == "__main__":
