@@ -4,11 +4,14 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
 
 #include <tbb/parallel_for.h>
 
 #include "golden/numeric/elementary.hpp"
+#include "golden/numeric/random.hpp"
 #include "golden/transport/bsdf.hpp"
 #include "golden/transport/emitters.hpp"
 
@@ -85,6 +88,21 @@ Primitive uneven_primitive(const Shape& s) {
   p.area = uneven_area(p);
   p.inward = s.flip_normals;
   return p;
+}
+
+// The same for corners in any order.
+uint64_t hash_of_corners(const Primitive& p) {
+  uint64_t sum = 0;
+  for (const Vec3& v : {p.a, p.b, p.c}) {
+    const auto bits = [](double x) { return std::bit_cast<uint64_t>(x + 0.0); };  // no -0
+    sum += hash_bits(bits(v.x), bits(v.y), bits(v.z), 0);
+  }
+  return sum;
+}
+
+bool has_corners_of(const Primitive& p, const Primitive& q) {
+  const std::array<Vec3, 3> a{p.a, p.b, p.c}, b{q.a, q.b, q.c};
+  return std::is_permutation(a.begin(), a.end(), b.begin());
 }
 
 // Half the extent of a disk, or of an uneven cylinder's end, along each axis.
@@ -206,6 +224,45 @@ void World::add_primitives() {
     throw SceneError(file_of(scene_) + ": the scene has no shapes with area");
   add_instances();
   measure();
+  warn_of_twins();
+}
+
+bool World::differ(const Primitive& p, const Primitive& q) const {
+  if (scene_.shapes[p.shape].radiance || scene_.shapes[q.shape].radiance) return true;
+  const bool turned = glm::dot(p.normal, q.normal) < 0;
+  for (const bool side : {true, false})
+    if (bsdf(p.shape, side) != bsdf(q.shape, side != turned)) return true;
+  return false;
+}
+
+void World::warn_of_twins() {
+  std::vector<std::pair<uint64_t, uint32_t>> by_hash;
+  for (uint32_t i = 0; i < size(); ++i)
+    if (primitives_[i].kind == PrimitiveKind::kTriangle)
+      by_hash.emplace_back(hash_of_corners(primitives_[i]), i);
+  std::sort(by_hash.begin(), by_hash.end());
+  size_t twins = 0;
+  const Primitive *first = nullptr, *its_twin = nullptr;
+  for (size_t i = 1; i < by_hash.size(); ++i) {
+    if (by_hash[i].first != by_hash[i - 1].first) continue;
+    const Primitive &p = primitives_[by_hash[i - 1].second], &q = primitives_[by_hash[i].second];
+    // Shapes of a group and others are in different spaces.
+    if (scene_.shapes[p.shape].group != scene_.shapes[q.shape].group || !has_corners_of(p, q) ||
+        !differ(p, q))
+      continue;
+    if (++twins == 1) first = &p, its_twin = &q;
+  }
+  if (twins == 0) return;
+  const auto name = [&](const Primitive& p) {
+    const std::string& id = scene_.shapes[p.shape].id;
+    return fmt::format("triangle {} of shape {}{}", p.index, p.shape,
+                       id.empty() ? "" : " (" + id + ")");
+  };
+  scene_.warnings.push_back(fmt::format(
+      "{}: {} triangles have the corners of another that has another BSDF or a lamp, the first {} "
+      "and {}: which of the two a ray meets is not defined, and images of different renderers may "
+      "differ; expected one of each",
+      file_of(scene_), twins, name(*first), name(*its_twin)));
 }
 
 namespace {
@@ -422,7 +479,7 @@ void World::add_emitters() {
       throw SceneError(
           fmt::format("{}: a sphere or cylinder of uneven scales emits, expected equal "
                       "scales or a mesh",
-                      scene_.name));
+                      file_of(scene_)));
     p.emitter = static_cast<int32_t>(emitters_.size());
     Emitter e;
     e.primitive = static_cast<int32_t>(i);

@@ -210,6 +210,9 @@ class World {
   void add_shape(uint32_t shape);
   void add_instances();
   void measure();
+  // Whether it matters which of two triangles of equal corners a ray meets.
+  bool differ(const Primitive& p, const Primitive& q) const;
+  void warn_of_twins();
   void add_emitters();
   void add_coats();
   Rgb texture_at(int index, const Hit& hit) const;

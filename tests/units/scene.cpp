@@ -8,6 +8,7 @@
 
 #include "golden/numeric/elementary.hpp"
 #include "golden/transport/emitters.hpp"
+#include "golden/transport/world.hpp"
 #include "tests/catch.hpp"
 #include "tests/scene_files.hpp"
 
@@ -991,4 +992,35 @@ TEST_CASE("meshes are read at once: a file of several shapes, errors in the file
   folder.write("bad.obj", kTriangle);
   CHECK_THROWS_WITH(load_scene(file),
                     ContainsSubstring("scene.xml:4") && ContainsSubstring("none.obj"));
+}
+
+TEST_CASE("triangles of equal corners are told of where it matters which of them is met") {
+  const std::string diffuse = "<bsdf type=\"diffuse\"/>", lamp = "<emitter type=\"area\"/>",
+                    away = "<transform name=\"toWorld\"><translate x=\"5\"/></transform>";
+  const auto warnings = [](const std::string& first, const std::string& second) {
+    const auto shape = [](const std::string& id, const std::string& inside) {
+      return "<shape type=\"rectangle\" id=\"" + id + "\">" + inside + "</shape>";
+    };
+    const World world(load_body(shape("floor", first) + shape("rug", second)));
+    return world.scene().warnings;
+  };
+  const auto one = warnings(diffuse, diffuse);
+  REQUIRE(one.size() == 1);
+  CHECK_THAT(one[0], ContainsSubstring("scene.xml: 2 triangles have the corners of another") &&
+                         ContainsSubstring("the first triangle 0 of shape 0 (floor) and triangle 0 "
+                                           "of shape 1 (rug)"));
+  CHECK(warnings(lamp, lamp).size() == 1);
+  CHECK(warnings(diffuse, away).empty());
+  const std::string shared = "<bsdf type=\"diffuse\" id=\"paint\"/>";
+  CHECK(World(load_body(shared + "<shape type=\"rectangle\"><ref id=\"paint\"/></shape>"
+                                 "<shape type=\"rectangle\"><ref id=\"paint\"/></shape>"))
+            .scene()
+            .warnings.empty());
+  // The same surface seen from the other side is black.
+  CHECK(World(load_body(shared +
+                        "<shape type=\"rectangle\"><ref id=\"paint\"/></shape><shape "
+                        "type=\"rectangle\"><boolean name=\"flipNormals\" value=\"true\"/><ref "
+                        "id=\"paint\"/></shape>"))
+            .scene()
+            .warnings.size() == 1);
 }
