@@ -702,7 +702,7 @@ class Renderer {
     counts_.full += r.full;
   }
 
-  // The estimate of semantics section 3 with nothing quantised.
+  // The estimate of docs/frame.md with nothing quantised.
   Rgb estimate_in_double(const ReferenceGather& map, const MapPlan& m, const DiffuseHit& hit,
                          const Rgb& weight) const {
     thread_local std::vector<ReferenceNeighbour> found;

@@ -17,7 +17,7 @@ from program import Failure, Program
 SOURCE = Path(__file__).resolve().parents[2]
 PAGE = SOURCE / "docs" / "plan.md"
 MARKS = ("<!-- ranges -->\n", "<!-- end of ranges -->\n")
-SECTIONS = ("photon", "global", "caustic", "gather", "gatherer", "reorder", "sampler", "cache")
+SECTIONS = ("photon", "global", "caustic", "gather", "gatherer", "reorder", "sampler", "cache", "board", "frame", "pixel")
 
 
 def expected(program: Program, plan: Path, line: str) -> str:
