@@ -177,6 +177,42 @@ TEST_CASE("a planted bug is reported with a command that shows it, and reaches t
   CHECK_FALSE(summary["command"].get<std::string>().empty());
 }
 
+TEST_CASE("a counter of the RTL that is not golden's fails the run") {
+  const Scratch scratch;
+  std::filesystem::copy(source("rtl"), scratch / "rtl", std::filesystem::copy_options::recursive);
+  const std::string file = scratch / "rtl/irradiance_cache/irradiance_cache.sv";
+  std::string text = read_file(file);
+  const std::string right = ".event_i(wanted && !room)";
+  REQUIRE(text.find(right) != std::string::npos);
+  text.replace(text.find(right), right.size(), ".event_i(wanted && !wanted)");
+  write_file(file, text);
+  const std::string cached =
+      "--set cache.present=true --set cache.records=3 --backend irradiance_cache=rtl ";
+  const Outcome o = run(cosim(cached + "--rtl " + (scratch / "rtl") + " -o " + (scratch / "out")));
+  INFO(o.out << o.err);
+  CHECK(o.status == 1);
+  CHECK_THAT(o.err,
+             ContainsSubstring("photonloom: unit irradiance_cache: counts 0 full, expected ") &&
+                 ContainsSubstring(" as golden\n  again, with a waveform:\n"));
+  CHECK(!std::filesystem::exists(scratch / "out"));
+}
+
+TEST_CASE("a waveform never replaces what the frame is made of") {
+  const Scratch scratch;
+  const std::string plan = scratch / "plan.toml", scene = source("scenes/cornell_balls.xml");
+  REQUIRE(run(fmt::format("plan {} --size 4x4 --spp 1 --gather-rays 2 --photons 300 -o {}", scene,
+                          plan))
+              .status == 0);
+  const std::string before = read_file(plan);
+  const Outcome o =
+      run(fmt::format("cosim {} --plan {} --work cosim -o {} --wave {} --wave-unit reorder_buffer",
+                      scene, plan, scratch / "out", plan));
+  CHECK(o.status == 1);
+  CHECK(o.one_error_line());
+  CHECK_THAT(o.err, ContainsSubstring(plan + ": is the input"));
+  CHECK(read_file(plan) == before);
+}
+
 TEST_CASE("an assertion of the RTL that fails is reported like a difference") {
   const Scratch scratch;
   std::filesystem::copy(source("rtl"), scratch / "rtl's", std::filesystem::copy_options::recursive);

@@ -130,11 +130,11 @@ class PassThrough final : public ReorderBuffer {
   Counters counters() const override { return {}; }
 };
 
-std::vector<GatherQuery> packets(Fault fault) {
+std::vector<GatherQuery> packets(Fault fault, uint32_t at = 123) {
   std::vector<GatherQuery> list;
   for (uint32_t i = 0; i < 300; ++i) {
     GatherQuery q{};
-    q.pixel = i == 123 ? static_cast<uint32_t>(fault) : 100u;
+    q.pixel = i == at ? static_cast<uint32_t>(fault) : 100u;
     q.sample = i % 16;
     q.position = {i, 2 * i, 40000 + i};
     list.push_back(q);
@@ -143,7 +143,7 @@ std::vector<GatherQuery> packets(Fault fault) {
 }
 
 // What the rig says of a run; empty when all is well.
-std::string verdict(Fault fault, const std::string& stall) {
+std::string verdict(Fault fault, const std::string& stall, uint32_t at = 123) {
   PassThrough golden;
   CompareContext context;
   context.unit = "reorder_buffer";
@@ -152,11 +152,14 @@ std::string verdict(Fault fault, const std::string& stall) {
     const auto rtl = make_rtl_reorder_buffer(plan(), options(stall));
     const auto both = compare_units(plan(), context, golden, *rtl);
     std::vector<GatherQuery> out;
-    both->process(packets(fault), out);
+    both->process(packets(fault, at), out);
     rtl->finish();
     CHECK(both->compared() == 300);
     CHECK(rtl->counters().at("packets") == 300);
     CHECK((stall == "none") == (rtl->counters().at("stalls out") == 0));
+  } catch (const RigError& error) {
+    CHECK(error.cycle);  // so that a report's command has a window
+    return error.what();
   } catch (const std::exception& error) {
     return error.what();
   }
@@ -189,12 +192,83 @@ TEST_CASE("every way of being wrong is reported") {
                                           ContainsSubstring("in: valid 1 ready 0"));
   CHECK_THAT(verdict(kDouble, "none"),
              ContainsSubstring("packet 124 differs") || ContainsSubstring("one too many"));
+  CHECK_THAT(verdict(kDouble, "none", 299),
+             ContainsSubstring("is one too many: every packet owed had come out; it is "
+                               "{\"pixel\": 3, "));
   CHECK_THAT(verdict(kWithdraw, "adversary"), ContainsSubstring("valid was withdrawn"));
   CHECK_THAT(verdict(kAlter, "adversary"), ContainsSubstring("the packet changed"));
   CHECK_THAT(verdict(kAssert, "none"), ContainsSubstring("unit reorder_buffer stopped in cycle ") &&
                                            ContainsSubstring("an assertion failed") &&
                                            ContainsSubstring(", 124 accepted, ") &&
                                            ContainsSubstring("out: valid "));
+}
+
+namespace {
+
+// One query's answer of two photons, each stream with what is wrong in it and the cycles in which
+// it came.
+class Answering final : public ClockedPhotonGatherer {
+ public:
+  uint64_t wrong_flux = 0, flux_cycle = 0;
+  uint32_t wrong_photon = 0;
+  std::vector<uint64_t> photon_cycles = {20, 21};
+
+  void load(const PhotonMap&, const PhotonMap&) override {}
+  void process(std::span<const GatherQuery> in, std::vector<GatherResult>& results,
+               std::vector<GatherPhoton>& photons) override {
+    for (size_t i = 0; i < in.size(); ++i) {
+      GatherResult r{};
+      r.count = 2;
+      r.flux[0] = wrong_flux;
+      results.push_back(r);
+      for (uint32_t p = 0; p < 2; ++p) {
+        GatherPhoton photon{};
+        photon.exponent = p == 1 ? wrong_photon : 0;
+        photons.push_back(photon);
+      }
+    }
+    result_cycles_ = {flux_cycle};
+  }
+  Counters counters() const override { return {}; }
+  uint64_t cycles() const override { return 100; }
+  std::span<const uint64_t> in_cycles() const override { return {}; }
+  std::span<const uint64_t> out_cycles(int stream) const override {
+    return stream == 0 ? result_cycles_ : photon_cycles;
+  }
+  void finish() override {}
+
+ private:
+  std::vector<uint64_t> result_cycles_;
+};
+
+}  // namespace
+
+TEST_CASE("of two streams the packet that was wrong first is reported") {
+  GatherQuery query{};
+  query.want_photons = true;
+  const auto said = [&](uint64_t flux_cycle, bool keep_going) {
+    Answering golden, other;
+    other.wrong_flux = 5;
+    other.flux_cycle = flux_cycle;
+    other.wrong_photon = 3;
+    CompareContext context;
+    context.unit = "photon_gatherer";
+    context.keep_going = keep_going;
+    const auto both = compare_units(plan(), context, golden, other);
+    std::vector<GatherResult> results;
+    std::vector<GatherPhoton> photons;
+    try {
+      both->process(std::span(&query, 1), results, photons);
+    } catch (const Divergence& divergence) {
+      return std::string(divergence.what());
+    }
+    CHECK(both->differences() == 2);
+    return both->first_report();
+  };
+  for (const bool keep_going : {false, true}) {
+    CHECK_THAT(said(22, keep_going), ContainsSubstring("stream photon: packet 1 differs"));
+    CHECK_THAT(said(20, keep_going), ContainsSubstring("stream result: packet 0 differs"));
+  }
 }
 
 TEST_CASE("a waveform holds the window that was asked for") {

@@ -185,36 +185,6 @@ uint64_t run_plan(const std::string& program, const Bench& bench, const BenchPla
 
 }  // namespace
 
-void check_counters(const std::string& unit, const Counters& golden, const Counters& hardware,
-                    uint64_t cycles) {
-  const auto expect = [&](const std::string& name, uint64_t due, const char* whose) {
-    const auto counted = hardware.find(name);
-    if (counted != hardware.end() && counted->second != (due & 0xffffffff))
-      throw std::runtime_error(fmt::format("unit {}: counts {} {}, expected {} as {}", unit,
-                                           counted->second, name, due, whose));
-  };
-  for (const auto& [name, count] : golden) expect(name, count, "golden");
-  const auto seen = [&](const std::string& name) {
-    const auto at = hardware.find(name);
-    return at == hardware.end() ? 0 : at->second;
-  };
-  // Cycles of some kind are some of all cycles.
-  for (const auto& [name, count] : hardware)
-    if ((name.starts_with("cycles ") || name == "busy" || name == "choice waits" ||
-         name.starts_with("stalled ")) &&
-        count > cycles)
-      throw std::runtime_error(fmt::format(
-          "unit {}: counts {} {}, expected no more than the {} cycles", unit, count, name, cycles));
-  if (seen("cycles waiting") > seen("cycles busy"))
-    throw std::runtime_error(fmt::format("unit {}: waits {} of {} busy cycles", unit,
-                                         seen("cycles waiting"), seen("cycles busy")));
-  // Of a unit with two outputs the rig adds up both.
-  if (!hardware.contains("stalled in")) return;
-  expect("stalled in", seen("stalls in"), "the rig");
-  expect("cache misses", seen("line requests"), "the rig");
-  expect("stalled results", seen("stalls out") - seen("stalled photons"), "the rig");
-}
-
 bool runs_freely(const RunOptions& options) {
   const auto free = [](const StallPolicy& policy) {
     return policy.kind == StallPolicy::Kind::kNone;

@@ -48,11 +48,6 @@ struct Bench {
 };
 int bench_main(int argc, char** argv, const Bench& bench);
 
-// What golden counts under a name of the hardware's, and what the rig sees at its ports, the
-// hardware has counted too; an error names the counter. To be called once nothing is under way.
-void check_counters(const std::string& unit, const Counters& golden, const Counters& hardware,
-                    uint64_t cycles);
-
 // Whether nothing holds the hardware's streams back and no reset comes. A kernel has no cycles.
 bool runs_freely(const RunOptions& options);
 

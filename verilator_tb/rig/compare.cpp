@@ -4,6 +4,7 @@
 #include <fmt/core.h>
 
 #include "golden/packet/trace.hpp"
+#include "verilator_tb/rig/rig.hpp"
 
 namespace photonloom {
 
@@ -23,10 +24,13 @@ StreamComparer::StreamComparer(const PacketLayout& layout, std::string stream,
                                const CompareContext& context)
     : layout_(layout), stream_(std::move(stream)), context_(context) {}
 
-void StreamComparer::report(const std::string& text) {
+void StreamComparer::report(const std::string& text, uint64_t cycle) {
   ++differences_;
-  if (first_report_.empty()) first_report_ = text;
-  if (!context_.keep_going) throw Divergence(text);
+  if (first_report_.empty()) {
+    first_report_ = text;
+    first_cycle_ = cycle;
+  }
+  if (!context_.keep_going) throw Divergence(text, cycle);
 }
 
 void StreamComparer::differ(const void* golden, const void* other, uint64_t cycle,
@@ -54,15 +58,45 @@ void StreamComparer::differ(const void* golden, const void* other, uint64_t cycl
                           f.array ? fmt::format("{}[{}]", f.name, i) : f.name, a, b,
                           f.unit.empty() ? "" : "  ", f.unit);
     }
-  report(text + again_text(context_, cycle));
+  report(text + again_text(context_, cycle), cycle);
 }
 
 void StreamComparer::count_differs(size_t golden, size_t other) {
-  report(
-      fmt::format("{}, stream {}: {} packets where golden gives {}, after {} compared; seed {}, "
-                  "plan {}{}{}",
-                  context_.unit, stream_, other, golden, compared_, context_.seed, context_.plan,
-                  context_.rerun.empty() ? "" : "\n  again: ", context_.rerun));
+  report(fmt::format("{}, stream {}: {} packets where golden gives {}, after {} compared; seed {}, "
+                     "plan {}{}{}",
+                     context_.unit, stream_, other, golden, compared_, context_.seed, context_.plan,
+                     context_.rerun.empty() ? "" : "\n  again: ", context_.rerun),
+         kNoCycle);
+}
+
+void check_counters(const std::string& unit, const Counters& golden, const Counters& hardware,
+                    uint64_t cycles) {
+  const auto expect = [&](const std::string& name, uint64_t due, const char* whose) {
+    const auto counted = hardware.find(name);
+    if (counted != hardware.end() && counted->second != (due & 0xffffffff))
+      throw RigError(unit, fmt::format(": counts {} {}, expected {} as {}", counted->second, name,
+                                       due & 0xffffffff, whose));
+  };
+  for (const auto& [name, count] : golden) expect(name, count, "golden");
+  const auto seen = [&](const std::string& name) {
+    const auto at = hardware.find(name);
+    return at == hardware.end() ? 0 : at->second;
+  };
+  // Cycles of some kind are some of all cycles.
+  for (const auto& [name, count] : hardware)
+    if ((name.starts_with("cycles ") || name == "busy" || name == "choice waits" ||
+         name.starts_with("stalled ")) &&
+        count > cycles)
+      throw RigError(unit, fmt::format(": counts {} {}, expected no more than the {} cycles", count,
+                                       name, cycles));
+  if (seen("cycles waiting") > seen("cycles busy"))
+    throw RigError(unit, fmt::format(": waits {} of {} busy cycles", seen("cycles waiting"),
+                                     seen("cycles busy")));
+  // Of a unit with two outputs the rig adds up both.
+  if (!hardware.contains("stalled in")) return;
+  expect("stalled in", seen("stalls in"), "the rig");
+  expect("cache misses", seen("line requests"), "the rig");
+  expect("stalled results", seen("stalls out") - seen("stalled photons"), "the rig");
 }
 
 }  // namespace photonloom

@@ -4,19 +4,23 @@
 #pragma once
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <optional>
 #include <span>
 #include <stdexcept>
 #include <string>
 
 #include "golden/packet/layout.hpp"
+#include "golden/unit/backend.hpp"
 #include "verilator_tb/rig/timeline.hpp"
 
 namespace photonloom {
 
 // The first wrong packet; what() is the whole report.
 struct Divergence : std::runtime_error {
-  using std::runtime_error::runtime_error;
+  Divergence(const std::string& report, uint64_t at_cycle)
+      : std::runtime_error(report), cycle(at_cycle) {}
+  uint64_t cycle;  // in which it came; the greatest where that is not known
 };
 
 // Where a comparison stands, for its report.
@@ -62,16 +66,26 @@ class StreamComparer {
   uint64_t compared() const { return compared_; }
   uint64_t differences() const { return differences_; }
   const std::string& first_report() const { return first_report_; }
+  // The cycle of the first difference, as Divergence has it; the greatest where there is none.
+  uint64_t first_cycle() const { return first_cycle_; }
 
  private:
+  static constexpr uint64_t kNoCycle = std::numeric_limits<uint64_t>::max();
   void differ(const void* golden, const void* other, uint64_t cycle, const std::string& input);
   void count_differs(size_t golden, size_t other);
-  void report(const std::string& text);
+  void report(const std::string& text, uint64_t cycle);
   PacketLayout layout_;
   std::string stream_;
   CompareContext context_;
   uint64_t compared_ = 0, matched_ = 0, differences_ = 0;
   std::string first_report_;
+  uint64_t first_cycle_ = kNoCycle;
 };
+
+// What golden counts under a name of the hardware's, and what the rig sees at its ports, the
+// hardware has counted too; a RigError names the counter. To be called once nothing is
+// under way.
+void check_counters(const std::string& unit, const Counters& golden, const Counters& hardware,
+                    uint64_t cycles);
 
 }  // namespace photonloom

@@ -512,9 +512,11 @@ void Rig::run_until(const std::function<bool()>& done) {
   while (!done()) {
     cycle();
     if (quiet_ < options_.watchdog) continue;
-    throw RigError(unit_, fmt::format(" is stuck: nothing moved for {} cycles before cycle {}, "
-                                      "seed {}{}",
-                                      quiet_, cycle_, options_.seed, streams()));
+    throw RigError(unit_,
+                   fmt::format(" is stuck: nothing moved for {} cycles before cycle {}, "
+                               "seed {}{}",
+                               quiet_, cycle_, options_.seed, streams()),
+                   cycle_ - quiet_);
   }
 }
 

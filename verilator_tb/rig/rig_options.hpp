@@ -25,6 +25,7 @@ class RigFlags {
   static std::vector<std::string> waveform_options() {
     return {"--wave", "--wave-unit", "--wave-cycles"};
   }
+  const std::string& waveform() const { return wave_; }  // a file, or empty
   const std::string& wave_unit() const { return wave_unit_; }
   const std::string& netlist() const { return netlist_; }  // a file, or empty
   // After a run: an error where the waveform is of `unit`, but of no cycle that came.

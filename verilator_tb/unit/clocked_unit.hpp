@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "golden/packet/layout.hpp"
+#include "golden/packet/trace.hpp"
 #include "golden/unit/backend.hpp"
 #include "verilator_tb/rig/rig.hpp"
 
@@ -47,6 +48,12 @@ class PacketTaker {
     return packet;
   }
   const Taker& stream() const { return taker_; }
+  // The next one in JSON.
+  std::string front_text() const {
+    P packet{};
+    layout_.unpack(taker_.front(), &packet);
+    return packet_to_json(layout_, &packet);
+  }
 
  private:
   PacketLayout layout_;
@@ -64,13 +71,17 @@ inline void add_port_counters(const Rig& rig, Counters& counters) {
 }
 
 // Clocks on for a while; a packet that comes out now was never owed.
-inline void expect_silence(Rig& rig, const std::string& unit, const Taker& taker, int latency) {
+template <class P>
+void expect_silence(Rig& rig, const std::string& unit, PacketTaker<P>& out, int latency) {
   for (int i = 0; i < 200 + 4 * latency; ++i) rig.cycle();
-  if (taker.waiting())
-    throw RigError(unit,
-                   fmt::format(", stream {}: packet {} in cycle {} is one too many: every "
-                               "packet owed had come out",
-                               taker.name(), taker.taken() - taker.waiting(), taker.front_cycle()));
+  if (!out.waiting()) return;
+  const Taker& taker = out.stream();
+  const uint64_t number = taker.taken() - taker.waiting(), cycle = taker.front_cycle();
+  throw RigError(unit,
+                 fmt::format(", stream {}: packet {} in cycle {} is one too many: every packet "
+                             "owed had come out; it is {}",
+                             taker.name(), number, cycle, out.front_text()),
+                 cycle);
 }
 
 }  // namespace photonloom

@@ -8,8 +8,10 @@
 #include <array>
 #include <deque>
 #include <iterator>
+#include <optional>
 #include <string>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 #include "golden/packet/trace.hpp"
@@ -44,15 +46,21 @@ class ComparingStreams : public Comparing<Unit> {
           golden_.process(in, golden...);
           other_.process(in, out...);
           size_t n = 0;
+          std::optional<Divergence> first;  // of all streams
           const auto compare = [&]<class P>(const std::vector<P>& expected,
                                             const std::vector<P>& all) {
             const size_t stream = n++;
-            comparers_[stream].template compare<P>(
-                expected, std::span(all).subspan(before[stream]),
-                out_cycles(static_cast<int>(stream)),
-                [&](size_t i) { return input(stream, i, in, golden...); });
+            try {
+              comparers_[stream].template compare<P>(
+                  expected, std::span(all).subspan(before[stream]),
+                  out_cycles(static_cast<int>(stream)),
+                  [&](size_t i) { return input(stream, i, in, golden...); });
+            } catch (const Divergence& divergence) {
+              if (!first || divergence.cycle < first->cycle) first = divergence;
+            }
           };
           (compare(golden, out), ...);
+          if (first) throw Divergence(*first);
           n = 0;
           const auto tail = [&]<class P>(const std::vector<P>& all) {
             return std::span<const P>(all).subspan(before[n++]);
@@ -80,9 +88,12 @@ class ComparingStreams : public Comparing<Unit> {
     return sum;
   }
   std::string first_report() const final {
-    for (const StreamComparer& c : comparers_)
-      if (!c.first_report().empty()) return c.first_report();
-    return "";
+    return std::min_element(comparers_.begin(), comparers_.end(),
+                            [](const StreamComparer& a, const StreamComparer& b) {
+                              return std::pair(a.first_report().empty(), a.first_cycle()) <
+                                     std::pair(b.first_report().empty(), b.first_cycle());
+                            })
+        ->first_report();
   }
 
  protected:

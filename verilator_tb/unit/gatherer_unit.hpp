@@ -81,8 +81,8 @@ class GathererUnit : public ClockedPhotonGatherer {
     return stream == 0 ? result_cycles_ : photon_cycles_;
   }
   void finish() override {
-    expect_silence(rig_, unit_, results_.stream(), silence_);
-    expect_silence(rig_, unit_, photons_.stream(), silence_);
+    expect_silence(rig_, unit_, results_, silence_);
+    expect_silence(rig_, unit_, photons_, silence_);
   }
 
  protected:

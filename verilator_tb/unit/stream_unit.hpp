@@ -51,7 +51,7 @@ class StreamUnit : public ClockedUnit<Unit> {
   uint64_t cycles() const final { return rig_.cycles(); }
   std::span<const uint64_t> in_cycles() const final { return in_cycles_; }
   std::span<const uint64_t> out_cycles(int) const final { return out_cycles_; }
-  void finish() final { expect_silence(rig_, unit_name<Unit>, out_.stream(), latency_); }
+  void finish() final { expect_silence(rig_, unit_name<Unit>, out_, latency_); }
 
  protected:
   // How many packets come out because this one goes in after those before it.
