@@ -29,11 +29,12 @@ refuses() {  # SCRIPT ARGUMENT...
   unchanged "$script $*"
 }
 for name in plan-promise tradeoffs cycle-fit time-to-image scene-table studies soak demo gallery precision references asan tsan \
-  golden-images fuzz bench; do
+  golden-images fuzz bench board-sim; do
   helps "$name"
   refuses "$name" --nonsense
 done
-refuses plan-promise work none
+refuses plan-promise work/ none
+refuses plan-promise none
 refuses tradeoffs --check work
 refuses tradeoffs work more
 refuses cycle-fit none.csv
