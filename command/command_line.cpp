@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "command/command_line.hpp"
 
+#include <fmt/core.h>
+
 #include <algorithm>
+#include <cstdlib>
 #include <fstream>
 #include <iterator>
 #include <utility>
@@ -14,6 +17,10 @@ std::string command_line(const std::vector<std::string>& without) {
   std::ifstream in("/proc/self/cmdline", std::ios::binary);
   const std::string all{std::istreambuf_iterator<char>(in), {}};
   std::string text;
+  for (const char* name : {"PHOTONLOOM_RTL", "PHOTONLOOM_HLS", "PHOTONLOOM_BOARDS"})
+    if (const char* folder = std::getenv(name); folder && *folder)
+      text +=
+          fmt::format("{}{}={}", text.empty() ? "" : " ", name, model_tools::shell_word(folder));
   bool value_follows = false;
   for (size_t at = 0; at < all.size();) {
     const std::string word = all.substr(at, all.find('\0', at) - at);

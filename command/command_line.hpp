@@ -6,7 +6,8 @@
 
 namespace photonloom {
 
-// As a shell takes it, without the options of `without` and their values.
+// As a shell takes it, without the options of `without` and their values; before it the variables
+// of the environment that choose sources.
 std::string command_line(const std::vector<std::string>& without = {});
 
 }  // namespace photonloom

@@ -75,6 +75,12 @@ Takes the place of \fI\(ti/.cache\fR.
 \fBPHOTONLOOM_RTL\fR
 Folder of the RTL sources, in place of that in \fBphotonloom \-\-data\-dir\fR.
 .TP
+\fBPHOTONLOOM_HLS\fR
+The same of the HLS kernels.
+.TP
+\fBPHOTONLOOM_BOARDS\fR
+The same of the boards.
+.TP
 \fBCXX\fR
 C++ compiler for simulation models, in place of \fBc++\fR.
 .SH EXIT STATUS

@@ -155,8 +155,8 @@ bool draw(const std::string& folder, const Plot& plot) {
     const std::string terminal = fmt::format("set terminal {} size {},{} background \"white\"",
                                              kind, plot.width, plot.height),
                       drawn = fmt::format("{}.{}", beside, kind);
-    const int status = std::system(
-        fmt::format("gnuplot -e {} {} >{}", quoted(terminal), quoted(file), quoted(drawn)).c_str());
+    const int status = model_tools::run_shell(
+        fmt::format("gnuplot -e {} {} >{}", quoted(terminal), quoted(file), quoted(drawn)));
     if (status != 0) {
       std::filesystem::remove(drawn);
       const bool is_missing = WIFEXITED(status) && WEXITSTATUS(status) == 127;

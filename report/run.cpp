@@ -134,6 +134,7 @@ Json read_packets(const std::string& path, Payloads& payloads) {
 Json resources_of(const Plan& plan) {
   Json units = Json::array();
   for (const std::string& unit : units_present(plan)) {
+    if (!is_predicted(unit)) continue;
     const UnitResources r = estimate_resources(plan, unit);
     Json entry = {{"unit", unit}};
     const std::pair<const char*, double> figures[] = {

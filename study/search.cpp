@@ -21,7 +21,8 @@ const char* const kProgram = PHOTONLOOM_SOURCE_DIR "/scripts/nsga2";
 // Empty: none.
 std::string python() {
   for (const char* candidate : {"python3", "/usr/bin/python3"})
-    if (std::system(fmt::format("{} -c 'import optuna' >/dev/null 2>&1", candidate).c_str()) == 0)
+    if (model_tools::run_shell(fmt::format("{} -c 'import optuna' >/dev/null 2>&1", candidate)) ==
+        0)
       return candidate;
   return {};
 }
@@ -48,9 +49,8 @@ std::vector<LineValues> next_generation(const PointSet& set, int generation,
   write_file(question, j.dump() + "\n");
   std::filesystem::remove(answer);
   using model_tools::quoted;
-  if (std::system(
-          fmt::format("{} {} {} {}", python(), quoted(kProgram), quoted(question), quoted(answer))
-              .c_str()) != 0)
+  if (model_tools::run_shell(fmt::format("{} {} {} {}", python(), quoted(kProgram),
+                                         quoted(question), quoted(answer))) != 0)
     throw std::runtime_error("scripts/nsga2 failed; see its message above");
   std::vector<LineValues> points;
   for (const auto& place : nlohmann::json::parse(read_file(answer))) {

@@ -194,6 +194,12 @@ TEST_CASE("a counter of the RTL that is not golden's fails the run") {
   CHECK_THAT(o.err,
              ContainsSubstring("photonloom: unit irradiance_cache: counts 0 full, expected ") &&
                  ContainsSubstring(" as golden\n  again, with a waveform:\n"));
+  // Sources that the environment chose are part of the command that runs it again.
+  setenv("PHOTONLOOM_RTL", (scratch / "rtl").c_str(), 1);
+  const Outcome chosen = run(cosim(cached + " -o " + (scratch / "out")));
+  unsetenv("PHOTONLOOM_RTL");
+  CHECK(chosen.status == 1);
+  CHECK_THAT(chosen.err, ContainsSubstring("\n    PHOTONLOOM_RTL=" + (scratch / "rtl") + " "));
   CHECK(!std::filesystem::exists(scratch / "out"));
 }
 
@@ -259,7 +265,9 @@ TEST_CASE("wrong use") {
         "--wave x.fst --wave-unit reorder_buffer --wave-cycles -1:3", "--stall bernoulli",
         "--stall 'bernoulli: 0.5'", "--stall bernoulli:0x0.8", "--latency ' 5'", "--yosys x",
         "--board-wait 3", "--no-resume", "--backend photon_gatherer=board:/dev/null --stall bursts",
-        "--backend photon_gatherer=board:/dev/null --initial-seed 3"}) {
+        "--backend photon_gatherer=board:/dev/null --initial-seed 3",
+        "--backend cdf_sampler=hls --rtl /nowhere", "--backend cdf_sampler=hls --latency 50",
+        "--backend cdf_sampler=hls --watchdog 5"}) {
     INFO(bad);
     const Outcome o = run(cosim(bad));
     CHECK(o.status == 2);

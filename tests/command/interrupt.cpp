@@ -4,7 +4,12 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+
 #include "golden/numeric/output_file.hpp"
+#include "golden/plan/plan_file.hpp"
 #include "tests/catch.hpp"
 #include "tests/command/run.hpp"
 
@@ -44,5 +49,48 @@ TEST_CASE("an interrupted render leaves no file and says so by its status") {
     REQUIRE(WIFEXITED(status));
     CHECK(WEXITSTATUS(status) == expected);
     CHECK(s.entries() == 0);
+  }
+}
+
+TEST_CASE("an interrupt while a tool builds a model ends the program, not the tool alone") {
+  for (const bool of_terminal : {true, false}) {  // to the group of processes, or to the program
+    INFO(of_terminal);
+    const Scratch s;
+    const std::string plan = s / "plan.toml", packets = s / "in.jsonl", started = s / "started";
+    Plan p;
+    p.global.present = true;
+    p.global.photons = 100;
+    p.global.r2_max = p.r2_limit();
+    write_plan(p, plan);
+    write_file(packets, "");
+    // A compiler that takes long.
+    write_file(s / "cxx", "#!/bin/sh\n[ \"$1\" != --version ] || { echo slow 1; exit 0; }\n: >'" +
+                              started + "'\nexec sleep 20\n");
+    std::filesystem::permissions(s / "cxx", std::filesystem::perms::owner_all);
+    const std::string program = photonloom::test::environment("PHOTONLOOM"), work = s / "work",
+                      output = s / "out.jsonl", error = s / "err", compiler = s / "cxx";
+    const pid_t child = fork();
+    if (child == 0) {
+      setpgid(0, 0);
+      setenv("CXX", compiler.c_str(), 1);
+      if (!std::freopen(error.c_str(), "w", stderr)) _exit(1);
+      execl(program.c_str(), program.c_str(), "replay", "reorder_buffer", "--plan", plan.c_str(),
+            "--packets", packets.c_str(), "--backend", "hls", "--work", work.c_str(), "-o",
+            output.c_str(), nullptr);
+      _exit(1);
+    }
+    int status = 0;
+    while (!std::filesystem::exists(started) && waitpid(child, &status, WNOHANG) == 0) usleep(1000);
+    REQUIRE(std::filesystem::exists(started));
+    kill(of_terminal ? -child : child, SIGINT);
+    REQUIRE(waitpid(child, &status, 0) == child);
+    kill(-child, SIGKILL);  // the compiler
+    const std::string said = read_file(error);
+    INFO(said);
+    REQUIRE(WIFEXITED(status));
+    CHECK(WEXITSTATUS(status) == 130);
+    CHECK(said.find("interrupted") != std::string::npos);
+    CHECK(said.find("failed") == std::string::npos);
+    CHECK_FALSE(std::filesystem::exists(output));
   }
 }

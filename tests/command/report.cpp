@@ -157,6 +157,26 @@ TEST_CASE("the page of a run holds its summary, plan, packets and images") {
   CHECK(r["resources"].size() == 3);
 }
 
+TEST_CASE(
+    "a run with an irradiance cache has a page, with resources of the units that have predicted "
+    "ones") {
+  const Scratch s;
+  const Outcome made = run(fmt::format(
+      "cosim {} --size 4x4 --spp 1 --gather-rays 4 --k 4 --photons 300 --set cache.present=true "
+      "--work cosim --backend irradiance_cache=rtl -o {}",
+      source("scenes/cornell.xml"), s / "run"));
+  INFO(made.err);
+  REQUIRE(made.status == 0);
+  const Outcome o = run(report(s / "run", s / "report.html"));
+  INFO(o.err);
+  REQUIRE(o.status == 0);
+  const Json data = Json::parse(block(read_file(s / "report.html"), "data"));
+  std::vector<std::string> units;
+  for (const Json& r : data["runs"][0]["resources"]) units.push_back(r["unit"]);
+  CHECK(units == std::vector<std::string>{"photon_gatherer", "cdf_sampler"});
+  CHECK(data["runs"][0]["summary"]["units"].contains("irradiance_cache"));
+}
+
 TEST_CASE("images of a page are the files' to the stated precision, equal ones stored once") {
   const Scratch s;
   REQUIRE(run(report(small_run(), s / "report.html")).status == 0);

@@ -3,12 +3,15 @@
 
 #include <fcntl.h>
 #include <fmt/core.h>
+#include <spawn.h>
 #include <sys/file.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -48,8 +51,26 @@ std::string output_of(const std::string& command) {
   return text;
 }
 
+int run_shell(const std::string& command) {
+  const char* const words[] = {"sh", "-c", command.c_str(), nullptr};
+  pid_t shell = 0;
+  if (const int error = posix_spawn(&shell, "/bin/sh", nullptr, nullptr,
+                                    const_cast<char* const*>(words), environ))
+    throw std::runtime_error(fmt::format("/bin/sh: cannot be run: {}", std::strerror(error)));
+  int status = 0;
+  while (waitpid(shell, &status, 0) < 0 && errno == EINTR) {
+  }
+  const bool interrupted =
+      WIFSIGNALED(status) ? WTERMSIG(status) == SIGINT : WEXITSTATUS(status) == 128 + SIGINT;
+  if (interrupted) {
+    raise(SIGINT);
+    sleep(10);  // who handles it ends the program, after what was half-written is gone
+  }
+  return status;
+}
+
 void run_tool(const std::string& command, const std::string& log, const std::string& what) {
-  if (std::system(fmt::format("( {} ) >{} 2>&1", command, quoted(log)).c_str()) == 0) return;
+  if (run_shell(fmt::format("( {} ) >{} 2>&1", command, quoted(log))) == 0) return;
   std::istringstream in(read_file(log));
   std::vector<std::string> lines;
   for (std::string line; std::getline(in, line);) lines.push_back(line);

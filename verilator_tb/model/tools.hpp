@@ -18,6 +18,9 @@ std::string quoted(const std::string& text);
 std::string shell_word(const std::string& text);
 // Output of a shell command; empty where it fails.
 std::string output_of(const std::string& command);
+// The status of a shell command, as wait() gives it. Unlike system() it does not hide an interrupt:
+// one that ended the command interrupts this program, and one of this program alone is not lost.
+int run_shell(const std::string& command);
 // Runs a shell command with its output in the file `log`; a failure is an error with the lines of
 // the log that say why.
 void run_tool(const std::string& command, const std::string& log, const std::string& what);

@@ -110,9 +110,11 @@ void RigFlags::check_netlist(size_t units) const {
 void RigFlags::refuse_unread(const std::set<ModelKind>& kinds) const {
   std::vector<std::string> unread;
   if (kinds.empty())
-    unread = {seed_flag_,      "--initial-seed", "--stall",   "--stall-in",
-              "--stall-out",   "--stall-memory", "--latency", "--banks",
-              "--bank-cycles", "--watchdog",     "--rtl"};
+    unread = {seed_flag_, "--initial-seed", "--stall", "--stall-in", "--stall-out"};
+  // A kernel has no cycles of its own, no line port and no RTL.
+  if (kinds.empty() || kinds == std::set{ModelKind::kHls})
+    unread.insert(unread.end(), {"--stall-memory", "--latency", "--banks", "--bank-cycles",
+                                 "--watchdog", "--rtl"});
   if (!kinds.count(ModelKind::kNetlist) && !kinds.count(ModelKind::kCxxrtl))
     unread.push_back("--yosys");
   for (const std::string& option : unread)
