@@ -120,17 +120,11 @@ extremes: ## cases at the ends of all ranges, with the RTL: docs/extremes.md; bo
 	@cmake --build build --target extremes
 	@scripts/extremes
 
-soak: ## PACKETS (10000000) random packets through the gatherer and the reorder buffer, golden beside RTL: docs/soak.md
-	@scripts/setup soak
-	@cmake --preset release
-	@cmake --build build --target bench_photon_gatherer bench_reorder_buffer
-	@scripts/soak $(PACKETS)
-
 # Wrong arguments are told before anything is built or fetched; without a Python yet, once scripts/setup brought it.
 JUDGED = ! command -v python3 >/dev/null ||
 FPGA_ARGUMENTS = $(if $(PLAN),"$(PLAN)") $(if $(BOARD),--board "$(BOARD)") $(if $(SEEDS),--seeds "$(SEEDS)") $(if $(UNITS),--units "$(UNITS)") $(if $(CLOCK),--clock "$(CLOCK)") $(FPGA_FLAGS)
 HEADLINE_ARGUMENTS = $(PLAN) $(if $(SEEDS),--seeds "$(SEEDS)") $(if $(CLOCK),--clock "$(CLOCK)") $(HEADLINE_FLAGS)
-.PHONY: fpga-arguments headline-arguments fpga-tools-arguments formal-arguments
+.PHONY: fpga-arguments headline-arguments fpga-tools-arguments formal-arguments soak-arguments
 fpga-arguments:
 	@$(JUDGED) scripts/fpga $(FPGA_ARGUMENTS) --dry-run
 headline-arguments:
@@ -139,6 +133,14 @@ fpga-tools-arguments:
 	@$(JUDGED) scripts/fpga $(if $(BOARD),--board "$(BOARD)") --dry-run
 formal-arguments:
 	@$(JUDGED) scripts/formal $(FORMAL_FLAGS) --list >/dev/null
+soak-arguments:
+	@scripts/soak --dry-run $(PACKETS)
+
+soak: soak-arguments ## PACKETS (10000000) random packets through the gatherer and the reorder buffer, golden beside RTL: docs/soak.md
+	@scripts/setup soak
+	@cmake --preset release
+	@cmake --build build --target bench_photon_gatherer bench_reorder_buffer
+	@scripts/soak $(PACKETS)
 
 FPGA_TOOLS = case "$(BOARD)" in arty-a7-100t | nexys-video) scripts/fpga-tools --xilinx ;; *) scripts/fpga-tools ;; esac
 

@@ -109,19 +109,17 @@ struct UnitReport {
   }
 };
 
-// A unit as hardware beside golden: what the comparison, which the frame has, stands in front of.
-struct Side {
-  std::shared_ptr<void> golden, hardware;
-  std::function<UnitReport()> report;  // once the frame is rendered
-};
-
+// Puts a unit as hardware beside golden into the frame; the report, to be asked for once the frame
+// is rendered, keeps both alive.
 template <class Unit>
-Side compare_in_frame(std::unique_ptr<Unit>& in_frame, const Plan& plan,
-                      const CompareContext& context, std::unique_ptr<Unit> hardware_unit) {
+std::function<UnitReport()> compare_in_frame(std::unique_ptr<Unit>& in_frame, const Plan& plan,
+                                             const CompareContext& context,
+                                             std::unique_ptr<Unit> hardware_unit) {
   const std::shared_ptr<Unit> golden = std::move(in_frame), hardware = std::move(hardware_unit);
   auto comparing = compare_units(plan, context, *golden, *hardware);
-  const auto report = [unit = context.unit, both = comparing.get(), golden, hardware,
-                       clocked = dynamic_cast<Clocked*>(hardware.get())]() -> UnitReport {
+  std::function<UnitReport()> report =
+      [unit = context.unit, both = comparing.get(), golden, hardware,
+       clocked = dynamic_cast<Clocked*>(hardware.get())]() -> UnitReport {
     if (clocked) clocked->finish();
     const UnitReport made{unit,
                           both->first_report(),
@@ -135,7 +133,7 @@ Side compare_in_frame(std::unique_ptr<Unit>& in_frame, const Plan& plan,
     return made;
   };
   in_frame = std::move(comparing);
-  return {golden, hardware, report};
+  return report;
 }
 
 double ratio(uint64_t a, uint64_t b) {
@@ -253,7 +251,7 @@ void cosim(const CosimOptions& o) {
   context.keep_going = o.keep_going;
   context.timeline = &timeline;
   FrameUnits units = make_golden_units(frame.plan);
-  std::vector<Side> sides;
+  std::vector<std::function<UnitReport()>> reports_of_units;
   Image hardware_image;
   std::vector<UnitReport> reports;
   std::map<std::string, std::string> tools;  // versions of what made the models
@@ -271,14 +269,15 @@ void cosim(const CosimOptions& o) {
         context.waveform = waveform_of(backend);
         if (backend.kind.model) tools.merge(tool_versions(*backend.kind.model, run.yosys));
         context.seed = run.seed;
-        sides.push_back(compare_in_frame(units.of(unit), frame.plan, context,
-                                         make_backend(unit, backend, frame.plan, run, o.board)));
+        reports_of_units.push_back(
+            compare_in_frame(units.of(unit), frame.plan, context,
+                             make_backend(unit, backend, frame.plan, run, o.board)));
         phase.advance(1);
       });
     }
     units.photon_gatherer = hardware_gathers.wrap(std::move(units.photon_gatherer));
     hardware_image = render_frame(frame.input(Arithmetic::kGolden), units, counts, &progress);
-    for (const Side& side : sides) reports.push_back(side.report());
+    for (const auto& report : reports_of_units) reports.push_back(report());
   } catch (const RigError& error) {
     context.unit = error.unit;
     context.waveform = waveform_of(hardware.at(error.unit));
