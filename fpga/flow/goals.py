@@ -35,15 +35,33 @@ class CoarseGoals:
 
 
 @dataclass(frozen=True)
+class Growth:
+    """Of a plan, without a radius and within the mean r²: its rate before in Mquery/s, times that, and how many gatherers of a
+    routed top will do instead (0: no number)."""
+    before: tuple[float, float]
+    times: tuple[float, float]
+    or_gatherers: tuple[int, int]
+
+
+@dataclass(frozen=True)
+class GainGoals:
+    """commit: of the rates before. golden: photon memory -> times golden on one core. plans: what each is to gain."""
+    commit: str
+    golden: dict[str, float]
+    plans: dict[str, Growth]
+
+
+@dataclass(frozen=True)
 class HeadlineGoals:
     """board: where queries a second are those of its routed top. scene: whose photons and queries are gathered. replay: the
     plan whose replayer is simulated. images: what is timed of whole images. times: multiples of one core, photon memory -> k as text -> multiple.
-    coarse: of rows in coarser formats."""
+    gain: beside an earlier commit and golden. coarse: of rows in coarser formats."""
     board: str
     scene: Path
     replay: str
     images: ImageGoals
     times: dict[str, dict[str, float]]
+    gain: GainGoals
     coarse: CoarseGoals
     path: Path
 
@@ -77,6 +95,22 @@ def area_goals(path: Path = GOALS) -> AreaGoals:
                      field(said, path, "area.ci_yosys", str, "a version of Yosys"))
 
 
+def gain_goals(said: dict[str, Any], path: Path) -> GainGoals:
+    gain: dict[str, Any] = field(said, path, "headline.gain", dict, "a table")
+
+    def pair(plan: str, name: str) -> tuple[Any, Any]:
+        found = field(said, path, f"headline.gain.{plan}.{name}", list, "two numbers")
+        if len(found) != 2 or not all(isinstance(number, (int, float)) for number in found):
+            raise Failure(f"{path}: headline.gain.{plan}.{name} is {found}, expected two numbers")
+        return found[0], found[1]
+
+    golden = {memory: float(field(said, path, f"headline.gain.golden.{memory}", (int, float), "a multiple of one core"))
+              for memory in field(said, path, "headline.gain.golden", dict, "a table")}
+    plans = {plan: Growth(pair(plan, "before"), pair(plan, "times"), pair(plan, "or_gatherers"))
+             for plan in gain if plan not in ("commit", "golden")}
+    return GainGoals(field(said, path, "headline.gain.commit", str, "a commit"), golden, plans)
+
+
 def headline_goals(path: Path = GOALS) -> HeadlineGoals:
     said = read_toml(path)
     times: dict[str, Any] = field(said, path, "headline.times_core", dict, "a table")
@@ -89,7 +123,7 @@ def headline_goals(path: Path = GOALS) -> HeadlineGoals:
                         field(said, path, "headline.images.plan", str, "a plan of fpga/headline"), *counts)
     return HeadlineGoals(field(said, path, "headline.board", str, "a board"),
                          ROOT / field(said, path, "headline.scene", str, "a scene below the repository's root"),
-                         field(said, path, "headline.replay", str, "a plan of fpga/headline"), images, times,
+                         field(said, path, "headline.replay", str, "a plan of fpga/headline"), images, times, gain_goals(said, path),
                          CoarseGoals(*(field(said, path, f"headline.coarse.{name}", (int, float), "a number") for name in ("relmse", "times"))), path)
 
 

@@ -13,7 +13,7 @@ from typing import Any
 from unittest import mock
 
 from flow.boards import LUT_EQ, read_board
-from flow.goals import ImageGoals, headline_goals
+from flow.goals import GainGoals, Growth, ImageGoals, headline_goals
 from flow.headline import images, netlist, page, replay, tables, tops
 from flow.headline.command import processor
 from flow.headline.data import Cores, Data, ImageTime, Rate, Replay, Row, SdramLoad, merge, read_data
@@ -24,7 +24,7 @@ from flow.headline.plans import FOLDER, HeadlinePlan, find_plan, rejected_names,
 from flow.headline.rows import gatherers_that_fit, rows_of
 from flow.headline.simulation import Bench, Timed, simulate, time_core
 from flow.headline.tops import Routing, Top, prepare, route, route_seed
-from flow.headline.verdict import Verdict, board_for_size, judge, own_bound
+from flow.headline.verdict import Verdict, board_for_size, judge, judge_gain, own_bound
 from flow.results import Entry, add_placements
 from flow.routing import Placement
 from flow.shell import ROOT, Failure
@@ -286,6 +286,26 @@ class Verdicts(MadeUp):
     def test_both_rooflines_stand_on_the_page(self) -> None:
         row = self.sdram(cycles=11)  # 8 of its 11 cycles are lines
         self.assertIn("| 9.09 (SDRAM) | 110 % | 12.50 | – | 9.09 | 12.50 |", tables.bound_table([(row, self.judge(row))]))
+
+    def test_what_a_row_was_to_gain(self) -> None:
+        goals = GainGoals("c0ffee", {"block_ram": 1.5, "sdram": 1.2},
+                          {"p": Growth(before=(5, 8), times=(2, 1.5), or_gatherers=(0, 0)),
+                           "more": Growth(before=(5, 8), times=(2, 1.5), or_gatherers=(0, 2))})
+        cases: list[tuple[Row, list[str], str]] = [
+            (self.row(), [], "5.00 | 2.00 | 2 | 10.00 | 1.5 | yes |"),
+            (self.row(within_mean=True), ["1.25 times the rate of c0ffee, goal 1.5"], "no, **MISSED**: 1.25 times the rate of c0ffee, goal 1.5 |"),
+            (self.row(plan="more", within_mean=True), [], "8.00 | 1.25 | 1.5 | 10.00 | 1.5 | yes: 2 gatherers |"),
+            (self.row(plan="more", within_mean=True, gatherers=1), ["1.25 times the rate of c0ffee, goal 1.5"], "**MISSED**"),
+            (self.row(plan="more", cycles_per_gather=11), ["1.82 times the rate of c0ffee, goal 2"], "**MISSED**"),
+            (self.row(golden=7e6), ["1.43 times golden on one core, goal 1.5"], "**MISSED**"),
+            (self.sdram(plan="other", golden=8e6), [], "| – | – | – | 1.25 | 1.2 | yes |"),
+            (self.sdram(plan="other", golden=9e6), ["1.11 times golden on one core, goal 1.2"], "**MISSED**"),
+            (self.sdram(plan="other", reached=99), [], "no, **MISSED**: clk_sdram reaches 99.0 MHz of 100 |"),
+        ]
+        for row, missed, cell in cases:
+            with self.subTest(cell):
+                self.assertEqual(judge_gain(row, goals).missed, missed)
+                self.assertIn(cell, tables.gain_table([(row, self.judge(row))], goals))
 
     def test_a_plan_without_a_goal(self) -> None:
         with self.assertRaisesRegex(Failure, r"goals.toml: headline.times_core.block_ram.9 is missing"):

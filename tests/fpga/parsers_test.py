@@ -9,7 +9,7 @@ from flow.boards import FAMILIES, LUT_EQ, UnknownBoard, board_names, read_board
 from flow.goals import area_goals, headline_goals
 from flow.plans.catalogue import read_catalogue
 from flow.routing import clocks_of, routed_name, static_rounds
-from flow.shell import Failure, complaint
+from flow.shell import ROOT, Failure, complaint
 from flow.synthesis import binding, counts_of
 from flow.tables import markdown, replace_between
 from flow.tools import nextpnr_is_slow, nextpnr_version, yosys_version
@@ -181,6 +181,10 @@ class DataFiles(Files):
 
     def test_goals(self) -> None:
         self.assertEqual(headline_goals().times_core("sdram", 16), 1.5)
+        text = (ROOT / "fpga" / "goals.toml").read_text()
+        path = self.write("goals.toml", text.replace("times = [2, 1.8]", "times = [2]"))
+        with self.assertRaisesRegex(Failure, r"goals.toml: headline.gain.block_ram_k8.times is \[2\], expected two numbers"):
+            headline_goals(path)
         path = self.write("goals.toml", '[area]\ngrowth = "much"\n')
         with self.assertRaisesRegex(Failure, "goals.toml: area.growth is 'much', expected a share"):
             area_goals(path)

@@ -18,7 +18,7 @@ from pathlib import Path
 from flow.arguments import LAST_SEED, positive, whole
 from flow.boards import read_board
 from flow.goals import HeadlineGoals, headline_goals
-from flow.headline.data import DATA, Data, ImageTime, Link, Replay, Row, merge, read_data
+from flow.headline.data import DATA, Data, ImageTime, Link, Replay, Row, merge, of_headline, read_data
 from flow.headline.images import time_images
 from flow.headline.netlist import SHORT, digest_now
 from flow.headline.page import check_page, images_of, report, stale_plans, summary, write_page
@@ -28,7 +28,7 @@ from flow.headline.rows import coarse_of, rows_of
 from flow.headline.simulation import Bench, sha256, simulate, time_core
 from flow.headline.tables import radius_of
 from flow.headline.tops import Routing, Top, prepare, route, route_seed
-from flow.headline.verdict import judge, judge_coarse
+from flow.headline.verdict import judge, judge_coarse, judge_gain
 from flow.shell import ROOT, Failure, read_json, read_text, say, warn, write_json
 from flow.tools import find_tools, nextpnr_is_slow
 
@@ -186,6 +186,7 @@ def main() -> int:
     missed = [(row, miss) for row in rows if not row["rejected"] for miss in judge(row, goals).missed]
     missed += [(row, miss) for row in rows if row["coarse"]
                for miss in judge_coarse(row, rows + (read_data()["rows"] if DATA.is_file() else []), goals.coarse).missed]
+    missed += [(row, miss) for row in rows if of_headline(row) for miss in judge_gain(row, goals.gain).missed]
     for row, miss in missed:
         warn(f"{row['plan']}, {radius_of(row, 'no radius')}: {miss}")
     return 1 if missed else 0

@@ -4,13 +4,13 @@ import re
 from collections.abc import Collection, Iterable, Sequence
 from pathlib import Path
 
-from flow.goals import CoarseGoals, HeadlineGoals
+from flow.goals import CoarseGoals, GainGoals, HeadlineGoals
 from flow.headline.data import Data, ImageTime, Link, Replay, Row, of_headline
 from flow.headline.netlist import SHORT
 from flow.headline.plans import base_of, changes_of, coarse_names, rejected_names, variant_names, what_shows
-from flow.headline.tables import (IMAGE_COLUMNS, Judged, bound_table, coarse_table, goal_table, image_cells, mega, part_table,
+from flow.headline.tables import (IMAGE_COLUMNS, Judged, bound_table, coarse_table, gain_table, goal_table, image_cells, mega, part_table,
                                   predecessors_table, radius_of, sdram_clock_unknown, size_table, top_table, unrecorded, variant_table)
-from flow.headline.verdict import judge, slower_than_golden
+from flow.headline.verdict import judge, judge_gain, slower_than_golden
 from flow.shell import ROOT, Failure, read_text
 from flow.tables import markdown, replace_between
 
@@ -54,6 +54,14 @@ def coarse_text(judged: Judged, rows: Sequence[Row], goals: CoarseGoals) -> str:
     if judged:
         parts += [coarse_table(judged, rows, goals), top_table(judged)]
     return "\n".join(parts)
+
+
+def gain_text(judged: Judged, goals: GainGoals) -> str:
+    """What the rows gained over an earlier commit."""
+    instead = [f"`{name}` within the mean r² has its goal with {growth.or_gatherers[1]} gatherers in the routed top too."
+               for name, growth in goals.plans.items() if growth.or_gatherers[1]]
+    return (f"Rates on block RAM were to grow to a multiple of those of commit {goals.commit}, which are of its own page, and no row to be slower than a "
+            "multiple of golden on one core. " + " ".join(instead) + "\n\n" + gain_table(judged, goals))
 
 
 def images_text(images: Sequence[ImageTime], judged: Judged, goals: HeadlineGoals, link: Link) -> str:
@@ -121,7 +129,9 @@ def summary(data: Data, goals: HeadlineGoals, stale: Collection[str]) -> str:
     reached = [r["plan"] for r, v in judged if v.reached]
     slower = sum(slower_than_golden(r, v) for r, v in judged)
     lines = [f"**{len(reached)} of {len(judged)} rows reach their goal" + (f" ({names(set(reached))})" if reached else "") +
-             f"; {slower} {'is' if slower == 1 else 'are'} slower than one core of golden.**"]
+             f"; {slower} {'is' if slower == 1 else 'are'} slower than one core of golden.**",
+             f"{sum(not judge_gain(r, goals.gain).missed and not v.missed_clocks for r, v in judged)} of {len(judged)} reach what they were to gain "
+             f"over commit {goals.gain.commit} and golden (\"What was gained\")."]
     if stale:
         lines.append(f"{STALE}{names(stale)}. Their figures are not those of the RTL beside this page; "
                      "`make headline PLAN=NAME HEADLINE_FLAGS=--page` measures a plan again.")
@@ -177,7 +187,7 @@ def report(data: Data, goals: HeadlineGoals) -> str:
     link = data["link"]
     parts = ["One core of: " + "; ".join(dict.fromkeys(r["processor"] for r, _ in judged)) + ". " +
              "; ".join(dict.fromkeys(v for r, _ in judged for v in r["versions"])) + ".\n",
-             goal_table(judged), "## All cores, and for its size\n", size_table(judged), share_text(judged),
+             goal_table(judged), "## What was gained\n", gain_text(judged, goals.gain), "## All cores, and for its size\n", size_table(judged), share_text(judged),
              "## One neighbour, and few leaves\n", variants_text(variants), "## Fewer bytes a photon\n", coarse_text(coarse, data["rows"], goals.coarse),
              "## Others' figures\n",
              "Multiples below are of what stands beside them, so none can be set against another or against ours. Each is from an abstract, "

@@ -3,11 +3,11 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-from flow.goals import CoarseGoals
+from flow.goals import CoarseGoals, GainGoals
 from flow.headline.data import FrameTime, ImageTime, Rate, Row, Seconds
 from flow.headline.netlist import SHORT
 from flow.headline.verdict import (GOLDEN, Verdict, board_for_size, clock_name, cycles_without_row_changes, finer_row, judge_coarse,
-                                   rate)
+                                   judge_gain, rate)
 from flow.results import ClockSpread, Spread
 from flow.shell import ROOT, field, read_toml
 from flow.tables import markdown
@@ -100,6 +100,21 @@ def goal_table(judged: Judged) -> str:
                       f"{rate_cell(r['cores'][v.library])} {v.library}", rate_cell(r["cores"][GOLDEN]),
                       times_cell(v.board, r["cores"][v.library]), times_cell(v.board, r["cores"][GOLDEN]),
                       "–" if v.goal is None else f"{v.goal:g}", goal_cell(r, v)] for r, v in judged], GOAL_COLUMNS)
+
+
+def gain_table(judged: Judged, goals: GainGoals) -> str:
+    """Rates beside those of an earlier commit, and beside golden."""
+    lines = []
+    for r, v in judged:
+        gain = judge_gain(r, goals)
+        instead = gain.times is not None and gain.goal is not None and gain.times < gain.goal
+        missed = [*gain.missed, *v.missed_clocks]
+        reached = "no, **MISSED**: " + "; ".join(missed) if missed else f"yes: {r['gatherers']} gatherers" if instead else "yes"
+        lines.append([r["plan"], radius_of(r, "none"), mega(v.board), mega(gain.before) if gain.before else "–",
+                      f"{gain.times:.2f}" if gain.times else "–", f"{gain.goal:g}" if gain.goal else "–", f"{gain.golden:.2f}",
+                      f"{gain.golden_goal:g}" if gain.golden_goal else "–", reached])
+    return markdown(lines, ["plan", "radius", "board, Mquery/s", f"at {goals.commit}", "times", "goal", "times golden, one core", "goal",
+                            "goals reached"])
 
 
 def size_table(judged: Judged) -> str:

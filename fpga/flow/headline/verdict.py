@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from flow.goals import CoarseGoals, HeadlineGoals
+from flow.goals import CoarseGoals, GainGoals, HeadlineGoals
 from flow.headline.data import Row, SdramLoad
 
 GOLDEN = "photonloom"
@@ -109,6 +109,34 @@ def judge_coarse(row: Row, rows: Sequence[Row], goals: CoarseGoals) -> CoarseVer
     if times is not None and times < goals.times:
         missed.append(f"{times:.2f} times the rate of {coarse['finer']}, goal {goals.times:g}")
     return CoarseVerdict(times, missed)
+
+
+@dataclass(frozen=True)
+class GainVerdict:
+    """before: the rate of the earlier commit, queries a second; times: of it; goal: times it was to be. None where the plan has no
+    such goal. golden: times golden on one core, golden_goal: what it was to be. missed: why the row fails beside what judge() finds."""
+    before: float | None
+    times: float | None
+    goal: float | None
+    golden: float
+    golden_goal: float | None
+    missed: list[str]
+
+
+def judge_gain(row: Row, goals: GainGoals) -> GainVerdict:
+    """A number of gatherers that will do instead takes the place of the times before, not of those of golden."""
+    board, missed = rate(row), []
+    before = times = goal = None
+    if growth := goals.plans.get(row["plan"]):
+        which = 1 if row["within_mean"] else 0
+        before, goal, enough = 1e6 * growth.before[which], growth.times[which], growth.or_gatherers[which]
+        times = board / before
+        if times < goal and not 0 < enough <= row["gatherers"]:
+            missed.append(f"{times:.2f} times the rate of {goals.commit}, goal {goal:g}")
+    golden, golden_goal = board / row["cores"][GOLDEN]["median"], goals.golden.get(row["memory"])
+    if golden_goal is not None and golden < golden_goal:
+        missed.append(f"{golden:.2f} times golden on one core, goal {golden_goal:g}")
+    return GainVerdict(before, times, goal, golden, golden_goal, missed)
 
 
 def judge(row: Row, goals: HeadlineGoals) -> Verdict:
