@@ -3,7 +3,7 @@
 JOBS := $(shell nproc)
 PREFIX ?= /usr/local
 .DEFAULT_GOAL := build
-.PHONY: help build install demo test test-full gallery precision mutate bench bench-rtl asan tsan fuzz extremes soak format clean references mutate-golden fpga-tools fpga board-sim headline fpga-fast fpga-plans area-check tradeoffs studies plan-promise sweep-search slurm-test cycle-fit report-bundle mutate-hls test-hls formal signoff mutate-auto faults large-scenes
+.PHONY: help build install demo test test-full gallery precision mutate bench bench-rtl asan tsan fuzz extremes soak format clean references mutate-golden fpga-tools fpga board-sim headline fpga-fast fpga-plans area-check tradeoffs studies plan-promise plan-boards sweep-search slurm-test cycle-fit report-bundle mutate-hls test-hls formal signoff mutate-auto faults large-scenes
 
 help: ## this list
 	@sed -n 's/^\([a-z-]*\):[^#]*## \(.*\)/  make \1\t\2/p' Makefile | expand -t 24
@@ -183,6 +183,11 @@ tradeoffs: build ## a hundred plans on three scenes, error against cycles, LUTs 
 plan-promise: build ## whether plans for a visible error keep it on whole frames: docs/planner.md (half an hour)
 	@scripts/setup plan-promise
 	@scripts/plan-promise
+
+plan-boards: build ## whether the engines planned for a board are routed: docs/planner.md (an hour)
+	@scripts/setup headline
+	@scripts/fpga-tools
+	@scripts/plan-boards
 
 studies: build ## shipped studies with tables, plots and goals: docs/studies.md (an hour)
 	@scripts/setup studies

@@ -17,6 +17,7 @@
 #include "study/cycle_fit.hpp"
 #include "study/frame_gathers.hpp"
 #include "study/gather_cost.hpp"
+#include "study/point_plan.hpp"
 #include "verilator_tb/throughput/roofline.hpp"
 
 namespace photonloom {
@@ -139,18 +140,19 @@ EngineCycles predict(const Plan& plan, const Load& of, double lines, double sdra
   return e;
 }
 
-// A board's memory for the lines, and the buffer in front of the gatherers.
+// A board's memory for the lines, and the buffer in front of the gatherers. cache_lines: of the
+// cache before an SDRAM.
 struct Stream {
   PhotonMemory memory;
   ReorderKey key;
-  int packets, cache_bytes;
+  int packets, cache_lines;
   size_t order;  // by number
   double sdram_lines = 0;
 };
 
 // Values of the searched lines.
 struct Widths {
-  int gatherers, nodes, candidates, powers, lanes, contexts, cache_lines, lut_words;
+  int gatherers, nodes, candidates, powers, lanes, contexts, cache_lines, lut_words, stride;
 };
 
 const char* name_of(ReorderKey key) {
@@ -164,13 +166,28 @@ std::string too_many_wires(const Plan& p) {
                      p.gatherers * p.beat_bits, kEngineWires);
 }
 
-// The widest beat of at most 1,024 bits that the wires leave each gatherer: whole photons that
-// divide a line.
-int widest_beat(const Plan& p) {
-  const int most = std::min(1024, kEngineWires / p.gatherers);
-  int beat = 8 * p.line_bytes();
-  while (beat > most && beat % 2 == 0 && beat / 2 % (8 * p.photon_bytes) == 0) beat /= 2;
-  return beat;
+// Words of a block RAM of 9 bits a word, the shape that wide memories are made of.
+constexpr uint64_t kBlockWords = 2048;
+
+std::string in_pairs(const Plan& p) {
+  if (p.photon_memory != PhotonMemory::kBlockRam) return "";
+  const uint64_t lines = p.memory_lines(p.global) + p.memory_lines(p.caustic);
+  const uint64_t words = lines * static_cast<uint64_t>(8 * p.line_bytes() / p.beat_bits);
+  if (words <= kBlockWords || words > 2 * kBlockWords) return "";
+  return fmt::format(
+      "needs {} beats of {} bits, in pairs of block RAMs behind one another, and no top with such "
+      "pairs was placed",
+      words, p.beat_bits);
+}
+
+// The widest beat of at most 1,024 bits that the wires leave each gatherer: whole words of 32 bits
+// that divide a line, as rtl/board/photon_ram.sv takes them, photons may be cut; none in pairs.
+int widest_beat(Plan p) {
+  const int line = 8 * p.line_bytes();
+  for (p.beat_bits = std::min({1024, kEngineWires / p.gatherers, line}) / 32 * 32; p.beat_bits > 32;
+       p.beat_bits -= 32)
+    if (line % p.beat_bits == 0 && in_pairs(p).empty()) break;
+  return p.beat_bits;
 }
 
 Plan with(const Plan& plan, const Stream& s, const Widths& w) {
@@ -178,7 +195,9 @@ Plan with(const Plan& plan, const Stream& s, const Widths& w) {
   p.photon_memory = s.memory;
   p.reorder_key = s.key;
   p.reorder_packets = s.packets;
-  p.board_cache_bytes = s.cache_bytes;
+  p.photon_bytes = w.stride;
+  p.board_cache_bytes =
+      s.memory == PhotonMemory::kSdram ? s.cache_lines * p.line_bytes() : plan.board_cache_bytes;
   p.gatherers = w.gatherers;
   p.nodes_per_cycle = w.nodes;
   p.candidates_per_cycle = w.candidates;
@@ -188,10 +207,17 @@ Plan with(const Plan& plan, const Stream& s, const Widths& w) {
   p.cache_ways = 2;
   p.cache_bytes = w.cache_lines * p.line_bytes();
   p.lut_ram_words = w.lut_words;
-  // As many photons as lanes at least. Before an SDRAM no more: they come from no chip at once.
-  p.beat_bits = 8 * p.photon_bytes * w.lanes;
-  if (s.memory == PhotonMemory::kBlockRam) p.beat_bits = std::max(p.beat_bits, widest_beat(p));
+  // Before an SDRAM as many photons as lanes: no more come from the chip at once.
+  p.beat_bits = s.memory == PhotonMemory::kBlockRam ? widest_beat(p) : 8 * w.stride * w.lanes;
   return p;
+}
+
+// Bytes a photon: those of the plan, and as few as hold it where lines are plain ones.
+std::vector<int> strides(const Plan& plan) {
+  const int smallest = smallest_stride(plan);
+  if (plan.photon_lines != PhotonLines::kPlain || smallest >= plan.photon_bytes)
+    return {plan.photon_bytes};
+  return {smallest, plan.photon_bytes};
 }
 
 std::vector<Widths> all_widths(const Plan& plan) {
@@ -203,11 +229,12 @@ std::vector<Widths> all_widths(const Plan& plan) {
           for (const int lanes : {2, 4, 8})
             for (const int contexts : {8, 16, 32, 48})
               for (const int cache_lines : {16, 32, 64, 128})
-                for (const int lut_words : {0, 32, 64, 128}) {
-                  if (powers > candidates || lanes > plan.bucket) continue;
-                  all.push_back({gatherers, nodes, candidates, powers, lanes, contexts, cache_lines,
-                                 lut_words});
-                }
+                for (const int lut_words : {0, 32, 64, 128})
+                  for (const int stride : strides(plan)) {
+                    if (powers > candidates || lanes > plan.bucket) continue;
+                    all.push_back({gatherers, nodes, candidates, powers, lanes, contexts,
+                                   cache_lines, lut_words, stride});
+                  }
   return all;
 }
 
@@ -218,7 +245,9 @@ std::string engine_misfit(const Plan& plan, const BoardDescription& board) {
   if (!board.tops.count(top))
     return fmt::format("has its photons in {}, and {} has no top for that", top, board.name);
   const std::string why = misfit(plan, board, kEngineShare);
-  return why.empty() ? too_many_wires(plan) : why;
+  if (!why.empty()) return why;
+  const std::string wires = too_many_wires(plan);
+  return wires.empty() ? in_pairs(plan) : wires;
 }
 
 EngineCycles engine_cycles(const Plan& plan, const PhotonMap& global, const PhotonMap& caustic,
@@ -233,19 +262,13 @@ EngineCycles engine_cycles(const Plan& plan, const PhotonMap& global, const Phot
 }
 
 std::vector<const char*> engine_lines(const BoardDescription& board) {
-  std::vector<const char*> lines{"board.gatherers",
-                                 "board.photon_memory",
-                                 "board.cache_bytes",
-                                 "board.lut_ram_words",
-                                 "gatherer.nodes_per_cycle",
-                                 "gatherer.candidates_per_cycle",
-                                 "gatherer.powers_per_cycle",
-                                 "gatherer.lanes",
-                                 "gatherer.contexts",
-                                 "gatherer.cache_bytes",
-                                 "gatherer.cache_ways",
-                                 "gatherer.beat_bits",
-                                 "reorder.key"};
+  std::vector<const char*> lines{"board.gatherers",           "board.photon_memory",
+                                 "board.cache_bytes",         "board.lut_ram_words",
+                                 "gatherer.nodes_per_cycle",  "gatherer.candidates_per_cycle",
+                                 "gatherer.powers_per_cycle", "gatherer.lanes",
+                                 "gatherer.contexts",         "gatherer.cache_bytes",
+                                 "gatherer.cache_ways",       "gatherer.beat_bits",
+                                 "photon.photon_bytes",       "reorder.key"};
   // Before block RAM the pool is the plan's own.
   if (board.tops.count("sdram")) lines.push_back("reorder.packets");
   return lines;
@@ -266,15 +289,15 @@ EngineSearch fastest_engine(const Plan& plan, const PhotonMap& global, const Pho
   std::vector<Stream> streams;
   std::vector<Order> orders;
   std::map<std::pair<ReorderKey, int>, size_t> order_of;
-  const auto add = [&](PhotonMemory memory, ReorderKey key, int packets, int cache_bytes) {
+  const auto add = [&](PhotonMemory memory, ReorderKey key, int packets, int cache_lines) {
     Plan p = plan;
     p.photon_memory = memory;
     p.reorder_key = key;
     p.reorder_packets = packets;
-    p.board_cache_bytes = cache_bytes;
+    p.board_cache_bytes = cache_lines * p.line_bytes();
     const auto [at, is_new] = order_of.try_emplace({key, packets}, orders.size());
     if (is_new) orders.push_back(served_order(p, queries));
-    Stream made{memory, key, packets, cache_bytes, at->second};
+    Stream made{memory, key, packets, cache_lines, at->second};
     if (memory == PhotonMemory::kSdram)
       made.sdram_lines = lines_of_sdram(p, visits, orders[made.order]);
     streams.push_back(made);
@@ -283,12 +306,11 @@ EngineSearch fastest_engine(const Plan& plan, const PhotonMap& global, const Pho
       plan.reorder_key == ReorderKey::kNone ? ReorderKey::kHilbert : plan.reorder_key;
   if (board.tops.count("block_ram"))
     for (const ReorderKey key : {ordered, ReorderKey::kNone})
-      add(PhotonMemory::kBlockRam, key, plan.reorder_packets, plan.board_cache_bytes);
+      add(PhotonMemory::kBlockRam, key, plan.reorder_packets, 0);
   if (has_sdram)
     for (const int lines : kSharedLines) {
-      for (const int packets : kPools)
-        add(PhotonMemory::kSdram, ordered, packets, lines * plan.line_bytes());
-      add(PhotonMemory::kSdram, ReorderKey::kNone, plan.reorder_packets, lines * plan.line_bytes());
+      for (const int packets : kPools) add(PhotonMemory::kSdram, ordered, packets, lines);
+      add(PhotonMemory::kSdram, ReorderKey::kNone, plan.reorder_packets, lines);
     }
   if (streams.empty())
     throw std::runtime_error(
@@ -304,8 +326,8 @@ EngineSearch fastest_engine(const Plan& plan, const PhotonMap& global, const Pho
   };
   // What was predicted, by what it depends on.
   std::map<std::array<int, 3>, double> asked;
-  std::map<std::array<int, 9>, BoardNeeds> gatherers;
-  std::map<std::array<int, 3>, BoardNeeds> others;
+  std::map<std::array<int, 10>, BoardNeeds> gatherers;
+  std::map<std::array<int, 4>, BoardNeeds> others;
   const auto candidate = [&](size_t stream, const Widths& w) {
     const Stream& at = streams[stream];
     const Plan p = with(plan, at, w);
@@ -315,10 +337,10 @@ EngineSearch fastest_engine(const Plan& plan, const PhotonMap& global, const Pho
     if (new_lines) lines->second = lines_asked(p, visits, orders[at.order]);
     const auto [one, new_gatherer] =
         gatherers.try_emplace({sdram, p.beat_bits, w.nodes, w.candidates, w.powers, w.lanes,
-                               w.contexts, w.cache_lines, w.lut_words});
+                               w.contexts, w.cache_lines, w.lut_words, w.stride});
     if (new_gatherer) one->second = gatherer_needs(p);
     const auto [rest, new_rest] =
-        others.try_emplace({static_cast<int>(stream), p.beat_bits, w.lut_words});
+        others.try_emplace({static_cast<int>(stream), p.beat_bits, w.lut_words, w.stride});
     if (new_rest) rest->second = other_needs(p);
     return Candidate{stream, w,
                      predict(p, load, lines->second, at.sdram_lines, board.core_khz, sdram_khz),
@@ -337,6 +359,7 @@ EngineSearch fastest_engine(const Plan& plan, const PhotonMap& global, const Pho
     if (!why.empty()) return why;
     const Plan p = plan_of(c);
     why = too_many_wires(p);
+    if (why.empty()) why = in_pairs(p);
     if (!why.empty()) return why;
     if (const auto problem = find_problem(p)) return problem->line + ": " + problem->what;
     return "";
@@ -416,8 +439,12 @@ EngineSearch fastest_engine(const Plan& plan, const PhotonMap& global, const Pho
   tell_width("gatherer.powers_per_cycle", &Widths::powers, {1, 2, 4});
   tell_width("gatherer.lanes", &Widths::lanes, {2, 4, 8});
   tell_width("gatherer.contexts", &Widths::contexts, {8, 16, 32, 48});
-  tell_width("gatherer.cache_bytes", &Widths::cache_lines, {16, 32, 64, 128}, plan.line_bytes());
+  tell_width("gatherer.cache_bytes", &Widths::cache_lines, {16, 32, 64, 128}, made.line_bytes());
   tell_width("board.lut_ram_words", &Widths::lut_words, {0, 32, 64, 128});
+  if (strides(plan).size() > 1)
+    tell_width("photon.photon_bytes", &Widths::stride, strides(plan));
+  else
+    found.reasons["photon.photon_bytes"] = "no fewer hold a photon";
   found.reasons["gatherer.cache_ways"] = "of every engine";
   // As the search sets it, half and double of it.
   {
@@ -430,15 +457,16 @@ EngineSearch fastest_engine(const Plan& plan, const PhotonMap& global, const Pho
     tell("gatherer.beat_bits", others);
   }
   // Other memories and orders, with the same gatherers.
-  const auto streamed = [&](PhotonMemory memory, ReorderKey key, int packets, int cache_bytes) {
-    return with(plan, {memory, key, packets, cache_bytes, 0}, best->widths);
+  const int cache_lines = made.board_cache_bytes / made.line_bytes();
+  const auto streamed = [&](PhotonMemory memory, ReorderKey key, int packets, int lines) {
+    return with(plan, {memory, key, packets, lines, 0}, best->widths);
   };
   const auto key_of = [&](ReorderKey key) {
     return streamed(made.photon_memory, key,
                     sdram && key != ReorderKey::kNone && made.reorder_key == ReorderKey::kNone
                         ? kPools[0]
                         : made.reorder_packets,
-                    made.board_cache_bytes);
+                    cache_lines);
   };
   const ReorderKey other_key = made.reorder_key == ReorderKey::kNone ? ordered : ReorderKey::kNone;
   tell("reorder.key", {{name_of(other_key), key_of(other_key)}});
@@ -446,25 +474,23 @@ EngineSearch fastest_engine(const Plan& plan, const PhotonMap& global, const Pho
     found.reasons["reorder.packets"] = "used where reorder.key is another than none";
   else if (sdram)
     tell_next("reorder.packets", made.reorder_packets, kPools, [&](int packets) {
-      return streamed(made.photon_memory, made.reorder_key, packets, made.board_cache_bytes);
+      return streamed(made.photon_memory, made.reorder_key, packets, cache_lines);
     });
   if (sdram) {
     tell_next(
-        "board.cache_bytes", made.board_cache_bytes / plan.line_bytes(), kSharedLines,
+        "board.cache_bytes", cache_lines, kSharedLines,
         [&](int lines) {
-          return streamed(made.photon_memory, made.reorder_key, made.reorder_packets,
-                          lines * plan.line_bytes());
+          return streamed(made.photon_memory, made.reorder_key, made.reorder_packets, lines);
         },
-        plan.line_bytes());
-    tell("board.photon_memory",
-         {{"block_ram", streamed(PhotonMemory::kBlockRam, made.reorder_key, plan.reorder_packets,
-                                 plan.board_cache_bytes)}});
+        made.line_bytes());
+    tell("board.photon_memory", {{"block_ram", streamed(PhotonMemory::kBlockRam, made.reorder_key,
+                                                        plan.reorder_packets, 0)}});
   } else if (has_sdram) {
     tell("board.photon_memory",
          {{"sdram",
            streamed(PhotonMemory::kSdram, made.reorder_key,
                     made.reorder_key == ReorderKey::kNone ? plan.reorder_packets : kPools[0],
-                    kSharedLines[0] * plan.line_bytes())}});
+                    kSharedLines[0])}});
   } else {
     found.reasons["board.photon_memory"] = "the board has a top for no other";
   }

@@ -30,13 +30,6 @@ int plan_integer(const std::string& line, const std::string& text, int Plan::*me
   return plan.*member;
 }
 
-// The smallest stride that holds a photon and fills lines of whole 16 bytes.
-int smallest_stride(const Plan& plan) {
-  int bytes = std::max(4, (plan.photon_bits() + 7) / 8);
-  while (bytes * plan.bucket % 16 != 0) ++bytes;
-  return bytes;
-}
-
 // Beats of at least 128 bits; before an SDRAM whole photons, which an SDRAM sends.
 int beat_bits(const Plan& plan, int stride) {
   if (plan.photon_memory == PhotonMemory::kBlockRam) return 128;
@@ -46,6 +39,12 @@ int beat_bits(const Plan& plan, int stride) {
 }
 
 }  // namespace
+
+int smallest_stride(const Plan& plan) {
+  int bytes = std::max(4, (plan.photon_bits() + 7) / 8);
+  while (bytes * plan.bucket % 16 != 0) ++bytes;
+  return bytes;
+}
 
 LineValues joined_lines(const LineValues& base, const LineValues& lines) {
   LineValues all;

@@ -17,6 +17,9 @@ struct PointPlan {
 // With photons of the study's first seed. Throws PlanError where no plan has these lines.
 PointPlan plan_of_point(StudyScene& scene, const Study& study, const LineValues& lines);
 
+// Fewest bytes a photon that hold it and fill lines of whole 16 bytes.
+int smallest_stride(const Plan& plan);
+
 // Base and point as one list: names without '+', each once, the point's values over the base's.
 LineValues joined_lines(const LineValues& base, const LineValues& lines);
 

@@ -89,6 +89,21 @@ class FastGoals:
         return self.mhz[k]
 
 
+@dataclass(frozen=True)
+class PlannedGoals:
+    """Scenes whose engines for a board are routed; options: of photonloom plan beside --board."""
+    board: str
+    options: tuple[str, ...]
+    scenes: tuple[Path, ...]
+
+
+def planned_goals(path: Path = GOALS) -> PlannedGoals:
+    said = read_toml(path)
+    return PlannedGoals(field(said, path, "planned.board", str, "a board"),
+                        tuple(field(said, path, "planned.options", list, "a list of options")),
+                        tuple(ROOT / scene for scene in field(said, path, "planned.scenes", list, "a list of scenes")))
+
+
 def area_goals(path: Path = GOALS) -> AreaGoals:
     said = read_toml(path)
     return AreaGoals(field(said, path, "area.growth", (int, float), "a share"),

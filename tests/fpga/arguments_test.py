@@ -35,12 +35,15 @@ class Scripts(unittest.TestCase):
         for seeds in ("0", "-1", "1.5"):
             self.refused(f"--seeds: is {seeds}, expected a whole number of at least 1$", "fpga-fast", "--seeds", seeds)
         self.refused("--jobs: is 0, expected", "fpga-plans", "--jobs", "0")
+        self.refused("--jobs: is 1.5, expected a whole number of at least 1$", "plan-boards", "--jobs", "1.5")
+        self.refused("--seed: is 0, expected", "plan-boards", "--seed", "0")
 
     def test_names(self) -> None:
         self.refused("there is no board none, expected one of ", "fpga", "--board", "none")
         self.refused("none.toml: there is no such plan", "fpga", "none.toml")
         self.refused("none.toml: there is no such plan, expected a file or one of ", "headline", "none.toml")
         self.refused("there are two plans sdram_k8, expected each name once$", "headline", "sdram_k8", "fpga/headline/sdram_k8.toml")
+        self.refused("there is no scene none, expected some of cornell, ", "plan-boards", "none")
         self.refused("--units: there is no none, expected some of ", "fpga-plans", "small", "--units", "none")
         self.refused("there is no option --none, expected ", "fpga-tools", "--none")
 

@@ -287,6 +287,13 @@ class Verdicts(MadeUp):
         row = self.sdram(cycles=11)  # 8 of its 11 cycles are lines
         self.assertIn("| 9.09 (SDRAM) | 110 % | 12.50 | – | 9.09 | 12.50 |", tables.bound_table([(row, self.judge(row))]))
 
+    def test_rows_of_several_machines_are_told_apart(self) -> None:
+        def judged(*rows: Row) -> list[tuple[Row, Verdict]]:
+            return [(row, self.judge(row)) for row in rows]
+        self.assertEqual(page.processors(judged(self.row(), self.row(plan="q"))), "a core")
+        self.assertEqual(page.processors(judged(self.row(), self.row(plan="q", processor="another"), self.row(plan="r"))),
+                         "a core for `p`, `r`; another for `q`")
+
     def test_what_a_row_was_to_gain(self) -> None:
         goals = GainGoals("c0ffee", {"block_ram": 1.5, "sdram": 1.2},
                           {"p": Growth(before=(5, 8), times=(2, 1.5), or_gatherers=(0, 0)),

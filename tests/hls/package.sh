@@ -30,4 +30,6 @@ said=$(env -i PATH="$PATH" make -s CXX=g++ UNITS="reorder_buffer cdf_sampler" 2>
 sed -i '/^constexpr uint32_t out\[\]/,$ s/^    0x[0-9a-f]*u/    0x1u/' data/reorder_buffer.hpp
 env -i PATH="$PATH" make -s CXX=g++ UNITS=reorder_buffer >log 2>&1 && fail "a wrong packet is not found"
 grep -q 'reorder_buffer: stream out, packet 0, word 0: is [0-9]*, expected [0-9]*' log || fail "no first divergence: $(cat log)"
+said=$(env -i PATH="$PATH" make -s TOOL=bogus 2>&1) && fail "a tool that there is not is taken"
+[ "$(echo "$said" | grep -c .)" -eq 1 ] && echo "$said" | grep -q 'TOOL is bogus, expected native, vitis or catapult' || fail "TOOL=bogus says: $said"
 exit 0

@@ -113,6 +113,17 @@ def arithmetic(judged: Judged) -> str:
     return "\n".join(lines) + "\n"
 
 
+def processors(judged: Judged) -> str:
+    """The machines on which cores were timed; which rows on which, where there are several: their multiples are not to be set
+    against one another."""
+    plans: dict[str, set[str]] = {}
+    for r, _ in judged:
+        plans.setdefault(r["processor"], set()).add(r["plan"])
+    if len(plans) < 2:
+        return "".join(plans)
+    return "; ".join(f"{processor} for {names(of)}" for processor, of in plans.items())
+
+
 def names(plans: Collection[str]) -> str:
     return ", ".join(f"`{plan}`" for plan in sorted(plans))
 
@@ -185,7 +196,7 @@ def report(data: Data, goals: HeadlineGoals) -> str:
     rejected = judged_of([r for r in data["rows"] if r["rejected"]], goals)
     coarse = judged_of([r for r in data["rows"] if r["coarse"]], goals)
     link = data["link"]
-    parts = ["One core of: " + "; ".join(dict.fromkeys(r["processor"] for r, _ in judged)) + ". " +
+    parts = ["One core of: " + processors(judged) + ". " +
              "; ".join(dict.fromkeys(v for r, _ in judged for v in r["versions"])) + ".\n",
              goal_table(judged), "## What was gained\n", gain_text(judged, goals.gain), "## All cores, and for its size\n", size_table(judged), share_text(judged),
              "## One neighbour, and few leaves\n", variants_text(variants), "## Fewer bytes a photon\n", coarse_text(coarse, data["rows"], goals.coarse),

@@ -1,0 +1,168 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Whether the engines that `photonloom plan SCENE --board` names are routed: the whole top of each scene's plan, and its clocks
+beside what they are constrained to. Scenes and options are [planned] of fpga/goals.toml. Writes fpga/planned.json and the table
+of docs/planner.md; what was routed is kept in build/planned and not made again. Exit status 1 where a clock is missed. With --check it
+measures nothing and tells whether the page is that of the data."""
+import argparse
+import concurrent.futures
+import hashlib
+import json
+import os
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, TypedDict
+
+from flow.arguments import LAST_SEED, whole
+from flow.boards import LUT_EQ, read_board
+from flow.goals import PlannedGoals, planned_goals
+from flow.headline.netlist import SHORT
+from flow.headline.plans import HeadlinePlan
+from flow.headline.tops import Routing, Top, prepare, route_seed, synthesized
+from flow.headline.verdict import clock_name
+from flow.package import PHOTONLOOM
+from flow.routing import Placement
+from flow.shell import ROOT, Failure, field, read_json, read_text, read_toml, run, say, write_json
+from flow.synthesis import Counts
+from flow.tables import markdown, replace_between
+from flow.tools import find_tools, nextpnr_is_slow
+
+DATA = ROOT / "fpga" / "planned.json"
+PAGE = ROOT / "docs" / "planner.md"
+WIDTHS = ("nodes_per_cycle", "lanes", "candidates_per_cycle", "powers_per_cycle")
+
+
+class PlannedClock(TypedDict):
+    """MHz."""
+    name: str
+    achieved: float
+    constraint: float
+
+
+class Planned(TypedDict):
+    """A scene's engine. cycles: predicted, a gather of all gatherers; clocks: of the seed, none where the placer did not end."""
+    scene: str
+    plan: str
+    gatherers: int
+    widths: list[int]
+    contexts: int
+    memory: str
+    beat_bits: int
+    cycles: float
+    digest: str
+    resources: Counts
+    seed: int
+    clocks: list[PlannedClock]
+
+
+class Data(TypedDict):
+    board: str
+    options: list[str]
+    versions: dict[str, str]
+    rows: list[Planned]
+
+
+def plan_scene(scene: Path, goals: PlannedGoals, work: Path) -> tuple[HeadlinePlan, dict[str, Any]]:
+    """Writes the scene's plan, and gives what photonloom says of it."""
+    path = work / f"{scene.stem}.toml"
+    said: dict[str, Any] = json.loads(run([PHOTONLOOM, "plan", str(scene), *goals.options, "--board", goals.board, "-o", str(path), "--json"]))
+    return HeadlinePlan(scene.stem, path), said
+
+
+def row_of(plan: HeadlinePlan, said: dict[str, Any], top: Top, resources: Counts, seed: int, placed: Placement | None) -> Planned:
+    lines, path = read_toml(plan.path), plan.path
+
+    def number(line: str) -> int:
+        count: int = field(lines, path, line, int, "a count")
+        return count
+
+    clocks: list[PlannedClock] = [{"name": clock_name(net), "achieved": clock["achieved"], "constraint": clock["constraint"]}
+                                  for net, clock in placed["clocks"].items()] if placed else []
+    return {"scene": plan.name, "plan": said["hash"], "gatherers": number("board.gatherers"),
+            "widths": [number(f"gatherer.{width}") for width in WIDTHS], "contexts": number("gatherer.contexts"),
+            "memory": field(lines, path, "board.photon_memory", str, "a memory"), "beat_bits": number("gatherer.beat_bits"),
+            "cycles": said["engine"]["cycles"], "digest": top.digest, "resources": resources, "seed": seed, "clocks": clocks}
+
+
+def missed(row: Planned) -> list[str]:
+    """Why a row's top is not what the plan promises."""
+    if not row["clocks"]:
+        return ["nextpnr's static placer does not end"]
+    return [f"{c['name']} reaches {c['achieved']:.1f} MHz of {c['constraint']:g}" for c in row["clocks"] if c["achieved"] < c["constraint"]]
+
+
+def core_mhz(row: Planned) -> float | None:
+    """The core's clock."""
+    return next((c["achieved"] for c in row["clocks"] if c["name"] == "clk"), None)
+
+
+def cells(row: Planned) -> list[str]:
+    clocks = ", ".join(f"{c['name']} {c['achieved']:.1f} of {c['constraint']:g}" for c in row["clocks"]) or "–"
+    mhz, faults = core_mhz(row), missed(row)
+    return [row["scene"], str(row["gatherers"]), ", ".join(map(str, row["widths"])), str(row["contexts"]), row["memory"], str(row["beat_bits"]),
+            f"{row['cycles']:.2f}", f"{row['resources'][LUT_EQ]:,}", f"{row['resources']['DP16KD']:,}", str(row["seed"]), clocks,
+            f"{mhz / row['cycles']:.2f}" if mhz else "–", f"`{row['digest'][:SHORT]}`", "**MISSED**: " + "; ".join(faults) if faults else "yes"]
+
+
+def page(data: Data | None) -> str:
+    """The table, and what it was made of."""
+    if not data:
+        return "Not routed yet.\n"
+    of = hashlib.sha256(json.dumps(data, sort_keys=True).encode()).hexdigest()[:SHORT]
+    return ("`photonloom plan SCENE " + " ".join(data["options"]) + f" --board {data['board']}`, each whole top placed and routed:\n\n" +
+            markdown([cells(row) for row in data["rows"]],
+                     ["scene", "gatherers", "nodes, lanes, candidates, powers", "contexts", "photons in", "bits of a beat",
+                      "cycles a gather, predicted", "LUT-eq", "DP16KD", "seed", "clocks, MHz", "M gathers a second at that clock",
+                      "netlist", "routed to its clocks"]) +
+            f"\nMade of `fpga/planned.json` {of}; " + "; ".join(data["versions"].values()) + ".\n")
+
+
+def merged(old: Sequence[Planned], new: Sequence[Planned], scenes: Sequence[Path]) -> list[Planned]:
+    """Of each scene the newer row, in the order of the goals."""
+    rows = {row["scene"]: row for row in [*old, *new]}
+    return [rows[scene.stem] for scene in scenes if scene.stem in rows]
+
+
+def main() -> int:
+    p = argparse.ArgumentParser(prog="plan-boards", description=__doc__)
+    p.add_argument("scenes", nargs="*", help="names of [planned] scenes to route; the others stay as fpga/planned.json has them (default: all)")
+    p.add_argument("--seed", type=whole(1, LAST_SEED), default=1, help="of the placement (default: 1)")
+    p.add_argument("--jobs", type=whole(1), default=os.cpu_count() or 1, help="tops routed at a time (default: one a core; 2 GB each)")
+    p.add_argument("--placer", choices=("heap", "static"), help="as of scripts/fpga (default: static, but heap with nextpnr 0.7)")
+    p.add_argument("--results", type=Path, default=ROOT / "build" / "planned", help="where netlists and routed seeds are kept (default: build/planned)")
+    p.add_argument("--check", action="store_true", help="tell whether docs/planner.md is that of fpga/planned.json")
+    o = p.parse_args()
+    goals = planned_goals()
+    known = {scene.stem: scene for scene in goals.scenes}
+    for name in o.scenes:
+        if name not in known:
+            p.error(f"there is no scene {name}, expected some of {', '.join(known)}")
+    if o.check:
+        if page(read_json(DATA) if DATA.is_file() else None) not in read_text(PAGE):
+            raise Failure(f"{PAGE}: is not what {DATA} gives; scripts/plan-boards writes it")
+        say("docs/planner.md is that of fpga/planned.json")
+        return 0
+    board = read_board(goals.board)
+    tools = find_tools(board)
+    slow = nextpnr_is_slow(tools.versions[board.family.nextpnr])
+    routing = Routing(board, tools, 1, o.seed, None, 8 if slow else 6, o.placer or ("heap" if slow else "static"), False)
+    work = o.results.resolve()
+    work.mkdir(parents=True, exist_ok=True)
+    scenes = [known[name] for name in o.scenes] or list(goals.scenes)
+
+    def one(scene: Path) -> Planned:
+        plan, said = plan_scene(scene, goals, work)
+        top = prepare(plan, work, routing)
+        resources = synthesized(top, routing)["resources"]
+        return row_of(plan, said, top, resources, o.seed, route_seed(top, o.seed, routing.placer, routing))
+
+    with concurrent.futures.ThreadPoolExecutor(o.jobs) as pool:
+        rows = list(pool.map(one, scenes))
+    old: Data | None = read_json(DATA) if DATA.is_file() else None
+    data: Data = {"board": board.name, "options": list(goals.options), "versions": tools.versions,
+                  "rows": merged(old["rows"] if old else [], rows, goals.scenes)}
+    write_json(DATA, data)
+    replace_between(PAGE, "planned", page(data))
+    faults = [f"{row['scene']}: {fault}" for row in data["rows"] for fault in missed(row)]
+    for fault in faults:
+        say(fault)
+    return 1 if faults else 0

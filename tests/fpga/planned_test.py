@@ -1,0 +1,73 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What is said of the engines that are planned for a board and routed, on made-up figures."""
+import copy
+import tempfile
+import unittest
+from pathlib import Path
+
+from flow.goals import planned_goals
+from flow.headline.data import Link
+from flow.headline.plans import HeadlinePlan
+from flow.headline.tops import Top
+from flow.planned import Data, Planned, cells, merged, missed, page, row_of
+from flow.routing import Placement
+from flow.shell import ROOT, Failure
+
+ROW: Planned = {"scene": "room", "plan": "0123", "gatherers": 3, "widths": [2, 4, 1, 1], "contexts": 32, "memory": "block_ram", "beat_bits": 256,
+                "cycles": 8.0, "digest": "d" * 64, "resources": {"LUT-eq": 41000, "DP16KD": 190}, "seed": 2,
+                "clocks": [{"name": "clk", "achieved": 64.0, "constraint": 50.0}]}
+
+
+class PlannedEngines(unittest.TestCase):
+    def test_a_row(self) -> None:
+        self.assertEqual(missed(ROW), [])
+        self.assertEqual(cells(ROW), ["room", "3", "2, 4, 1, 1", "32", "block_ram", "256", "8.00", "41,000", "190", "2", "clk 64.0 of 50", "8.00",
+                                      "`dddddddddddd`", "yes"])
+
+    def test_a_clock_that_is_missed(self) -> None:
+        row = copy.deepcopy(ROW)
+        row["clocks"].append({"name": "clk_sdram", "achieved": 99.0, "constraint": 100.0})
+        self.assertEqual(missed(row), ["clk_sdram reaches 99.0 MHz of 100"])
+        self.assertEqual(cells(row)[-1], "**MISSED**: clk_sdram reaches 99.0 MHz of 100")
+        row["clocks"] = []
+        self.assertEqual(cells(row)[-4:], ["–", "–", "`dddddddddddd`", "**MISSED**: nextpnr's static placer does not end"])
+
+    def test_a_scene_measured_again_takes_the_place_of_its_row(self) -> None:
+        other, again = copy.deepcopy(ROW), copy.deepcopy(ROW)
+        other["scene"], again["cycles"] = "hall", 7.0
+        scenes = [Path("scenes/hall.xml"), Path("scenes/room.xml"), Path("scenes/new.xml")]
+        self.assertEqual(merged([ROW, other], [again], scenes), [other, again])
+
+    def test_the_page_changes_with_its_data(self) -> None:
+        data: Data = {"board": "b", "options": ["--k", "16"], "versions": {"yosys": "Yosys 1"}, "rows": [copy.deepcopy(ROW)]}
+        text = page(data)
+        self.assertIn("`photonloom plan SCENE --k 16 --board b`", text)
+        self.assertIn("Yosys 1", text)
+        data["rows"][0]["plan"] = "4567"
+        self.assertNotEqual(page(data), text)
+        self.assertEqual(page(None), "Not routed yet.\n")
+
+    def test_a_row_is_read_from_the_plan_and_the_placement(self) -> None:
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder, "p.toml")
+            path.write_text((ROOT / "fpga" / "headline" / "sdram_k8.toml").read_text())
+            link: Link = {"baud": 1, "down": 1, "up": 1}
+            top = Top("room", "d" * 64, Path(folder), 50.0, link, 1.0)
+            placed: Placement = {"seed": 1, "placer": "static", "clocks": {"$glbnet$clk": {"achieved": 60.0, "constraint": 50.0}}, "utilization": {}}
+            said = {"hash": "89ab", "engine": {"cycles": 7.5}}
+            row = row_of(HeadlinePlan("room", path), said, top, {"LUT-eq": 1}, 1, placed)
+            self.assertEqual((row["plan"], row["memory"], row["widths"][1], row["clocks"]),
+                             ("89ab", "sdram", 4, [{"name": "clk", "achieved": 60.0, "constraint": 50.0}]))
+            path.write_text("[gatherer]\nlanes = 4\n")
+            with self.assertRaisesRegex(Failure, "p.toml: board.gatherers is missing, expected a count"):
+                row_of(HeadlinePlan("room", path), said, top, {}, 1, placed)
+
+    def test_the_goals_name_scenes_that_are_there(self) -> None:
+        goals = planned_goals()
+        self.assertGreaterEqual(len(goals.scenes), 3)
+        for scene in goals.scenes:
+            self.assertTrue(scene.is_file())
+
+
+if __name__ == "__main__":
+    unittest.main()
