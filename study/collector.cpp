@@ -392,6 +392,7 @@ void write_summary(const PointTable& table, const std::vector<Collected>& points
     j["plan"] = p.plan;
     j["origin"] = p.point.origin;
     j["state"] = points[i].state;
+    j["seeds"] = seeds_of(p.point, table.seeds).size();
     if (!points[i].reason.empty()) j["reason"] = points[i].reason;
     j["lines"] = Json::object();
     for (const auto& [line, value] : p.point.lines) j["lines"][line] = value;

@@ -4,7 +4,9 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <any>
 #include <cmath>
+#include <map>
 #include <stdexcept>
 
 #include "golden/plan/plan_file.hpp"
@@ -41,6 +43,29 @@ Plan without_cache(Plan plan) {
   plan.cache_weight_bits = usual.cache_weight_bits;
   plan.cache_glossy = usual.cache_glossy;
   plan.cache_gradients = usual.cache_gradients;
+  return plan;
+}
+
+// The plan with usual lines where they leave the image as it is, those of how units work; or as it
+// is where no plan may have both these and the others. One for points that differ in nothing else,
+// so that what they share is the same bytes whoever made it.
+Plan image_plan(const Plan& of) {
+  const Plan defaults;
+  std::map<std::string, std::any> usual;
+  Plan::visit(defaults, [&](const char* section, const char* key, const auto& value, auto, auto,
+                            const char*) { usual[fmt::format("{}.{}", section, key)] = value; });
+  Plan plan = of;
+  Plan::visit(
+      plan, [&](const std::string& section, const char* key, auto& value, auto, auto, const char*) {
+        if (section == "gatherer" || section == "reorder" || section == "board")
+          value = std::any_cast<std::decay_t<decltype(value)>>(
+              usual.at(fmt::format("{}.{}", section, key)));
+      });
+  try {
+    check_plan(plan);
+  } catch (const PlanError&) {
+    return of;
+  }
   return plan;
 }
 
@@ -164,11 +189,14 @@ const ConvergedFrames& PointRun::converged() {
 
 const Planes& PointRun::reference() {
   if (!reference_) {
-    FrameUnits units = make_golden_units(plan_);
-    FrameCounts counts;
-    reference_ = std::make_unique<Planes>(
-        planes_of(render(plan_, Arithmetic::kReference, units, counts, seed_), "",
-                  "the frame in reference arithmetic"));
+    const Plan plan = image_plan(plan_);
+    reference_ = scene_.shared<Planes>(
+        fmt::format("frame in reference arithmetic {} {}", plan_hash_text(plan), seed_), [&] {
+          FrameUnits units = make_golden_units(plan);
+          FrameCounts counts;
+          return planes_of(render(plan, Arithmetic::kReference, units, counts, seed_), "",
+                           "the frame in reference arithmetic");
+        });
   }
   return *reference_;
 }

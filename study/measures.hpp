@@ -87,7 +87,8 @@ class PointRun {
   std::shared_ptr<const PhotonPass> passes_[2];
   PhotonMap maps_[2];
   PackCounts packed_;
-  std::unique_ptr<Planes> golden_, walks_, reference_;
+  std::unique_ptr<Planes> golden_, walks_;
+  std::shared_ptr<const Planes> reference_;  // shared by points of one image
   std::shared_ptr<const ConvergedFrames> converged_;
   FrameCounts counts_;
   Counters gather_counters_;

@@ -67,8 +67,12 @@ std::vector<LineValues> latin_hypercube(const std::vector<LineChoice>& choices, 
 std::vector<Point> fixed_points(const Study& study, size_t scene) {
   std::vector<Point> points{
       {.number = 0, .scene = scene, .lines = {}, .seeds = 0, .origin = "baseline"}};
+  // A seed that no other point has would be compared with nothing.
+  bool all_seeds = points_of_scene(study, scene) == 1;
   for (const PointSet& set : study.sets) {
     if (!set.has_scene(scene)) continue;
+    all_seeds |= set.seeds == 0;
+    points[0].seeds = std::max(points[0].seeds, set.seeds);
     const auto add = [&](const std::vector<LineValues>& all, const std::string& origin) {
       for (const LineValues& lines : all)
         points.push_back({static_cast<uint32_t>(points.size()), scene, lines, set.seeds, origin});
@@ -79,6 +83,7 @@ std::vector<Point> fixed_points(const Study& study, size_t scene) {
       add(latin_hypercube(set.choices, set.count, set.seed),
           fmt::format("latin_hypercube seed {}", set.seed));
   }
+  if (all_seeds) points[0].seeds = 0;
   return points;
 }
 

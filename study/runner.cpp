@@ -320,8 +320,9 @@ class Sweep {
   bool is_wanted(const std::string& measure, uint64_t seed) const {
     const auto first = study_.seeds.begin();
     if (measure == kRouted) return seed == *first;
-    return measure != "formats" || study_.formats_seeds == 0 ||
-           std::find(first, first + study_.formats_seeds, seed) != first + study_.formats_seeds;
+    const auto fewer = study_.first_seeds.find(measure);
+    return fewer == study_.first_seeds.end() ||
+           std::find(first, first + fewer->second, seed) != first + fewer->second;
   }
 
   // Whether every figure that the study wants stands in the result; those that do not are removed.

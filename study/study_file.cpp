@@ -90,17 +90,18 @@ class Parser {
       throw StudyError(fmt::format("{}:{}: {}", file_, error.source().begin.line,
                                    std::string(error.description())));
     }
-    expect_keys(root, "", {"study", "references", "gather", "formats", "base", "points"});
+    expect_keys(root, "", {"study", "references", "gather", "formats", "bounds", "base", "points"});
     study_.file = file_;
     study_.text = text;
     study_section(section(root, "study", true));
     if (const toml::table* t = section(root, "references", false)) references(*t);
     if (const toml::table* t = section(root, "gather", false)) gather(*t);
-    if (const toml::table* t = section(root, "formats", false)) {
-      expect_keys(*t, "formats", {"seeds"});
-      study_.formats_seeds =
-          seed_count(needed(*t, "formats", "seeds", "a number"), "formats.seeds");
-    }
+    for (const char* measure : {"formats", "bounds"})
+      if (const toml::table* t = section(root, measure, false)) {
+        expect_keys(*t, measure, {"seeds"});
+        study_.first_seeds[measure] =
+            seed_count(needed(*t, measure, "seeds", "a number"), fmt::format("{}.seeds", measure));
+      }
     if (const toml::table* t = section(root, "base", false)) study_.base = line_values(*t);
     if (const toml::node* points = root.get("points")) {
       const toml::array* sets = points->as_array();
@@ -239,7 +240,7 @@ class Parser {
   }
 
   void gather(const toml::table& t) {
-    expect_keys(t, "gather", {"cycles", "queries", "latency"});
+    expect_keys(t, "gather", {"cycles", "queries", "latency", "seeds"});
     if (const toml::node* n = t.get("cycles")) {
       const std::string source = text(*n, "gather.cycles");
       if (source != "rtl" && source != "model")
@@ -250,6 +251,8 @@ class Parser {
       study_.gather_queries = static_cast<int>(integer(*n, "gather.queries", 1, 1 << 20));
     if (const toml::node* n = t.get("latency"))
       study_.latency = static_cast<int>(integer(*n, "gather.latency", 1, 10000));
+    if (const toml::node* n = t.get("seeds"))
+      study_.first_seeds["gather"] = seed_count(*n, "gather.seeds");
   }
 
   // A value that a line cannot take is refused where it stands; what goes with what is the plan's.

@@ -3,6 +3,7 @@
 // stands in docs/sweep.md.
 #pragma once
 #include <cstdint>
+#include <map>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -79,7 +80,8 @@ struct Study {
   std::string reference_files;  // path with {scene} and {n}; empty: none
   bool rtl_cycles = false;
   int gather_queries = 2048, latency = 60;
-  int formats_seeds = 0;  // `formats` is measured with so many first seeds; 0: all
+  // Measures that are taken with so many first seeds alone, by name; all others with all seeds.
+  std::map<std::string, int> first_seeds;
   LineValues base;
   std::vector<PointSet> sets;
 

@@ -143,6 +143,32 @@ TEST_CASE("points of some scenes only") {
                                            "cornell_glossy 4", "cornell_glossy 8"});
 }
 
+TEST_CASE("points and measures with the first seeds alone") {
+  const Scratch s;
+  std::string text =
+      small_study(cornell(),
+                  "[[points]]\nstrategy = \"list\"\nseeds = 2\nlines = [{ gather.k = 8 }]\n"
+                  "[[points]]\nstrategy = \"list\"\nseeds = 1\nlines = [{ gather.k = 16 }]\n");
+  text.replace(text.find("[1, 2]"), 6, "[1, 2, 3]");
+  text.replace(text.find("queries = 64"), 12, "queries = 64\nseeds = 1\n[formats]\nseeds = 1");
+  write_file(s / "study.toml", text);
+  const auto o = run(command(s / "study.toml", s / "a"));
+  INFO(o.err);
+  REQUIRE(o.status == 0);
+  const std::string host = read_file(s / "a/host.csv");
+  std::vector<std::string> rows;
+  for (size_t at = host.find('\n') + 1; at < host.size(); at = host.find('\n', at) + 1)
+    rows.push_back(host.substr(at, host.find(',', host.find(',', at) + 1) - at));
+  CHECK(rows == std::vector<std::string>{"0,1", "0,2", "1,1", "1,2", "2,1"});
+  for (const std::string& file : result_files(s / "a")) {
+    const std::string result = read_file(file);
+    const bool first = file.ends_with("-1.json");
+    CHECK((result.find("\"gather\"") != std::string::npos) == first);
+    CHECK((result.find("\"formats\"") != std::string::npos) == first);
+    CHECK(result.find("\"visible\"") != std::string::npos);
+  }
+}
+
 TEST_CASE("points by hand, then the rest") {
   const Scratch s;
   write_file(s / "study.toml", small_study(cornell(), kPoints));
@@ -460,6 +486,9 @@ TEST_CASE("a wrong study is refused with file, line and what was expected") {
           "expected one of cornell");
   refused(with(list + "scenes = [\"cornell\", \"cornell\"]\nlines = [{ gather.k = 3 }]\n"), "18",
           "twice");
+  refused(with("[bounds]\nseeds = 3\n"), "17",
+          "bounds.seeds is 3, expected an integer from 1 to 2");
+  refused(with("[bounds]\n"), "16", "bounds.seeds is missing");
   refused(with("[extra]\n"), "16", "expected one of study, references");
   refused("[study]\nname = 3\n", "2", "expected a text");
   std::string text = good;

@@ -11,10 +11,10 @@ using namespace photonloom;
 
 namespace {
 
-std::vector<Point> points_of(const std::string& sets) {
-  const std::string head =
-      "[study]\nname = \"lines\"\nscenes = [\"no.xml\"]\nseeds = [1]\nsize = \"4x4\"\n"
-      "measure = [\"resources\"]\n";
+std::vector<Point> points_of(const std::string& sets, const std::string& seeds = "[1]") {
+  const std::string head = "[study]\nname = \"lines\"\nscenes = [\"no.xml\"]\nseeds = " + seeds +
+                           "\nsize = \"4x4\"\n"
+                           "measure = [\"resources\"]\n";
   return fixed_points(parse_study(head + sets, "study.toml", measure_names()), 0);
 }
 
@@ -55,4 +55,15 @@ TEST_CASE("an integer may be written as TOML allows in any line, and is kept in 
   CHECK(points[2].lines == LineValues{{"caustic_photons", "1000"}});
   CHECK(points[3].lines == LineValues{{"photons", "3"}});
   CHECK(points[4].lines == LineValues{{"radius_scale", "2"}, {"gather.k", "15"}});
+}
+
+TEST_CASE("a baseline has the seeds that a point of its scene has, and no more") {
+  const std::string set = "[[points]]\nstrategy = \"list\"\nlines = [{ gather.k = 8 }]\n";
+  const auto baseline = [&](const std::string& sets) {
+    return points_of(sets, "[1, 2, 3, 4]")[0].seeds;
+  };
+  CHECK(baseline(set + "seeds = 2\n") == 2);
+  CHECK(baseline(set + "seeds = 1\n" + set + "seeds = 3\n") == 3);
+  CHECK(baseline(set + "seeds = 2\n" + set) == 0);  // all
+  CHECK(baseline("") == 0);
 }
