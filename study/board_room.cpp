@@ -71,14 +71,15 @@ BoardNeeds other_needs(const Plan& plan) {
   return needs;
 }
 
-std::string misfit(const BoardNeeds& needs, const BoardDescription& board, double logic_share) {
+std::string misfit(const BoardNeeds& needs, const BoardDescription& board,
+                   const BoardShare& share) {
   const struct {
     const char* name;
     double needed, share;
-  } all[] = {{"LUT4", needs.lut, logic_share},
-             {"FF", needs.ff, logic_share},
+  } all[] = {{"LUT4", needs.lut, share.logic},
+             {"FF", needs.ff, share.logic},
              {"MULT18X18D", needs.dsp, 1},
-             {kBlockRam, needs.blocks, 1}};
+             {kBlockRam, needs.blocks, share.blocks}};
   for (const auto& need : all) {
     const double has = need.share * board.resources.at(need.name);
     if (need.needed > has)
@@ -88,8 +89,8 @@ std::string misfit(const BoardNeeds& needs, const BoardDescription& board, doubl
   return "";
 }
 
-std::string misfit(const Plan& plan, const BoardDescription& board, double logic_share) {
-  return misfit(other_needs(plan) + plan.gatherers * gatherer_needs(plan), board, logic_share);
+std::string misfit(const Plan& plan, const BoardDescription& board, const BoardShare& share) {
+  return misfit(other_needs(plan) + plan.gatherers * gatherer_needs(plan), board, share);
 }
 
 }  // namespace photonloom

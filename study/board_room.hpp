@@ -8,8 +8,12 @@
 
 namespace photonloom {
 
-// Of a board's logic: the rest is for its link, its memory's controller and routing.
-inline constexpr double kBoardShare = 0.85;
+// The part of a board's logic and of its block RAM that is planned for.
+struct BoardShare {
+  double logic = 1, blocks = 1;
+};
+// The rest of the logic is for link, memory controller and routing.
+inline constexpr BoardShare kBoardShare = {.logic = 0.85};
 
 // The board of this name. Throws std::runtime_error, naming --board and the boards there are, for
 // one that there is not and for one whose resources the prediction does not count.
@@ -26,10 +30,9 @@ BoardNeeds operator*(int n, const BoardNeeds& a);
 BoardNeeds gatherer_needs(const Plan& plan);
 BoardNeeds other_needs(const Plan& plan);
 
-// Why these do not fit in this share of the board's logic and in all of its multipliers and block
-// RAM; empty: they do.
-std::string misfit(const BoardNeeds& needs, const BoardDescription& board, double logic_share);
+// Why these do not fit in this share of the board and in all of its multipliers; empty: they do.
+std::string misfit(const BoardNeeds& needs, const BoardDescription& board, const BoardShare& share);
 // The same of a plan's.
-std::string misfit(const Plan& plan, const BoardDescription& board, double logic_share);
+std::string misfit(const Plan& plan, const BoardDescription& board, const BoardShare& share);
 
 }  // namespace photonloom

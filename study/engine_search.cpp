@@ -13,7 +13,6 @@
 #include <stdexcept>
 
 #include "golden/unit/photon_gatherer.hpp"
-#include "study/board_room.hpp"
 #include "study/cycle_fit.hpp"
 #include "study/frame_gathers.hpp"
 #include "study/gather_cost.hpp"

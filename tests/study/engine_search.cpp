@@ -6,9 +6,13 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
 
+#include "golden/numeric/output_file.hpp"
 #include "golden/numeric/random.hpp"
 #include "golden/plan/plan_file.hpp"
+#include "golden/planner/resources.hpp"
 #include "golden/unit/photon_gatherer.hpp"
 #include "study/board_room.hpp"
 #include "tests/catch.hpp"
@@ -141,6 +145,19 @@ TEST_CASE("the limit of an engine's wires is that of the headline's widest top o
     if (plan.gatherers > 2) widest = std::max(widest, plan.gatherers * plan.beat_bits);
   }
   CHECK(widest == kEngineWires);
+}
+
+TEST_CASE("the limit of an engine's block RAM is that of the headline's fullest top") {
+  const auto headline =
+      nlohmann::json::parse(read_file(photonloom::test::source("fpga/headline.json")));
+  double most = 0;
+  for (const auto& row : headline["rows"])
+    if (row["binding"]["resource"] == kBlockRam)
+      most = std::max(most, row["binding"]["used"].get<double>());
+  const double limit =
+      std::floor(kEngineShare.blocks * predicted_board("ulx3s-85f").resources.at(kBlockRam));
+  CHECK(most <= limit);
+  CHECK(most >= limit - 1);
 }
 
 TEST_CASE("the reason of a line that the engine search decides is what its next values would do") {
