@@ -59,6 +59,7 @@ class SummaryCheck {
       needed(point, at, "point", kCount);
       for (const char* name : {"plan", "origin"}) needed(point, at, name, kText);
       for (const char* name : {"reason", "command"}) optional(point, at, name, kText);
+      optional(point, at, "seeds", kCount);
       const Json& scene = needed(point, at, "scene", kText);
       if (!scenes.count(scene.get<std::string>())) fail(at + ".scene", scene, "one of the scenes");
       const Json& state = needed(point, at, "state", kText);

@@ -38,10 +38,12 @@ struct Series {
   std::vector<const Blocks*> blocks;
 };
 
+// Of equal numbers exactly that number, so that their variance is 0.
 double mean(const std::vector<double>& v) {
+  if (v.empty()) return kNoValue;
   double sum = 0;
-  for (const double x : v) sum += x;
-  return sum / static_cast<double>(v.size());
+  for (const double x : v) sum += x - v[0];
+  return v[0] + sum / static_cast<double>(v.size());
 }
 
 // Variance of the mean of independent numbers.

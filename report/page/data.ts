@@ -38,7 +38,7 @@ export interface Run {
 
 export interface Mean { mean: number | null; error: number | null; ratio: number | null; ratio_error: number | null }
 export interface Point {
-  point: number; scene: string; plan: string; origin: string; state: string; reason?: string;
+  point: number; scene: string; plan: string; origin: string; state: string; seeds?: number; reason?: string;
   lines: Record<string, string>; command?: string; front?: string[]; values: Record<string, Mean>;
 }
 export interface StudyScene {

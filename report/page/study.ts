@@ -40,15 +40,15 @@ function summary(study: Study): Node {
   const names = [...(error ? [error] : []), "visible.flip", ...study.fronts.map((f) => f.cost)].filter((n, i, all) => unit.has(n) && all.indexOf(n) === i);
   const rows = study.scenes.map((s) => {
     const base = study.points.find((p) => p.point === s.baseline);
-    return [s.scene, ...names.map((n) => {
+    return [s.scene, `${base?.seeds ?? (study.seeds ?? []).length}`, ...names.map((n) => {
       const r = base ? reading(base, n, false) : null;
       return r ? `${figure(r.value)}${r.error ? ` ± ${figure(r.error, 2)}` : ""}` : "–";
     }), s.reference_relmse === null || s.reference_relmse === undefined ? "–" : figure(s.reference_relmse, 3)];
   });
   return h("div", {}, h("div", { class: "cards" }, ...cards),
     h("h4", {}, "Baselines: the default plan of each scene"),
-    table(["scene", ...names.map((n) => n + (unit.get(n) ? `, ${unit.get(n)}` : "")), "references' own relMSE"], rows, "baselines"),
-    h("p", { class: "quiet" }, `Means over the seeds ${(study.seeds ?? []).join(", ")} with the standard error that other seeds would show (docs/sweep.md).`),
+    table(["scene", "seeds", ...names.map((n) => n + (unit.get(n) ? `, ${unit.get(n)}` : "")), "references' own relMSE"], rows, "baselines"),
+    h("p", { class: "quiet" }, `Means over so many first seeds of the study, or fewer where a measure takes fewer, with the standard error that other seeds would show (docs/sweep.md).`),
     ...study.scenes.filter((s) => s.failure).map((s) => h("p", { class: "bad" }, `✗ Scene ${s.scene} cannot be used: ${s.failure}`)),
     answers(study));
 }
