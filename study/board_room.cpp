@@ -4,6 +4,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 #include <vector>
 
@@ -81,10 +82,10 @@ std::string misfit(const BoardNeeds& needs, const BoardDescription& board,
              {"MULT18X18D", needs.dsp, 1},
              {kBlockRam, needs.blocks, share.blocks}};
   for (const auto& need : all) {
-    const double has = need.share * board.resources.at(need.name);
-    if (need.needed > has)
-      return fmt::format("needs {:.0f} {}, and {} has {:.0f} for it", need.needed, need.name,
-                         board.name, has);
+    const double has = std::floor(need.share * board.resources.at(need.name));
+    if (std::ceil(need.needed) > has)
+      return fmt::format("needs {:.0f} {}, and {} has {:.0f} for it", std::ceil(need.needed),
+                         need.name, board.name, has);
   }
   return "";
 }

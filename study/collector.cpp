@@ -229,6 +229,9 @@ void find_fronts(const PointTable& table, std::vector<Collected>& points) {
         size_t point;
       };
       std::vector<At> all;
+      // Points may have seeds of different numbers; ratios compare each with the baseline over its
+      // own.
+      const auto figure = [](const Mean& m) { return std::isfinite(m.ratio) ? m.ratio : m.mean; };
       for (size_t i = 0; i < points.size(); ++i) {
         if (table.points[i].point.scene != scene || points[i].state != "done") continue;
         const Means& m = points[i].means;
@@ -237,7 +240,7 @@ void find_fronts(const PointTable& table, std::vector<Collected>& points) {
           if (const auto e = m.find(error); e != m.end()) {
             if (cost != m.end() && std::isfinite(cost->second.mean) &&
                 std::isfinite(e->second.mean))
-              all.push_back({cost->second.mean, e->second.mean, i});
+              all.push_back({figure(cost->second), figure(e->second), i});
             break;
           }
       }

@@ -190,15 +190,17 @@ const ConvergedFrames& PointRun::converged() {
 const Planes& PointRun::reference() {
   if (!reference_) {
     const Plan plan = image_plan(plan_);
-    reference_ = scene_.shared<Planes>(
-        fmt::format("frame in reference arithmetic {} {}", plan_hash_text(plan), seed_), [&] {
+    reference_ = scene_.converged(
+        fmt::format("reference arithmetic {} {}", plan_hash_text(plan), seed_), [&] {
           FrameUnits units = make_golden_units(plan);
           FrameCounts counts;
-          return planes_of(render(plan, Arithmetic::kReference, units, counts, seed_), "",
-                           "the frame in reference arithmetic");
+          ConvergedFrames frame;
+          frame.mean = planes_of(render(plan, Arithmetic::kReference, units, counts, seed_), "",
+                                 "the frame in reference arithmetic");
+          return frame;
         });
   }
-  return *reference_;
+  return reference_->mean;
 }
 
 const FrameCounts& PointRun::counts() { return golden(), counts_; }

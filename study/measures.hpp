@@ -88,7 +88,7 @@ class PointRun {
   PhotonMap maps_[2];
   PackCounts packed_;
   std::unique_ptr<Planes> golden_, walks_;
-  std::shared_ptr<const Planes> reference_;  // shared by points of one image
+  std::shared_ptr<const ConvergedFrames> reference_;  // its mean; points of one image share it
   std::shared_ptr<const ConvergedFrames> converged_;
   FrameCounts counts_;
   Counters gather_counters_;

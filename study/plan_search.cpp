@@ -231,11 +231,11 @@ class PlanSearch::Work {
       const Point* best = nullptr;
       for (const Point& p : points_)
         if (is_hopeful(p) && (!best || value(p) < value(*best))) best = &p;
+      if (!best || best->was_confirmed) best = doubtful(best);
       if (!best) {
         result.binds = what_binds();
         break;
       }
-      if (best->was_confirmed) best = doubtful(*best);
       if (!best->was_confirmed) {
         confirm(static_cast<size_t>(best - points_.data()));
         fit();
@@ -497,14 +497,15 @@ class PlanSearch::Work {
     return p.was_confirmed ? holds(e) : e.mean <= limit_of_means();
   }
 
-  // The cheapest of those that are clearly cheaper than this one, and within the limit as far as
-  // the search seeds say, if not by what bounds usually take; this one where there is none. So
-  // nothing loses to a dearer plan that all seeds would have let win.
-  const Point* doubtful(const Point& best) {
-    const Point* cheapest = &best;
+  // The cheapest that is within the limit as far as the search seeds say, if not by what bounds
+  // usually take, and clearly cheaper than `best`, where there is one; `best` where there is none.
+  // So nothing loses to a dearer plan, or to none, that all seeds would have let win.
+  const Point* doubtful(const Point* best) {
+    const Point* cheapest = best;
     for (const Point& p : points_)
       if (!p.was_confirmed && fitting(p.choice) && p.measured.error.mean <= limit_ &&
-          value(p) < value(best) * (1 - kClearlyCheaper) && value(p) < value(*cheapest))
+          (!best || value(p) < value(*best) * (1 - kClearlyCheaper)) &&
+          (!cheapest || value(p) < value(*cheapest)))
         cheapest = &p;
     return cheapest;
   }

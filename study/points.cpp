@@ -64,15 +64,24 @@ std::vector<LineValues> latin_hypercube(const std::vector<LineChoice>& choices, 
   return points;
 }
 
-std::vector<Point> fixed_points(const Study& study, size_t scene) {
-  std::vector<Point> points{
-      {.number = 0, .scene = scene, .lines = {}, .seeds = 0, .origin = "baseline"}};
-  // A seed that no other point has would be compared with nothing.
-  bool all_seeds = points_of_scene(study, scene) == 1;
+int baseline_seeds(const Study& study, size_t scene) {
+  int most = 0;
   for (const PointSet& set : study.sets) {
     if (!set.has_scene(scene)) continue;
-    all_seeds |= set.seeds == 0;
-    points[0].seeds = std::max(points[0].seeds, set.seeds);
+    if (set.seeds == 0) return 0;
+    most = std::max(most, set.seeds);
+  }
+  return most;
+}
+
+std::vector<Point> fixed_points(const Study& study, size_t scene) {
+  std::vector<Point> points{{.number = 0,
+                             .scene = scene,
+                             .lines = {},
+                             .seeds = baseline_seeds(study, scene),
+                             .origin = "baseline"}};
+  for (const PointSet& set : study.sets) {
+    if (!set.has_scene(scene)) continue;
     const auto add = [&](const std::vector<LineValues>& all, const std::string& origin) {
       for (const LineValues& lines : all)
         points.push_back({static_cast<uint32_t>(points.size()), scene, lines, set.seeds, origin});
@@ -83,7 +92,6 @@ std::vector<Point> fixed_points(const Study& study, size_t scene) {
       add(latin_hypercube(set.choices, set.count, set.seed),
           fmt::format("latin_hypercube seed {}", set.seed));
   }
-  if (all_seeds) points[0].seeds = 0;
   return points;
 }
 

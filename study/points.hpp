@@ -22,6 +22,9 @@ struct Point {
 // The points of a scene that the file alone decides, numbered from 0: the baseline, then set by
 // set. Those of a search follow them.
 std::vector<Point> fixed_points(const Study& study, size_t scene);
+// So many first seeds has a scene's baseline; 0: all. As many as the point of its scene that has
+// most: a further one would be compared with nothing.
+int baseline_seeds(const Study& study, size_t scene);
 // The seeds that a point is measured with.
 std::span<const uint64_t> seeds_of(const Point& point, const std::vector<uint64_t>& seeds);
 // How many points a scene has; without those of searches as many as fixed_points() gives.

@@ -59,7 +59,7 @@ class Sweep {
     if (!request_.is_task)
       report_.collected = collect(
           table_, store_,
-          [&](const PlannedPoint& p, Result& r) { return complete(r, *scenes_[p.point.scene]); },
+          [&](const PlannedPoint& p, Result& r) { return stands(r, *scenes_[p.point.scene]); },
           request_.progress);
     return std::move(report_);
   }
@@ -141,6 +141,7 @@ class Sweep {
       source.add(table_.scenes[s].hash + table_.scenes[s].references + table_.scenes[s].failure);
       // Whatever else plans follow from, this one does too.
       if (scenes_[s]) source.add(baseline_hash(s));
+      source.add(fmt::format(" {}\n", baseline_seeds(study_, s)));
     }
     table_.source = source.hex();
     size_t count = 0;
@@ -340,6 +341,14 @@ class Sweep {
     return all;
   }
 
+  // As complete(), of a result that goes into a table: what the study does not want of this seed,
+  // and so has not checked, is removed too.
+  bool stands(Result& r, const StudyScene& scene) const {
+    const bool all = complete(r, scene);
+    std::erase_if(r.measures, [&](const auto& m) { return !is_wanted(m.first, r.key.seed); });
+    return all;
+  }
+
   // Results that are not there as they should be, a plan and seed once however many points have it.
   std::vector<Task> open_tasks(const std::vector<uint32_t>& numbers, bool speak) {
     std::vector<Task> tasks;
@@ -525,7 +534,7 @@ class Sweep {
     for (const uint64_t seed : seeds_of(p.point, study_.seeds))
       if (!p.plan.empty())
         if (auto r = store_.find({table_.scenes[p.point.scene].hash, p.plan, seed});
-            r && complete(*r, *scenes_[p.point.scene]))
+            r && stands(*r, *scenes_[p.point.scene]))
           results.push_back(std::move(*r));
     const Means means = means_of(results, {});
     std::vector<double> values;

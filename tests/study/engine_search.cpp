@@ -156,8 +156,7 @@ TEST_CASE("the limit of an engine's block RAM is that of the headline's fullest 
       most = std::max(most, row["binding"]["used"].get<double>());
   const double limit =
       std::floor(kEngineShare.blocks * predicted_board("ulx3s-85f").resources.at(kBlockRam));
-  CHECK(most <= limit);
-  CHECK(most >= limit - 1);
+  CHECK(most == limit);
 }
 
 TEST_CASE("the reason of a line that the engine search decides is what its next values would do") {
