@@ -126,8 +126,7 @@ std::string why_it_lost(const PlanSearch& search, const MeasuredPlan& m, const M
     return fmt::format("{:.1f} % cheaper, but a run of it may have {:.5f}, above the limit",
                        -100 * more, m.run_bound);
   if (more < 0)
-    return fmt::format("{:.1f} % cheaper, which was not worth measuring it with all seeds",
-                       -100 * more);
+    return fmt::format("{:.1f} % cheaper, too little to measure it with all seeds", -100 * more);
   return fmt::format("costs {:.1f} % more", 100 * more);
 }
 

@@ -186,7 +186,7 @@ TEST_CASE("figures of seeds that a study does not ask for are no part of its tab
 }
 
 TEST_CASE("a point of fewer seeds is on no front by the luck of these") {
-  // One cycle a distance is the same image in more cycles. In one of both orders the first seed has
+  // One distance a cycle is the same image in more cycles. In one of both orders the first seed has
   // less error than the mean of both.
   for (const char* seeds : {"[1, 2]", "[2, 1]"}) {
     const Scratch s;
