@@ -184,7 +184,7 @@ plan-promise: build ## whether plans for a visible error keep it on whole frames
 	@scripts/setup plan-promise
 	@scripts/plan-promise
 
-plan-boards: build ## whether the engines planned for a board are routed: docs/planner.md (an hour)
+plan-boards: build ## whether the engines planned for a board are routed: docs/planner.md (hours)
 	@scripts/setup headline
 	@scripts/fpga-tools
 	@scripts/plan-boards
