@@ -55,34 +55,38 @@ struct Options {
 
 // What the command line's plans are: a memory and a k each, with as many gatherers as nextpnr finds
 // wires and block RAM for. Where the map lies in block RAM, the beats of all gatherers together
-// have 1,024 to 2,048 bits, for the wires; shallow memories of more than 32 words are block RAM
-// too: it costs none of the wires that LUT RAM does. With k = 8 there are more and narrower
-// gatherers, since a leaf matters less to them than a node, and their smaller memories are LUT RAM.
-// With k = 16 and 50 a beat is 8 photons: of 4 the photon memory would be pairs of block RAMs,
-// which nextpnr's static placer does not get off each other (docs/headline.md). The rows of their
-// leaf caches are LUT RAM then, and the pool has the block RAM. Before an SDRAM the pool is what
-// block RAM is best spent on: each sweep over it takes every line once or twice, however many
-// queries it serves. A pool of 16 places less than its memories have words wastes none of them.
-// sdram_k8's pool reads so few lines that 16 contexts would make it wait for the gatherers.
-// Where a query visits many leaves, 16 contexts hide what a leaf takes from there if leaves are few
-// and large, and if the gatherer's own cache, in block RAM, has most of them.
+// have 1,024 or 2,048 bits, for the wires; shallow memories of more than 32 words are block RAM
+// too: it costs none of the wires that LUT RAM does. With k = 8 and 16 there are more and narrower
+// gatherers, since a leaf matters less to them than a node; those of k = 16 have photons without
+// padding, so that two ports bring a line in three beats. With k = 50 a beat is 8 photons: of 4 the
+// photon memory would be pairs of block RAMs, which nextpnr's static placer does not get off each
+// other (docs/headline.md). The rows of their leaf caches are LUT RAM then, and the pool has the
+// block RAM. Before an SDRAM the pool is what block RAM is best spent on: each sweep over it takes
+// every line once or twice, however many queries it serves. A pool of 16 places less than its
+// memories have words wastes none of them. sdram_k8's pool reads so few lines that 16 contexts
+// would make it wait for the gatherers. Where a query visits many leaves, 16 contexts hide what a
+// leaf takes from there if leaves are few and large, and if the gatherer's own cache, in block RAM,
+// has most of them.
 struct PlanOfBoard {
   const char* name;
   PhotonMemory memory;
   uint64_t photons;
-  int k, gatherers, contexts, bucket, lanes, beat_photons, leaf_photons, pool, bins, cache_kb,
-      lut_ram_words, replay;
+  int k, gatherers, contexts, bucket, photon_bytes, lanes, beat_bits, leaf_photons, pool, bins,
+      cache_kb, lut_ram_words, replay;
 };
 constexpr PlanOfBoard kPlans[] = {
-    {"block_ram_k8", PhotonMemory::kBlockRam, 16384, 8, 4, 16, 8, 2, 2, 256, 512, 512, 48, 64,
+    {"block_ram_k8", PhotonMemory::kBlockRam, 16384, 8, 4, 16, 8, 16, 2, 256, 256, 512, 512, 48, 64,
      1024},
-    {"block_ram_k16", PhotonMemory::kBlockRam, 16384, 16, 2, 16, 16, 4, 8, 256, 2032, 512, 48, 32,
+    {"block_ram_k16", PhotonMemory::kBlockRam, 16384, 16, 4, 16, 8, 12, 2, 256, 256, 512, 512, 48,
+     32, 1024},
+    {"block_ram_k50", PhotonMemory::kBlockRam, 16384, 50, 2, 16, 8, 16, 4, 1024, 256, 2032, 512, 48,
+     32, 512},
+    {"sdram_k8", PhotonMemory::kSdram, 65536, 8, 3, 20, 8, 12, 4, 384, 256, 11248, 1024, 48, 64,
      512},
-    {"block_ram_k50", PhotonMemory::kBlockRam, 16384, 50, 2, 16, 8, 4, 8, 256, 2032, 512, 48, 32,
+    {"sdram_k16", PhotonMemory::kSdram, 65536, 16, 3, 16, 8, 12, 4, 384, 256, 10224, 512, 48, 64,
+     1024},
+    {"sdram_k50", PhotonMemory::kSdram, 65536, 50, 2, 16, 16, 12, 4, 384, 2048, 10224, 512, 24, 32,
      512},
-    {"sdram_k8", PhotonMemory::kSdram, 65536, 8, 3, 20, 8, 4, 4, 256, 11248, 1024, 48, 64, 512},
-    {"sdram_k16", PhotonMemory::kSdram, 65536, 16, 3, 16, 8, 4, 4, 256, 10224, 512, 48, 64, 1024},
-    {"sdram_k50", PhotonMemory::kSdram, 65536, 50, 2, 16, 16, 4, 4, 2048, 10224, 512, 24, 32, 512},
 };
 
 // The photons of a plan; a path that would overfill the map is cut.
@@ -103,9 +107,9 @@ Plan make_plan(const PlanOfBoard& p, const GatherLoad& load) {
   plan.reorder_cell_bits = p.bins > 512 ? 4 : 3;
   plan.photon_memory = p.memory;
   plan.gatherers = p.gatherers;
-  plan.photon_bytes = p.memory == PhotonMemory::kSdram ? 12 : 16;
+  plan.photon_bytes = p.photon_bytes;
   plan.lanes = p.lanes;
-  plan.beat_bits = p.beat_photons * 8 * plan.photon_bytes;
+  plan.beat_bits = p.beat_bits;
   plan.cache_bytes = p.leaf_photons * plan.photon_bytes;
   plan.board_cache_bytes = p.cache_kb * 1024;
   plan.lut_ram_words = p.lut_ram_words;
