@@ -57,16 +57,16 @@ struct Options {
 // wires and block RAM for. Where the map lies in block RAM, the beats of all gatherers together
 // have 1,024 or 2,048 bits, for the wires; shallow memories of more than 32 words are block RAM
 // too: it costs none of the wires that LUT RAM does. With k = 8 and 16 there are more and narrower
-// gatherers, since a leaf matters less to them than a node; those of k = 16 have photons without
-// padding, so that two ports bring a line in three beats. With k = 50 a beat is 8 photons: of 4 the
-// photon memory would be pairs of block RAMs, which nextpnr's static placer does not get off each
-// other (docs/headline.md). The rows of their leaf caches are LUT RAM then, and the pool has the
-// block RAM. Before an SDRAM the pool is what block RAM is best spent on: each sweep over it takes
-// every line once or twice, however many queries it serves. A pool of 16 places less than its
-// memories have words wastes none of them. sdram_k8's pool reads so few lines that 16 contexts
-// would make it wait for the gatherers. Where a query visits many leaves, 16 contexts hide what a
-// leaf takes from there if leaves are few and large, and if the gatherer's own cache, in block RAM,
-// has most of them.
+// gatherers, since a leaf matters less to them than a node. With k = 8 their smaller memories are
+// LUT RAM; with k = 16 photons have no padding, so that the ports bring a line in three beats.
+// With k = 50 a beat is 8 photons: of 4 the photon memory would be pairs of block RAMs, which
+// nextpnr's static placer does not get off each other (docs/headline.md). The rows of its leaf
+// caches are LUT RAM then, and the pool has the block RAM. Before an SDRAM the pool is what block
+// RAM is best spent on: each sweep over it takes every line once or twice, however many queries it
+// serves. A pool of 16 places less than its memories have words wastes none of them. sdram_k8's
+// pool reads so few lines that 16 contexts would make it wait for the gatherers. Where a query
+// visits many leaves, 16 contexts hide what a leaf takes from there if leaves are few and large,
+// and if the gatherer's own cache, in block RAM, has most of them.
 struct PlanOfBoard {
   const char* name;
   PhotonMemory memory;
