@@ -3,39 +3,23 @@
 
 #include <fmt/core.h>
 
-#include <memory>
-#include <utility>
+#include <vector>
 
 #include "command/console.hpp"
 #include "command/frame_options.hpp"
 #include "study/board_room.hpp"
-#include "study/gather_cost.hpp"
 
 namespace photonloom {
-namespace {
-
-constexpr size_t kQueries = 131072;
-
-}  // namespace
 
 BoardPlan plan_for_board(const FrameRequest& request, const std::string& board_name) {
   const BoardDescription board = predicted_board(board_name);
   ConsoleProgress progress;
   PreparedFrame frame = prepare_frame(request, Arithmetic::kGolden, &progress);
   print_warnings(frame.warnings);
-  Plan sampled = frame.plan;
-  sampled.spp = 1;
-  FrameUnits units = make_golden_units(sampled);
-  auto watched = std::make_unique<WatchedGatherer>(sampled, kQueries);
-  const WatchedGatherer& window = *watched;
-  units.photon_gatherer = std::move(watched);
-  FrameCounts counts;
-  const FrameInput input{*frame.world,  *frame.caster, sampled, frame.global,
-                         frame.caustic, nullptr,       nullptr, frame.seed};
-  render_frame(input, units, counts, &progress);
+  const std::vector<GatherQuery> queries = engine_queries(frame, &progress);
 
   BoardPlan found;
-  found.engine = fastest_engine(frame.plan, frame.global, frame.caustic, window.kept(), board);
+  found.engine = fastest_engine(frame.plan, frame.global, frame.caustic, queries, board);
   found.core_khz = board.core_khz;
   found.reasons = frame.reasons;
   for (const auto& [line, why] : found.engine.reasons) found.reasons[line] = why;

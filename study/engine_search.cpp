@@ -22,8 +22,10 @@
 namespace photonloom {
 namespace {
 
-// Queries of one gatherer whose lines are followed through its cache.
-constexpr size_t kFollowed = 1024;
+// Gathers of a frame that engines are chosen for.
+constexpr size_t kQueries = 131072;
+// Queries whose reciprocals are counted.
+constexpr size_t kCounted = 1024;
 // As fast within this part is as fast.
 constexpr double kAsFast = 0.01;
 // From a request to a line's first beat where nobody else asks: of rtl/board/photon_ram.sv, and of
@@ -59,7 +61,10 @@ double reciprocal_cycles(const Plan& plan, const PhotonMap& global, const Photon
   golden->load(global, caustic);
   std::vector<GatherResult> results;
   std::vector<GatherPhoton> photons;
-  golden->process(queries.first(std::min(queries.size(), kFollowed)), results, photons);
+  std::vector<GatherQuery> counted;
+  for (size_t i = 0; i < queries.size(); i += std::max<size_t>(1, queries.size() / kCounted))
+    counted.push_back(queries[i]);
+  golden->process(counted, results, photons);
   double sum = 0;
   for (const GatherResult& r : results) {
     const int zeros = plan.r2_bits() - std::bit_width(std::max<uint64_t>(r.r2, plan.r2_floor));
@@ -83,8 +88,7 @@ double lines_asked(const Plan& plan, const LineVisits& visits, const Order& orde
   usual.lanes = std::min(4, plan.bucket);
   usual.beat_bits = 8 * plan.photon_bytes * usual.lanes;
   Order own;
-  for (size_t i = 0; i < order.size() && own.size() < kFollowed;
-       i += static_cast<size_t>(plan.gatherers))
+  for (size_t i = 0; i < order.size(); i += static_cast<size_t>(plan.gatherers))
     own.push_back(order[i]);
   return static_cast<double>(lines_fetched(leaf_cache_shape(plan), visits, own, usual.contexts,
                                            lookup_times(usual, kBlockRamLatency))) /
@@ -238,6 +242,20 @@ std::vector<Widths> all_widths(const Plan& plan) {
 }
 
 }  // namespace
+
+std::vector<GatherQuery> engine_queries(const PreparedFrame& frame, Progress* progress) {
+  Plan plan = frame.plan;
+  plan.spp = 1;
+  FrameUnits units = make_golden_units(plan);
+  auto watched = std::make_unique<WatchedGatherer>(plan, kQueries);
+  const WatchedGatherer& window = *watched;
+  units.photon_gatherer = std::move(watched);
+  FrameCounts counts;
+  const FrameInput input{*frame.world,  *frame.caster, plan,    frame.global,
+                         frame.caustic, nullptr,       nullptr, frame.seed};
+  render_frame(input, units, counts, progress);
+  return window.kept();
+}
 
 std::string engine_misfit(const Plan& plan, const BoardDescription& board) {
   const char* const top = plan.photon_memory == PhotonMemory::kSdram ? "sdram" : "block_ram";

@@ -10,12 +10,17 @@
 #include <vector>
 
 #include "golden/packet/packet.hpp"
+#include "golden/pipeline/prepare.hpp"
 #include "golden/plan/plan_file.hpp"
 #include "golden/unit/photon_map.hpp"
 #include "rtl/generate/board_file.hpp"
 #include "study/board_room.hpp"
 
 namespace photonloom {
+
+// Up to 131,072 gathers that the frame asks for with one sample a pixel, as runs of neighbours from
+// different places of the stream (WatchedGatherer).
+std::vector<GatherQuery> engine_queries(const PreparedFrame& frame, Progress* progress);
 
 // Cycles of the core a gather of all gatherers together, predicted.
 struct EngineCycles {

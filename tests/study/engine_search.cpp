@@ -98,6 +98,19 @@ TEST_CASE(
   }
 }
 
+TEST_CASE("which part of a frame comes first does not decide what an engine is predicted to read") {
+  Load load = make_load(16384, 16, 40000);
+  load.plan.reorder_key = ReorderKey::kNone;
+  std::vector<GatherQuery> corner_first = load.queries, corner_last = load.queries;
+  for (size_t i = 0; i < 10000; ++i)
+    corner_first[i] = corner_last[corner_last.size() - 1 - i] = load.queries[0];
+  const auto memory = [&](const std::vector<GatherQuery>& queries) {
+    return engine_cycles(load.plan, load.map, {}, queries, 50000, 1).memory;
+  };
+  CHECK(memory(corner_first) == Approx(memory(corner_last)).epsilon(0.1));
+  CHECK(memory(corner_first) == Approx(0.75 * memory(load.queries)).epsilon(0.1));
+}
+
 TEST_CASE("no engine beside the one for a board is faster and fits") {
   const BoardDescription board = predicted_board("ulx3s-85f");
   const Load load = make_load(16384, 16);
