@@ -15,7 +15,7 @@ from flow.results import Entry, Report, add_placements, entries_of, missed_clock
 from flow.routing import place, placements
 from flow.shell import ROOT, Failure, UsageError, say, warn, write_json
 from flow.synthesis import binding, synthesise
-from flow.tables import markdown, replace_between
+from flow.tables import around, markdown, replace_between
 from flow.tools import Tools, find_tools
 
 PARTS = UNITS + ["board"]
@@ -104,7 +104,8 @@ def parser() -> argparse.ArgumentParser:
     p.add_argument("--tools", action="store_true", help="only say which tools there are, or what is missing")
     p.add_argument("--dry-run", action="store_true", help="only tell whether the arguments are right; needs no tools")
     p.add_argument("--readme", action="store_true", help="put the table into README.md too")
-    p.add_argument("--page", action="store_true", help="put the table into docs/fpga.md too, where it has marks of the board")
+    p.add_argument("--page", type=Path, nargs="?", const=ROOT / "docs" / "fpga.md", metavar="FILE",
+                   help="put the table into this page too, where it has marks of the board (default: docs/fpga.md)")
     return p
 
 
@@ -131,7 +132,12 @@ def options() -> tuple[Options, list[str] | None, dict[Path, str]]:
     if o.readme:
         pages[ROOT / "README.md"] = "size and speed"
     if o.page:
-        pages[ROOT / "docs" / "fpga.md"] = board.name
+        pages[o.page] = board.name
+    for page, mark in pages.items():
+        try:
+            around(page, mark)
+        except Failure as failure:
+            p.error(str(failure))
     plan = Path(o.plan) if o.plan else board.plan
     if not plan.is_file():
         p.error(f"{plan}: there is no such plan")

@@ -14,12 +14,17 @@ def markdown(rows: Iterable[Sequence[object]], header: Sequence[str]) -> str:
     return "\n".join(lines) + "\n"
 
 
-def replace_between(path: Path, mark: str, text: str) -> None:
-    """Puts text between <!-- mark --> and <!-- end of mark --> of a page."""
+def around(path: Path, mark: str) -> tuple[str, str]:
+    """What stands before and after what is between <!-- mark --> and <!-- end of mark --> of a page, the marks among it."""
     page = read_text(path)
     start, end = f"<!-- {mark} -->\n", f"<!-- end of {mark} -->"
     if start not in page or end not in page:
         raise Failure(f"{path}: has no marks '{start.strip()}' and '{end}'")
     head, rest = page.split(start, 1)
-    tail = rest.split(end, 1)[1]
-    path.write_text(head + start + text + end + tail)
+    return head + start, end + rest.split(end, 1)[1]
+
+
+def replace_between(path: Path, mark: str, text: str) -> None:
+    """Puts text between <!-- mark --> and <!-- end of mark --> of a page."""
+    head, tail = around(path, mark)
+    path.write_text(head + text + tail)

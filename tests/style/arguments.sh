@@ -37,6 +37,7 @@ refuses plan-promise work/ none
 refuses plan-promise none
 refuses tradeoffs --check work
 refuses tradeoffs work more
+refuses fpga --dry-run --page README.md
 refuses cycle-fit none.csv
 refuses time-to-image work more
 refuses scene-table work
