@@ -214,11 +214,14 @@ int run(Options o) {
     if (queries.empty()) throw std::runtime_error(o.load.scene + ": no final-gather query");
     if (o.queries && queries.size() > o.queries) queries.resize(o.queries);
 
-    // Without a radius, then within the mean r^2 of the queries.
+    // Without a radius, then within the mean r^2 of the exact search: where leaves are limited, the
+    // k-th photon found may lie far away, and a mean of those would bound nothing.
     std::vector<uint64_t> radii = {plan.r2_limit()};
     if (o.radius) {
       Plan open = plan;
       open.global.r2_max = open.caustic.r2_max = plan.r2_limit();
+      open.leaf_limit = 0;
+      open.epsilon_factor = uint32_t{1} << plan.epsilon_shift;
       const std::vector<GatherResult> results = golden_gathers(open, map, queries);
       double sum = 0;
       for (const GatherResult& r : results) sum += static_cast<double>(r.r2);
@@ -331,7 +334,8 @@ int main(int argc, char** argv) {
   app.add_option("--core-mhz", o.core_mhz,
                  "Frequency of the core: what a cycle is beside the SDRAM's clock.");
   app.add_option("--sdram-mhz", o.sdram_mhz, "Frequency of the SDRAM, at most the board's.");
-  app.add_flag("--radius", o.radius, "Once more within the mean r^2 of the queries.");
+  app.add_flag("--radius", o.radius,
+               "Once more within the mean r^2 of the queries, found exactly.");
   app.add_option("--dump", o.dump,
                  "Folder for positions of photons and queries, PLAN.photons, ...");
   app.add_option("--write-plans", o.write_plans,
