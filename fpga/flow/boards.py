@@ -22,7 +22,8 @@ class Family:
     of it each of them takes; a resource that is not there is counted as it is.
     lut: the resource that is a LUT. tools: variable of a package's Makefile -> the program. fetched: `make fpga-tools` gets
     them. estimated: clocks are the tool's estimate, of a family whose delays it has not been shown to know: no package has
-    met or missed its clock, and there is no bitstream.
+    met or missed its clock, and there is no bitstream. placer: the placer of nextpnr that its Makefile takes if not told,
+    None where that has no choice of one.
     """
     cells: Mapping[str, Sequence[str]]
     tools: Mapping[str, str]
@@ -30,6 +31,7 @@ class Family:
     lut: str = "LUT4"
     fetched: bool = False
     estimated: bool = False
+    placer: str | None = None
 
     @property
     def nextpnr(self) -> str:
@@ -42,7 +44,7 @@ FAMILIES = {
     "ecp5": Family({"LUT4": ["LUT4"], "FF": ["TRELLIS_FF"], "CCU2C": ["CCU2C"], "DPR16X4": ["TRELLIS_DPR16X4"],
                     "DP16KD": ["DP16KD"], "MULT18X18D": ["MULT18X18D"]},
                    {"YOSYS": "yosys", "NEXTPNR": "nextpnr-ecp5", "ECPPACK": "ecppack"},
-                   {"LUT4": (LUT_EQ, {"LUT4": 1, "CCU2C": 2, "DPR16X4": 4})}, fetched=True),
+                   {"LUT4": (LUT_EQ, {"LUT4": 1, "CCU2C": 2, "DPR16X4": 4})}, fetched=True, placer="heap"),
     "ice40": Family({"LUT4": ["SB_LUT4"], "FF": ["SB_DFF*"], "SB_RAM40_4K": ["SB_RAM40_4K"], "SB_MAC16": ["SB_MAC16"]},
                     {"YOSYS": "yosys", "NEXTPNR": "nextpnr-ice40", "ICEPACK": "icepack"}),
     # A slice of four LUTs is one 32 x 6 or 64 x 3 memory, or two of 32 x 1 or 64 x 1; carries stand beside the LUTs.
@@ -52,7 +54,7 @@ FAMILIES = {
                   {"YOSYS": "yosys", "NEXTPNR": "nextpnr-himbaechel-xilinx"},
                   {"LUT6": (LUT_EQ, {"LUT6": 1, "SRL": 1, "RAM64M": 4, "RAM64X1D": 2}),
                    "RAMB18E1": ("RAMB18-eq", {"RAMB18E1": 1, "RAMB36E1": 2})},
-                  lut="LUT6", fetched=True, estimated=True),
+                  lut="LUT6", fetched=True, estimated=True, placer="static"),
 }
 
 

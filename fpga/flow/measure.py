@@ -98,8 +98,8 @@ def parser() -> argparse.ArgumentParser:
     p.add_argument("--route-speed", type=int, choices=(6, 7, 8),
                    help="speed grade of an ECP5 by whose delays the router searches (default: 6, the part's); 8 routes tops "
                         "that 6 does not finish. The result is always analysed at grade 6")
-    p.add_argument("--placer", choices=("heap", "static"), default="heap",
-                   help="of nextpnr, on an ECP5 (default: heap); static leaves shorter wires in wide tops")
+    p.add_argument("--placer", choices=("heap", "static"),
+                   help="of nextpnr (default: heap on an ECP5, static on an Artix-7); static leaves shorter wires in wide tops")
     p.add_argument("--synthesis-only", action="store_true", help="counts alone")
     p.add_argument("--tools", action="store_true", help="only say which tools there are, or what is missing")
     p.add_argument("--dry-run", action="store_true", help="only tell whether the arguments are right; needs no tools")
@@ -120,8 +120,8 @@ def options() -> tuple[Options, list[str] | None, dict[Path, str]]:
     ecp5 = board.family is FAMILIES["ecp5"]
     if o.route_speed and not ecp5:
         p.error("--route-speed is the ulx3s-85f's")
-    if o.placer != "heap" and not ecp5:
-        p.error("--placer is the ulx3s-85f's")
+    if o.placer and not board.family.placer:
+        p.error(f"--placer: {board.name} has no choice of one")
     if o.first_seed + o.seeds - 1 > LAST_SEED:
         p.error(f"--seeds: the last one is {o.first_seed + o.seeds - 1}, expected at most {LAST_SEED}")
     asked = o.units.split(",") if o.units else None
@@ -141,7 +141,8 @@ def options() -> tuple[Options, list[str] | None, dict[Path, str]]:
     plan = Path(o.plan) if o.plan else board.plan
     if not plan.is_file():
         p.error(f"{plan}: there is no such plan")
-    return Options(plan, board, range(o.first_seed, o.first_seed + o.seeds), o.clock, o.route_speed, o.placer,
+    return Options(plan, board, range(o.first_seed, o.first_seed + o.seeds), o.clock, o.route_speed,
+                   o.placer or board.family.placer or "heap",
                    o.synthesis_only, o.tools, o.dry_run), asked, pages
 
 

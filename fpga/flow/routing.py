@@ -78,14 +78,14 @@ def place(folder: Path, top: str, seed: int, tools: Tools, route_speed: int | No
           placer: str = "heap") -> Placement | None:
     """One seed; `.bit` beside it. None where the static placer does not end."""
     log, built = beside(folder, f".seed{seed}.log"), folder / "build"
-    command = (["make", "-C", str(folder), f"SEED={seed}", "NEXTPNR_FLAGS=--timing-allow-fail"] +
+    command = (["make", "-C", str(folder), f"SEED={seed}", f"PLACER={placer}", "NEXTPNR_FLAGS=--timing-allow-fail"] +
                ([f"ROUTE_SPEED={route_speed}"] if route_speed else []) + tools.variables)
     routed = routed_name(top, seed, placer, route_speed)
     if placer == "static":
         placer_log = built / (routed + (".placed" if route_speed not in (None, PART_SPEED) else "") + ".log")
         if placer_log.is_file() and not (built / f"{routed}.config").is_file():
             placer_log.unlink()  # of a run that was cut short
-        if not watch_static(command + ["PLACER=static"], log, placer_log):
+        if not watch_static(command, log, placer_log):
             return None
     else:
         run(command, log=log)

@@ -38,6 +38,7 @@ refuses plan-promise none
 refuses tradeoffs --check work
 refuses tradeoffs work more
 refuses fpga --dry-run --page README.md
+refuses fpga --dry-run --board up5k --placer static
 refuses cycle-fit none.csv
 refuses time-to-image work more
 refuses scene-table work
