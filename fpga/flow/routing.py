@@ -83,7 +83,7 @@ def place(folder: Path, top: str, seed: int, tools: Tools, route_speed: int | No
     routed = routed_name(top, seed, placer, route_speed)
     if placer == "static":
         placer_log = built / (routed + (".placed" if route_speed not in (None, PART_SPEED) else "") + ".log")
-        if placer_log.is_file() and not (built / f"{routed}.config").is_file():
+        if placer_log.is_file() and not (built / f"{routed}.json").is_file():
             placer_log.unlink()  # of a run that was cut short
         if not watch_static(command, log, placer_log):
             return None

@@ -21,8 +21,9 @@ from flow.plans.measurements import Measurement, Measurements, merge
 from flow.plans.catalogue import read_catalogue
 from flow.plans.pages import COLUMNS, measured_table
 from flow.results import Entry, add_placements, median, missed_clocks
-from flow.routing import Placement, placements
+from flow.routing import Placement, place, placements
 from flow.shell import ROOT, Failure, run
+from flow.tools import Tools
 
 
 class Placements(unittest.TestCase):
@@ -39,6 +40,19 @@ class Placements(unittest.TestCase):
 
     def test_then_the_default_placer(self) -> None:
         self.assertEqual(self.place(2, range(1, 9)), [(3, "heap"), (4, "heap")])
+
+    def test_what_a_package_is_told(self) -> None:
+        with tempfile.TemporaryDirectory() as folder:
+            package = Path(folder, "package")
+            built = package / "build"
+            built.mkdir(parents=True)
+            (package / "Makefile").write_text("all:\n\t@echo $(PLACER) $(SEED) >told\n")
+            for placer, routed in (("heap", "top_seed2"), ("static", "top_seed2_static")):
+                (built / f"{routed}.json").write_text('{"fmax": {"clk": {"achieved": 60, "constraint": 50}}, "utilization": {}}')
+                (built / f"{routed}.log").write_text("Info: of a run that ended\n")
+                self.assertIsNotNone(place(package, "top", 2, Tools([], {}), placer=placer))
+                self.assertEqual((package / "told").read_text(), f"{placer} 2\n")
+                self.assertTrue((built / f"{routed}.log").is_file(), "the log of a run that ended is kept")
 
 
 class Seeds(unittest.TestCase):
