@@ -14,7 +14,7 @@ from unittest import mock
 
 from flow.boards import LUT_EQ, read_board
 from flow.goals import GainGoals, Growth, ImageGoals, headline_goals
-from flow.headline import images, netlist, page, replay, tables, tops
+from flow.headline import images, page, replay, tables, tops
 from flow.headline.command import processor
 from flow.headline.data import Cores, Data, ImageTime, Rate, Replay, Row, SdramLoad, merge, read_data
 from flow.headline.images import ON_A_BOARD, image_time, render_options, time_images
@@ -203,30 +203,102 @@ class KeptSeeds(Folder):
 
 
 class Netlists(Folder):
-    def digest(self, **files: str) -> str:
-        texts = {"rtl/a.sv": 'module a; // first\n  string s = "// kept"; /* second\n */ endmodule\n',
-                 "board/b.lpf": "# pins\nLOCATE COMP \"a\" SITE \"G2\";\n", "README.md": "text", **files}
+    TOP = """// a top
+module top (input logic clk_i, input logic [3:0] a_i, input logic [3:0] b_i, output logic [3:0] o);
+  logic [3:0] sum;
+  assign sum = a_i + b_i;
+  register #(.Late(0)) last (.clk_i(clk_i), .in_i(sum), .out_o(o));
+endmodule
+"""
+    REGISTER = """module register #(parameter int unsigned Late = 0)
+    (input logic clk_i, input logic [3:0] in_i, output logic [3:0] out_o);
+  (* ram_style = "block" *) logic [3:0] kept_q;
+  always_ff @(posedge clk_i) kept_q <= in_i;
+  assign out_o = kept_q;
+endmodule
+"""
+    PLL = """module PLL #(parameter BY = "2") (input logic CLK, output logic OUT);
+  assign OUT = CLK;
+endmodule
+"""
+
+    def digest(self, **changed: str) -> str:
+        texts = {"rtl/top.sv": self.TOP, "rtl/register.sv": self.REGISTER, "board/models/PLL.sv": self.PLL,
+                 "board/b.lpf": "# pins\nLOCATE COMP \"a\" SITE \"G2\";\n", "README.md": "text",
+                 "board/synth.ys": "# made\nread_verilog -sv rtl/top.sv rtl/register.sv\nsynth_ecp5 -abc9 -top top\n",
+                 "files.f": "rtl/top.sv\nrtl/register.sv\n", **changed}
         with tempfile.TemporaryDirectory() as folder:
             for name, text in texts.items():
                 path = Path(folder, name)
-                path.parent.mkdir(exist_ok=True)
+                path.parent.mkdir(parents=True, exist_ok=True)
                 path.write_text(text)
             return netlist_digest(Path(folder))
 
-    def test_comments_change_nothing(self) -> None:
-        self.assertEqual(self.digest(), self.digest(**{"rtl/a.sv": 'module a;\n string s = "// kept"; endmodule // end\n',
-                                                      "board/b.lpf": "LOCATE COMP \"a\" SITE \"G2\";\n", "README.md": ""}))
+    def replaced(self, file: str, text: str, old: str, new: str) -> str:
+        self.assertIn(old, text)
+        return self.digest(**{file: text.replace(old, new)})
 
-    def test_anything_else_does(self) -> None:
-        for name, text in (("rtl/a.sv", 'module a; string s = "// other"; endmodule\n'), ("rtl/c.sv", "module c; endmodule\n"),
-                           ("board/b.lpf", "LOCATE COMP \"a\" SITE \"G3\";\n")):
+    def test_what_is_the_same_design(self) -> None:
+        for name, file, text, old, new in (
+                ("comment", "rtl/top.sv", self.TOP, "// a top", "/* the top */\n"),
+                ("comment of constraints", "board/b.lpf", "# pins\nLOCATE COMP \"a\" SITE \"G2\";\n", "# pins\n", ""),
+                ("a file beside it", "README.md", "text", "text", "other"),
+                ("names", "rtl/top.sv", self.TOP, "sum", "total"),
+                ("a wire of another name", "rtl/top.sv", self.TOP, "  assign sum = a_i + b_i;",
+                 "  logic [3:0] both;\n  assign both = a_i + b_i;\n  assign sum = both;"),
+                ("a parameter", "rtl/register.sv", self.REGISTER, "Late = 0)", "Late = 0, parameter int unsigned Wide = 0)"),
+                ("a block that is not generated", "rtl/register.sv", self.REGISTER, "  assign out_o = kept_q;",
+                 "  if (Late != 0) begin : gen_late\n    always_ff @(posedge clk_i) out_o <= kept_q;\n  end else begin : gen_now\n"
+                 "    logic [3:0] now;\n    assign now = kept_q;\n    assign out_o = now;\n  end")):
             with self.subTest(name):
-                self.assertNotEqual(self.digest(), self.digest(**{name: text}))
+                self.assertEqual(self.digest(), self.replaced(file, text, old, new))
+
+    def test_what_is_another(self) -> None:
+        for name, file, text, old, new in (
+                ("operator", "rtl/top.sv", self.TOP, "a_i + b_i", "a_i - b_i"),
+                ("operands", "rtl/top.sv", self.TOP, "a_i + b_i", "b_i + b_i"),
+                ("width", "rtl/top.sv", self.TOP, "logic [3:0] sum", "logic [2:0] sum"),
+                ("order of ports", "rtl/top.sv", self.TOP, "a_i + b_i", "a_i + 4'(clk_i)"),
+                ("register", "rtl/register.sv", self.REGISTER, "assign out_o = kept_q", "assign out_o = in_i"),
+                ("attribute", "rtl/register.sv", self.REGISTER, '"block"', '"distributed"'),
+                ("constraint", "board/b.lpf", "LOCATE COMP \"a\" SITE \"G2\";\n", "G2", "G3"),
+                ("option", "board/synth.ys", "synth_ecp5 -abc9 -top top\n", "-abc9 ", "")):
+            with self.subTest(name):
+                self.assertNotEqual(self.digest(**{file: text}), self.replaced(file, text, old, new))
+
+    def test_a_variable_of_a_block_hides_the_modules(self) -> None:
+        def block(own: str, read: str) -> str:
+            return self.digest(**{"rtl/top.sv": "module top (input logic a, input logic b, output logic p, output logic q);\n"
+                                  "  logic x;\n  assign x = ~a;\n  assign p = ~x;\n  if (1) begin : gen_block\n"
+                                  f"    logic {own};\n    assign {own} = ~b;\n    assign q = ~{read};\n  end\nendmodule\n"})
+        self.assertEqual(block("x", "x"), block("y", "y"))
+        self.assertNotEqual(block("y", "y"), block("y", "x"))
+
+    def test_a_parameter_that_is_used(self) -> None:
+        def late(value: int) -> str:
+            return self.digest(**{"rtl/top.sv": self.TOP.replace(".Late(0)", f".Late({value})"),
+                                  "rtl/register.sv": self.REGISTER.replace("<= in_i", "<= in_i + 4'(Late)")})
+        self.assertNotEqual(late(1), late(2))
+
+    def test_the_parameters_of_a_primitive_tell(self) -> None:
+        def pll(by: str) -> str:
+            return self.digest(**{"rtl/top.sv": "module top (input logic clk, output logic o);\n"
+                                  f'  PLL #(.BY("{by}")) pll (.CLK(clk), .OUT(o));\nendmodule\n'})
+        self.assertNotEqual(pll("2"), pll("4"))
 
     def test_the_plans_hash_is_left_out(self) -> None:
-        def text(digit: str) -> str:
-            return f"localparam logic [63:0] PlanHash = 64'h{digit * 16};"
-        self.assertEqual(netlist.without_comments("a.sv", text("1")), netlist.without_comments("a.sv", text("2")))
+        def of(digit: str) -> str:
+            return self.digest(**{"rtl/top.sv": f"package p;\n  localparam logic [63:0] PlanHash = 64'h{digit * 16};\nendpackage\n"
+                                  "module top (output logic [63:0] o);\n  assign o = p::PlanHash;\nendmodule\n"})
+        self.assertEqual(of("1"), of("2"))
+
+    def test_a_design_that_cannot_be_elaborated(self) -> None:
+        with self.assertRaisesRegex(Failure, "verilator --xml-only failed: .*Error"):
+            self.digest(**{"rtl/register.sv": "module other; endmodule\n"})
+
+    def test_no_top(self) -> None:
+        with self.assertRaisesRegex(Failure, "board/synth.ys: names no top, expected -top and a module"):
+            self.digest(**{"board/synth.ys": "read_verilog -sv rtl/top.sv\n"})
 
 
 class Verdicts(MadeUp):
