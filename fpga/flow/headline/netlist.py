@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """The digest of what a routed top was made from: RTL and constraints of its package.
 
-RTL is taken as Verilator elaborates it, parameters and generate blocks resolved, so that neither comments, names, the place of a
-text in its file nor what this top does not generate change the digest. Attributes, which tell Yosys what a memory is made
+RTL is taken as Verilator elaborates it, parameters and generate blocks resolved, so that neither comments, the order of a text, another
+name for the same wire nor what this top does not generate change the digest. Attributes, which tell Yosys what a memory is made
 of, are not in that and are taken from the text. The plan's hash is left out, which also changes where no net does."""
 import hashlib
 import re
@@ -20,8 +20,9 @@ from flow.shell import Failure, first_line, run
 VERILOG = re.compile(r'("(?:\\.|[^"\\])*")|//[^\n]*|/\*.*?\*/', re.S)
 ATTRIBUTE = re.compile(r"\(\*\s*\w[^;]*;", re.S)  # and what it is of
 PLAN_HASH = re.compile(r"PlanHash = 64'h[0-9a-f]{16}")
+UNNAMED = re.compile(r"^unnamedblk\d+$")  # a block with variables of its own, which Verilator counts through a module
 SHORT = 12  # digits of a digest on the page
-# What Verilator says of an element beside what it is: where it stands, and names, which are numbers in the digest.
+# What Verilator says of an element beside what it is: where it stands, and names and numbers of its own.
 LEFT_OUT = {"loc", "name", "origName", "dtype_id", "sub_dtype_id", "id", "pinIndex", "portIndex", "defName", "topModule", "vartype"}
 SCOPES = {"module", "package", "func", "begin"}
 NAMED = {"const", "memberdtype", "structsel", "varxref", "basicdtype", "port", "enumitem"}  # whose name says what they are
@@ -38,9 +39,8 @@ def without_comments(path: str, text: str) -> str:
 
 
 class Elaboration:
-    """The words of a design in Verilator's XML, equal for designs that differ in names only. A module has the number of its
-    first instance, a variable that of its first use in its module; one that is assigned another is that other.
-    primitives: modules of the part, whose parameters say what they do; those of others are resolved."""
+    """A design in Verilator's XML. primitives: modules of the part, whose parameters say what they do; those of others are
+    resolved."""
 
     def __init__(self, netlist: Element, primitives: Set[str]) -> None:
         self.modules = {module.get("name", ""): module for module in netlist.iter("module")}
@@ -48,31 +48,26 @@ class Elaboration:
         self.primitives = primitives
         table = netlist.find("typetable")
         self.types = {kind.get("id"): kind for kind in table} if table is not None else {}
-        self.type_words: dict[str | None, str] = {}
-        self.numbers: dict[str, int] = {}
-        self.waiting: list[str] = []
+        self.type_texts: dict[str | None, str] = {}
+        self.digests: dict[str, str] = {}
 
-    def words(self, top: str) -> Iterator[str]:
-        for package in self.packages:
-            yield from ModuleWords(self, package).words()
-        self.number(top)
-        while self.waiting:
-            yield from ModuleWords(self, self.modules[self.waiting.pop(0)]).words()
+    def text(self, top: str) -> str:
+        return "\n".join([*(ModuleText(self, package).text() for package in self.packages), self.digest_of(top)])
 
-    def number(self, module: str) -> str:
-        """Of a module, which is told of if it has not been."""
+    def digest_of(self, module: str) -> str:
+        """Of a module and of all within it."""
         if module not in self.modules:
             raise Failure(f"Verilator's XML has an instance of {module}, expected the module too")
-        if module not in self.numbers:
-            self.numbers[module] = len(self.numbers)
-            self.waiting.append(module)
-        return str(self.numbers[module])
+        if module not in self.digests:
+            text = ModuleText(self, self.modules[module]).text()
+            self.digests[module] = hashlib.sha256(text.encode()).hexdigest()
+        return self.digests[module]
 
     def type_of(self, kind: str | None) -> str:
-        if kind not in self.type_words:
+        if kind not in self.type_texts:
             found = self.types.get(kind)
-            self.type_words[kind] = "" if found is None else self.type_text(found)
-        return self.type_words[kind]
+            self.type_texts[kind] = "" if found is None else self.type_text(found)
+        return self.type_texts[kind]
 
     def type_text(self, kind: Element) -> str:
         of = self.type_of(kind.get("sub_dtype_id")) if "sub_dtype_id" in kind.attrib else ""
@@ -85,21 +80,30 @@ def said(element: Element) -> list[str]:
             if key not in LEFT_OUT or (key == "name" and element.tag in NAMED)]
 
 
-class ModuleWords:
-    """The words of one module. A variable is known by its scope, a module, function or block, and its name."""
+class ModuleText:
+    """The text of one module. A variable is known by its scope, a module, function or block, and its name; one that is
+    assigned another is that other."""
     Variable = tuple[int, str]
 
     def __init__(self, design: Elaboration, module: Element) -> None:
         self.design, self.module = design, module
         self.primitive = module.get("origName") in design.primitives
         self.declared: dict[int, set[str]] = {}
-        self.same: dict[ModuleWords.Variable, ModuleWords.Variable] = {}
-        self.used: dict[ModuleWords.Variable, int] = {}
+        self.order: dict[ModuleText.Variable, tuple[bool, int, int]] = {}  # no port, how many scopes deep, which of all
+        self.paths: dict[int, str] = {}
+        self.same: dict[ModuleText.Variable, ModuleText.Variable] = {}
         self.find_same(module, [])
 
-    def words(self) -> Iterator[str]:
-        yield "module"
-        yield from self.inner(self.module, [self.module])
+    def text(self) -> str:
+        """Of all that works at a time, in an order of its own."""
+        return "\n".join(sorted(filter(None, self.concurrent(self.module, [self.module]))))
+
+    def concurrent(self, element: Element, scopes: Sequence[Element]) -> Iterator[str]:
+        for child in element:
+            if child.tag == "begin":  # a generate block that was taken
+                yield from self.concurrent(child, [*scopes, child])
+            else:
+                yield self.element_text(child, scopes)
 
     def variable(self, element: Element, scopes: Sequence[Element]) -> Variable:
         name = element.get("name", "")
@@ -111,11 +115,15 @@ class ModuleWords:
     def find_same(self, element: Element, scopes: Sequence[Element]) -> None:
         if element.tag in SCOPES:
             scopes = [*scopes, element]
-            self.declared[id(element)] = {v.get("name", "") for v in element if v.tag == "var"}
+            variables = [child for child in element if child.tag == "var"]
+            self.declared[id(element)] = {v.get("name", "") for v in variables}
+            self.paths[id(element)] = ".".join(UNNAMED.sub("", scope.get("name", "")) for scope in scopes[1:])
+            for v in variables:
+                self.order[id(element), v.get("name", "")] = ("dir" not in v.attrib, len(scopes), len(self.order))
         if self.is_alias(element):
-            source, target = (self.variable(side, scopes) for side in element)
-            if source != target:
-                self.same[target] = source
+            first, second = sorted((self.variable(side, scopes) for side in element), key=self.order.__getitem__)
+            if first != second:
+                self.same[second] = first
         for child in element:
             self.find_same(child, scopes)
 
@@ -124,35 +132,27 @@ class ModuleWords:
         return (element.tag == "contassign" and all(side.tag == "varref" for side in sides) and
                 len({self.design.type_of(side.get("dtype_id")) for side in sides}) == 1)
 
-    def inner(self, element: Element, scopes: Sequence[Element]) -> Iterator[str]:
-        for child in element:
-            yield from self.element_words(child, scopes)
-
-    def element_words(self, element: Element, scopes: Sequence[Element]) -> Iterator[str]:
+    def element_text(self, element: Element, scopes: Sequence[Element]) -> str:
         tag = element.tag
-        if tag == "begin":  # also a generate block that was taken
-            yield from self.inner(element, [*scopes, element])
-            return
         kept = "dir" in element.attrib or (self.primitive and "param" in element.attrib)
         if tag == "typedef" or (tag == "var" and not kept) or self.is_alias(element):
-            return  # is known where it is used
+            return ""  # is known where it is used
         words = [tag, *said(element)]
         if "dtype_id" in element.attrib:
             words.append(self.design.type_of(element.get("dtype_id")))
         if tag == "instance":
-            words.append(self.design.number(element.get("defName", "")))
+            words.append(self.design.digest_of(element.get("defName", "")))
         if tag in ("func", "funcref", "var"):  # a port is called by its name
             words.append(element.get("name", ""))
         if tag in ("var", "varref"):
-            variable = self.variable(element, scopes)
-            words.append(str(self.used.setdefault(variable, len(self.used))))
-        yield " ".join(words)
-        yield from self.inner(element, [*scopes, element] if tag in SCOPES else scopes)
-        yield "end"
+            scope, name = self.variable(element, scopes)
+            words.append(f"{self.paths.get(scope, '')}.{name}")
+        within = [*scopes, element] if tag in SCOPES else scopes
+        return f"({' '.join(words)}{''.join(self.element_text(child, within) for child in element)})"
 
 
 def elaborate(folder: Path, top: str) -> str:
-    """The words of a package's design. Its plan's hash is that of no plan."""
+    """The text of a package's design. Its plan's hash is that of no plan."""
     with tempfile.TemporaryDirectory() as work:
         for path, content in sorted(tree(folder).items()):
             if path.endswith((".sv", ".v")):
@@ -166,7 +166,7 @@ def elaborate(folder: Path, top: str) -> str:
         netlist = ElementTree.parse(Path(work, "made", f"V{top}.xml")).getroot().find("netlist")
     if netlist is None:
         raise Failure(f"{folder}: {first_line(['verilator', '--version'])} wrote no netlist of {top}")
-    return "\n".join(Elaboration(netlist, {path.stem for path in models}).words(top))
+    return Elaboration(netlist, {path.stem for path in models}).text(top)
 
 
 def netlist_digest(folder: Path) -> str:
