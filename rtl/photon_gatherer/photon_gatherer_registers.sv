@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Configuration of the photon gatherer, one write a cycle while no query is in flight: what cfg_* says of the maps and
 // of the cache, and the writes that are for the node memory (docs/photon_gatherer.md has the address map). After reset
-// the maps have no lines and the whole cache is in use. forget_o: any write makes the cache forget its lines.
+// the maps have no lines and the whole cache is in use; more is never. forget_o: any write makes the cache forget its
+// lines.
 //
 // Registers show a write in the next cycle; writes of nodes and forget_o pass in their own cycle.
 module photon_gatherer_registers #(
@@ -48,7 +49,7 @@ module photon_gatherer_registers #(
         3'd1: r2_max_o[0+:R2Bits] <= data[R2Bits-1:0];
         3'd2: lines_o[NodeBits+:NodeBits] <= data[NodeBits-1:0];
         3'd3: r2_max_o[R2Bits+:R2Bits] <= data[R2Bits-1:0];
-        3'd4: {bypass_o, set_mask_o} <= {data[63], data[SetBits-1:0]};
+        3'd4: {bypass_o, set_mask_o} <= {data[63], data[SetBits-1:0] & SetBits'(Sets - 1)};
         default: ;
       endcase
     end

@@ -31,6 +31,7 @@ std::vector<BenchPlan> plans() {
     p.cache_bytes = 128;
     p.cache_ways = 1;
     p.cache_misses = 1;
+    p.parity = true;
     p.caustic = {};
   });
   add("wide", [](Plan& p) {
