@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // First in, first out, in LUT RAM; Depth a power of two, at least 2. Latency 1, one word a cycle; in_ready_o and
 // out_valid_o come from registers, so no path leads from one side's ready to the other's.
+//
+// Ahead: while there is room in_i is written in every cycle, and in_valid_i only says whether it stays. So in_valid_i may be
+// late; it does not go to every bit's write enable.
 module fifo #(
     parameter int unsigned Width = 8,
-    parameter int unsigned Depth = 16
+    parameter int unsigned Depth = 16,
+    parameter int unsigned Ahead = 0
 ) (
     input  logic             clk_i,
     input  logic             rst_i,
@@ -33,7 +37,7 @@ module fifo #(
       .Depth(Depth)
   ) store (
       .clk_i(clk_i),
-      .write_i(push),
+      .write_i(Ahead != 0 ? in_ready_o : push),
       .write_address_i(tail_q[AddressBits-1:0]),
       .write_data_i(in_i),
       .read_address_i(head_q[AddressBits-1:0]),

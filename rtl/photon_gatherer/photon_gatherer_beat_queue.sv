@@ -14,6 +14,8 @@ module photon_gatherer_beat_queue #(
     parameter int unsigned DirectionBits = 8,
     parameter int unsigned LoadBits = 48,      // direction, mantissas, exponent of a photon
     parameter int unsigned Behind = 16,        // beats that may be between the FIFO and the list
+    // Of many lanes it is known late whether one is near. Then beats are written before that, since each has room for it.
+    parameter int unsigned Ahead = Lanes > 4 ? 1 : 0,
     localparam int unsigned ContextBits = Contexts > 1 ? $clog2(Contexts) : 1,
     localparam int unsigned Beats = Bucket / Lanes,
     localparam int unsigned BeatBits = Beats > 1 ? $clog2(Beats) : 1,
@@ -88,7 +90,7 @@ module photon_gatherer_beat_queue #(
       .Depth(1 << RowBits)
   ) direction_rows (
       .clk_i(clk_i),
-      .write_i(in_keep_i),
+      .write_i(Ahead != 0 ? in_valid_i : in_keep_i),
       .write_address_i(row_q),
       .write_data_i(directions),
       .read_i(direction_read_i),
@@ -101,7 +103,7 @@ module photon_gatherer_beat_queue #(
       .Depth(1 << RowBits)
   ) load_rows (
       .clk_i(clk_i),
-      .write_i(in_keep_i),
+      .write_i(Ahead != 0 ? in_valid_i : in_keep_i),
       .write_address_i(row_q),
       .write_data_i(in_loads_i),
       .read_i(1'b1),
@@ -116,7 +118,8 @@ module photon_gatherer_beat_queue #(
 
   fifo #(
       .Width(WordBits),
-      .Depth(FifoDepth)
+      .Depth(FifoDepth),
+      .Ahead(Ahead)
   ) beats (
       .clk_i(clk_i),
       .rst_i(rst_i),

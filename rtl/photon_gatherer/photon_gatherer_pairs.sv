@@ -76,7 +76,21 @@ module photon_gatherer_pairs #(
     end
   end
   assign test = held_q && room_q != '0;
-  assign finished = test && rest == '0;
+
+  // Of many groups it is known ahead whether one is left: block RAM, which lies far away, waits for the end of a beat.
+  if (Groups > 2) begin : gen_ahead
+    logic [Groups-1:0] next;
+    logic one_left_q;
+
+    always_comb begin
+      next = some & ~group;
+      if (take) for (int unsigned g = 0; g < Groups; g++) next[g] = in_mask_i[2*g] || in_mask_i[2*g+1];
+    end
+    always_ff @(posedge clk_i) if (take || test) one_left_q <= (next & (next - 1'b1)) == '0;
+    assign finished = test && one_left_q;
+  end else begin : gen_now
+    assign finished = test && rest == '0;
+  end
 
   // A beat without candidates is the end of the beat here, if that has not gone yet.
   assign merge = in_valid_i && in_mask_i == '0 && held_q;

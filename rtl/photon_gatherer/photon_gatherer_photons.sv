@@ -49,7 +49,7 @@ module photon_gatherer_photons #(
   logic [1:0] state_q;
   logic [Contexts-1:0] done_q;
   logic head_valid, head_taken, read, last, read_1_q, full_q;
-  logic [ContextBits-1:0] head;
+  logic [ContextBits-1:0] head, context_out;
   logic [CountBits-1:0] left_q;
   logic [K*PlaceBits-1:0] places_q;
   /* verilator lint_off UNUSEDSIGNAL */  // the FIFO holds all that can come
@@ -71,15 +71,29 @@ module photon_gatherer_photons #(
   );
 
   assign snapshot_valid_o = state_q == Ask;
-  assign snapshot_context_o = head;
+  assign snapshot_context_o = context_out;
   assign read_valid_o = state_q == Stream && left_q != '0 && !full_q;
-  assign read_context_o = head;
+  assign read_context_o = context_out;
   assign read_place_o = places_q[0+:PlaceBits];
   assign read = read_valid_o && read_ready_i;
   assign last = left_q == CountBits'(1);
   assign head_taken = state_q == Stream && (left_q == '0 || (read && last));
-  assign free_o = head_taken;
-  assign free_context_o = head;
+
+  // The context whose photons leave. Of several trees the contexts are many and the ways to what holds them are long: they
+  // begin at a register instead of the queue's memory, and the context is free a cycle later.
+  if (Trees > 1) begin : gen_registers
+    logic [ContextBits-1:0] context_q;
+    always_ff @(posedge clk_i) begin
+      if (state_q == Idle) context_q <= head;
+      free_o <= head_taken && !rst_i;
+      free_context_o <= context_q;
+    end
+    assign context_out = context_q;
+  end else begin : gen_queue
+    assign context_out = head;
+    assign free_o = head_taken;
+    assign free_context_o = head;
+  end
 
   always_ff @(posedge clk_i) begin
     unique case (state_q)

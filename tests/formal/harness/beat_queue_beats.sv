@@ -10,6 +10,7 @@ module beat_queue_beats #(
     parameter int unsigned Order = 1,
     parameter int unsigned Room = 1,
     parameter int unsigned Lemmas = 0,
+    parameter int unsigned Ahead = 0,
     localparam int unsigned Beats = 2,
     localparam int unsigned FifoDepth = 16,
     localparam int unsigned Behind = 16,
@@ -43,7 +44,8 @@ module beat_queue_beats #(
       .Lanes(1),
       .DirectionBits(1),
       .LoadBits(3),
-      .Behind(Behind)
+      .Behind(Behind),
+      .Ahead(Ahead)
   ) dut (
       .clk_i(clk_i),
       .rst_i(rst_i),

@@ -3,6 +3,7 @@
 // fifo keeps the laws of a stream.
 module fifo_stream #(
     parameter int unsigned Depth = 4,
+    parameter int unsigned Ahead = 0,
     parameter int unsigned Order = 1,
     parameter int unsigned Law = 1,
     parameter int unsigned Progress = 1
@@ -17,7 +18,8 @@ module fifo_stream #(
 
   fifo #(
       .Width(1),
-      .Depth(Depth)
+      .Depth(Depth),
+      .Ahead(Ahead)
   ) dut (
       .clk_i(clk_i),
       .rst_i(rst_i),
