@@ -257,9 +257,9 @@ endmodule
     def test_what_is_another(self) -> None:
         for name, file, text, old, new in (
                 ("operator", "rtl/top.sv", self.TOP, "a_i + b_i", "a_i - b_i"),
-                ("operands", "rtl/top.sv", self.TOP, "a_i + b_i", "b_i + b_i"),
+                ("operand", "rtl/top.sv", self.TOP, "a_i + b_i", "b_i + b_i"),
                 ("width", "rtl/top.sv", self.TOP, "logic [3:0] sum", "logic [2:0] sum"),
-                ("order of ports", "rtl/top.sv", self.TOP, "a_i + b_i", "a_i + 4'(clk_i)"),
+                ("port", "rtl/top.sv", self.TOP, "a_i + b_i", "a_i + 4'(clk_i)"),
                 ("register", "rtl/register.sv", self.REGISTER, "assign out_o = kept_q", "assign out_o = in_i"),
                 ("attribute", "rtl/register.sv", self.REGISTER, '"block"', '"distributed"'),
                 ("constraint", "board/b.lpf", "LOCATE COMP \"a\" SITE \"G2\";\n", "G2", "G3"),
@@ -267,12 +267,13 @@ endmodule
             with self.subTest(name):
                 self.assertNotEqual(self.digest(**{file: text}), self.replaced(file, text, old, new))
 
-    def test_a_variable_of_a_block_hides_the_modules(self) -> None:
-        def block(own: str, read: str) -> str:
-            return self.digest(**{"rtl/top.sv": "module top (input logic a, input logic b, output logic p, output logic q);\n"
-                                  "  logic x;\n  assign x = ~a;\n  assign p = ~x;\n  if (1) begin : gen_block\n"
-                                  f"    logic {own};\n    assign {own} = ~b;\n    assign q = ~{read};\n  end\nendmodule\n"})
-        self.assertNotEqual(block("y", "y"), block("y", "x"))
+    def test_variables_of_one_name_in_two_blocks_are_two(self) -> None:
+        """Without their scopes both designs would be the same statements."""
+        def blocks(first: str, second: str) -> str:
+            return self.digest(**{"rtl/top.sv": "module top (input logic a, input logic b, output logic p, output logic q);\n" + "".join(
+                f"  if (1) begin : gen_{of}\n    logic x;\n    assign x = ~{of};\n    assign {to} = ~x;\n  end\n"
+                for of, to in (("a", first), ("b", second))) + "endmodule\n"})
+        self.assertNotEqual(blocks("p", "q"), blocks("q", "p"))
 
     def test_a_parameter_that_is_used(self) -> None:
         def late(value: int) -> str:

@@ -3,7 +3,8 @@
 
 RTL is taken as Verilator elaborates it, parameters and generate blocks resolved, so that neither comments, the order of a text, another
 name for the same wire nor what this top does not generate change the digest. Attributes, which tell Yosys what a memory is made
-of, are not in that and are taken from the text. The plan's hash is left out, which also changes where no net does."""
+of, are not in that and are taken from the text. The plan's hash is left out, which also changes where no net does. Another version of
+Verilator may elaborate otherwise: digests are those of Debian 12's, which the set-up installs."""
 import hashlib
 import re
 import tempfile
