@@ -126,6 +126,7 @@ module photon_gatherer_descent #(
 
   photon_gatherer_start #(
       .Contexts(Contexts),
+      .Trees(Trees),
       .Sums(Sums)
   ) starts (
       .clk_i(clk_i),

@@ -6,10 +6,13 @@
 // for its bound, 8 cycles after the start at the earliest, and before the end of a query in an empty map is noted.
 //
 // Latency 1 from the query to its start; starts are at least two cycles apart, so what they need is looked up a cycle
-// ahead. hold_i: the tree goes on with another query in this cycle. Mirrors the beginning of search_gather in
+// ahead. hold_i: the tree goes on with another query in this cycle; of several trees: the query that started last is not in
+// its tree yet. There contexts are many and the ways from a start are long: whether a query may start is known a cycle
+// ahead, and the query stays until it is in its tree. Mirrors the beginning of search_gather in
 // golden/unit/photon_gatherer.cpp.
 module photon_gatherer_start #(
     parameter int unsigned Contexts = 16,
+    parameter int unsigned Trees = 1,
     parameter int unsigned Sums = 1,  // sum s has the contexts c with c % Sums = s, as c / Sums
     localparam int unsigned ContextBits = Contexts > 1 ? $clog2(Contexts) : 1,
     localparam int unsigned SumContexts = (Contexts + Sums - 1) / Sums,
@@ -36,7 +39,7 @@ module photon_gatherer_start #(
     output logic                           search_inner_o,          // its root is an inner node
     output logic                           search_leaf_o,           // its root is a leaf
     output logic [        ContextBits-1:0] context_o,
-    output photonloom_pkg::gather_query_t  query_o,
+    output photonloom_pkg::gather_query_t  query_o,                 // of several trees held while hold_i is
     output logic [   3*(NormalBits+2)-1:0] normal_o,                // decoded, z negated
     // the token that empties the list
     output logic                           token_o,
@@ -57,17 +60,16 @@ module photon_gatherer_start #(
 );
   localparam logic [1:0] Idle = 2'd0, Ask = 2'd1, Wait = 2'd2, End = 2'd3;
 
-  logic query_valid_q, free, in_use, empty, leaf;
+  logic query_valid_q, free, in_use, empty, leaf, slot_ready, context_ready, held;
   photonloom_pkg::gather_query_t query_q;
   logic [1:0] map_empty_q, map_leaf_q;  // no line, one line
-  logic [1:0] token_q;
+  logic [1:0] token_q, token_busy;
   logic token_empty_q, token_map_q;
   logic [3*(NormalBits+2)-1:0] normal;
 
-  assign in_ready_o = !query_valid_q;
   assign empty = map_empty_q[query_q.map];
   assign leaf = map_leaf_q[query_q.map];
-  assign search_o = query_valid_q && !query_q.flush && slot_ready_i && free && token_q == Idle && !hold_i;
+  assign search_o = query_valid_q && !query_q.flush && slot_ready && context_ready && token_busy == Idle && !held;
   assign search_inner_o = search_o && !empty && !leaf;
   assign search_leaf_o = search_o && leaf;
   assign start_o = search_o || (query_valid_q && query_q.flush && flush_ready_i);
@@ -90,6 +92,28 @@ module photon_gatherer_start #(
       .photons_free_context_i(photons_free_context_i),
       .busy_o(in_use)
   );
+
+  // ---- what a search waits for ----
+  if (Trees > 1) begin : gen_ahead
+    // It stays until a start takes it, and is known again two cycles after that.
+    logic may_q, started_q;
+    always_ff @(posedge clk_i) begin
+      may_q <= slot_ready_i && free && token_q == Idle && !hold_i && !start_o && !started_q;
+      started_q <= start_o;
+      if (rst_i) {may_q, started_q} <= '0;
+    end
+    assign in_ready_o = !query_valid_q && !hold_i;
+    assign slot_ready = may_q;
+    assign context_ready = 1'b1;
+    assign token_busy = Idle;
+    assign held = 1'b0;
+  end else begin : gen_at_once
+    assign in_ready_o = !query_valid_q;
+    assign slot_ready = slot_ready_i;
+    assign context_ready = free;
+    assign token_busy = token_q;
+    assign held = hold_i;
+  end
 
   always_ff @(posedge clk_i) begin
     map_empty_q <= {lines_i[NodeBits+:NodeBits] == '0, lines_i[0+:NodeBits] == '0};

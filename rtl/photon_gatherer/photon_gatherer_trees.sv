@@ -3,7 +3,11 @@
 // read one node memory, each on a port of its own. Their leaves become one stream: those of tree 0 go first, those of
 // the others wait in a queue each, past which a leaf goes that has nothing to wait for.
 //
-// Trees inner nodes, one leaf and 2 * Trees stack entries a cycle; latencies are those of photon_gatherer_tree.
+// A start enters its tree while that goes on with no other query. Of several trees it waits for that here, at least a
+// cycle: the ways on, to the queues and to the cache, are long and begin at a register.
+//
+// Trees inner nodes, one leaf and 2 * Trees stack entries a cycle; latencies are those of photon_gatherer_tree, of several
+// trees one more from a start.
 module photon_gatherer_trees #(
     parameter int unsigned Contexts = 16,
     parameter int unsigned Trees = 1,
@@ -34,13 +38,13 @@ module photon_gatherer_trees #(
     input  logic [         PositionBits+1:0] node_data_i,       // axis, split
     input  logic [           2*NodeBits-1:0] lines_i,
     // a query starts, not while held: at an inner node or a leaf of its map, or, in an empty one, at neither
-    output logic                             hold_o,            // of the context that would start
+    output logic                             hold_o,            // of the context that would start; of several trees any
     input  logic                             start_i,
     input  logic                             start_inner_i,
     input  logic                             start_leaf_i,
     input  logic [          ContextBits-1:0] start_context_i,
     input  logic                             start_map_i,
-    input  logic [       3*PositionBits-1:0] start_position_i,
+    input  logic [       3*PositionBits-1:0] start_position_i,  // of several trees it and its map stay while held
     // a leaf is reached
     output logic                             leaf_valid_o,
     output logic [          ContextBits-1:0] leaf_context_o,
@@ -71,6 +75,8 @@ module photon_gatherer_trees #(
 );
   localparam int unsigned LeafBits = ContextBits + 2 + LineBits + 2 * StackBits;
 
+  logic root, root_inner, root_leaf, held;
+  logic [ContextBits-1:0] root_context;
   logic [Trees-1:0] hold, leaf_valid, node_step;
   logic [2*Trees-1:0] dropped;
   logic [Trees*LeafBits-1:0] leaves;
@@ -97,6 +103,34 @@ module photon_gatherer_trees #(
       .read_data_o(node_data)
   );
 
+  // ---- a start enters its tree ----
+  if (Trees > 1) begin : gen_waiting
+    logic waiting_q, inner_q, leaf_q;
+    logic [ContextBits-1:0] context_q;
+    always_ff @(posedge clk_i) begin
+      if (!waiting_q) begin
+        waiting_q <= start_i;
+        inner_q <= start_inner_i;
+        leaf_q <= start_leaf_i;
+        context_q <= start_context_i;
+      end else if (!held) begin
+        waiting_q <= 1'b0;
+      end
+      if (rst_i) waiting_q <= 1'b0;
+    end
+    assign hold_o = waiting_q;
+    assign root = waiting_q && !held;
+    assign root_inner = root && inner_q;
+    assign root_leaf = root && leaf_q;
+    assign root_context = context_q;
+  end else begin : gen_at_once
+    assign hold_o = held;
+    assign root = start_i;
+    assign root_inner = start_inner_i;
+    assign root_leaf = start_leaf_i;
+    assign root_context = start_context_i;
+  end
+
   for (genvar tree = 0; tree < Trees; tree++) begin : gen_tree
     logic here, valid, map, first;
     logic [TreeContextBits-1:0] context_here;
@@ -104,7 +138,7 @@ module photon_gatherer_trees #(
     logic [StackBits-1:0] stack, steps;
     logic [LeafBits-1:0] leaf;
 
-    assign here = (32'(start_context_i) & (Trees - 1)) == tree;
+    assign here = (32'(root_context) & (Trees - 1)) == tree;
     assign leaf = {ContextBits'(32'(context_here) * Trees + tree), map, first, line, stack, steps};
 
     photon_gatherer_tree #(
@@ -122,10 +156,10 @@ module photon_gatherer_trees #(
         .node_data_i(node_data[NodeDataBits*tree+:NodeDataBits]),
         .lines_i(lines_i),
         .hold_o(hold[tree]),
-        .start_i(start_i && here),
-        .start_inner_i(start_inner_i && here),
-        .start_leaf_i(start_leaf_i && here),
-        .start_context_i(TreeContextBits'(start_context_i >> $clog2(Trees))),
+        .start_i(root && here),
+        .start_inner_i(root_inner && here),
+        .start_leaf_i(root_leaf && here),
+        .start_context_i(TreeContextBits'(root_context >> $clog2(Trees))),
         .start_map_i(start_map_i),
         .start_position_i(start_position_i),
         .leaf_valid_o(valid),
@@ -181,11 +215,11 @@ module photon_gatherer_trees #(
   end
 
   always_comb begin
-    hold_o = 1'b0;
+    held = 1'b0;
     nodes_o = '0;
     dropped_o = '0;
     for (int unsigned t = 0; t < Trees; t++) begin
-      if ((32'(start_context_i) & (Trees - 1)) == t) hold_o = hold[t];
+      if ((32'(root_context) & (Trees - 1)) == t) held = hold[t];
       nodes_o = nodes_o + CountBits'(node_step[t]);
       dropped_o = dropped_o + CountBits'(dropped[2*t+:2]);
     end
