@@ -124,12 +124,12 @@ EngineCycles predict(const Plan& plan, const Load& of, double lines, double sdra
     latency =
         kSharedCacheLatency + static_cast<int>(std::lround(slow * read * core_khz / sdram_khz));
   }
-  // What the fit has not, for neither binds where one candidate a cycle does: the sum reads its
-  // photons one after the other, and so are reciprocals made (rtl/common/reciprocal.sv). Queries
-  // that wait for them hold nothing else up.
-  const double sum = std::max(std::min<double>(plan.k, load.insertions) + 1, of.reciprocal) /
-                     plan.powers_per_cycle;
-  e.gatherers = std::max(modelled_cycles(plan, load, latency), sum) / plan.gatherers;
+  // What the fit has not, for it does not bind where one candidate a cycle does: reciprocals are
+  // made one after the other (rtl/common/reciprocal.sv). Queries that wait for them hold nothing
+  // else up.
+  e.gatherers =
+      std::max(modelled_cycles(plan, load, latency), of.reciprocal / plan.powers_per_cycle) /
+      plan.gatherers;
   const double beats = 8.0 * plan.line_bytes() / plan.beat_bits;
   if (sdram) {
     e.memory_lines = sdram_lines;

@@ -2,18 +2,20 @@
 """The gatherer alone, fast and narrow: cycles a gather of `make bench-rtl`, resources and clocks of the plans of fpga/fast,
 and gathers a second for 1,000 LUT-equivalents. Takes the cycles from build/bench/rtl_photon_gatherer.json, synthesizes and
 routes what build/fpga does not have, and writes fpga/fast.json and the table of docs/photon_gatherer.md. Exit status 1 where
-a goal of fpga/goals.toml is missed. With --check it measures nothing and tells whether the page is that of the data."""
+a goal of fpga/goals.toml is missed. With --check it measures nothing and tells whether the page is that of the data and of today's
+RTL: rows that were routed with earlier RTL are named below the table, which --render writes."""
 import argparse
 import hashlib
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 from typing import NotRequired, TypedDict
 
 from flow.arguments import whole
 from flow.boards import LUT_EQ, Board, read_board
 from flow.goals import FastGoals, fast_goals
-from flow.package import describe, digest, generate
+from flow.headline.netlist import digest_now, netlist_digest
+from flow.package import describe, generate
 from flow.plans.catalogue import read_catalogue
 from flow.results import median, report_folder
 from flow.routing import Clock, clocks_of, place, placements, routed_name
@@ -31,7 +33,7 @@ WIDTHS = ("nodes_per_cycle", "lanes", "candidates_per_cycle", "powers_per_cycle"
 
 
 class Row(TypedDict):
-    """A plan. digest: of its package and the tools. cycles: a gather, with an ideal memory and with a slow one; mhz: of each
+    """A plan. digest: of its package's design. cycles: a gather, with an ideal memory and with a slow one; mhz: of each
     seed that was routed."""
     plan: str
     k: int
@@ -107,7 +109,7 @@ def measure(name: str, board: Board, tools: Tools, seeds: Sequence[int], placer:
         mhz = [before for seed in seeds if (before := routed_before(folder, top, seed, placer)) is not None]
     return {"plan": name, "k": field(said, path, "gather.k", int, "a count"),
             "widths": [field(said, path, f"gatherer.{width}", int, "a count") for width in WIDTHS],
-            "contexts": field(said, path, "gatherer.contexts", int, "a count"), "digest": digest(folder, tools.versions),
+            "contexts": field(said, path, "gatherer.contexts", int, "a count"), "digest": netlist_digest(folder),
             "cycles": cycles_of(cycle_rows, facts["hash"], CYCLES), "resources": counts, "mhz": mhz}
 
 
@@ -151,8 +153,13 @@ def missed(row: Row, rows: Sequence[Row], goals: FastGoals) -> list[str]:
     return said
 
 
-def page(data: Data, goals: FastGoals) -> str:
-    """The table, and what it was made of."""
+def stale_rows(data: Data, board: Board) -> list[str]:
+    """The plans of which today's RTL makes another netlist than the one that was measured."""
+    return [row["plan"] for row in data["rows"] if digest_now(FAST / f"{row['plan']}.toml", board, unit=UNIT) != row["digest"]]
+
+
+def page(data: Data, goals: FastGoals, stale: Collection[str]) -> str:
+    """The table, what it was made of, and the rows that are of earlier RTL."""
     cells = []
     for row in data["rows"]:
         mhz, reached, least = row["mhz"], rate(row), least_rate(row, data["rows"], goals)
@@ -170,7 +177,9 @@ def page(data: Data, goals: FastGoals) -> str:
                              "gathers a second for 1,000 LUT-eq", "its goal, at which clock", "goals reached"]) +
             f"\nPlaced by nextpnr's {data['placer']} placer"
             f"{', a seed with which that does not end by the default one' if data['placer'] != 'heap' else ''}. "
-            f"Made of `fpga/fast.json` {of}; " + "; ".join(data["versions"].values()) + ".\n")
+            f"Made of `fpga/fast.json` {of}; " + "; ".join(data["versions"].values()) + ".\n" +
+            (f"\nMeasured with earlier RTL: {', '.join(f'`{plan}`' for plan in stale)}; `scripts/fpga-fast NAME` measures a plan again.\n"
+             if stale else ""))
 
 
 def main() -> int:
@@ -179,18 +188,23 @@ def main() -> int:
     p.add_argument("--seeds", type=whole(1), help="placements of each (default: those of fpga/goals.toml)")
     p.add_argument("--placer", choices=("heap", "static"), default="static", help="as of scripts/fpga (default: static)")
     p.add_argument("--no-route", action="store_true", help="take the placements that are there, and make none")
-    p.add_argument("--check", action="store_true", help="tell whether docs/photon_gatherer.md is that of fpga/fast.json")
+    p.add_argument("--render", action="store_true", help="write the table from fpga/fast.json again, nothing else")
+    p.add_argument("--check", action="store_true", help="tell whether docs/photon_gatherer.md is that of fpga/fast.json and of today's RTL")
     o = p.parse_args()
     goals = fast_goals()
     for name in o.plans:
         if name not in names():
             p.error(f"there is no plan {name}, expected some of {', '.join(names())}")
-    if o.check:
-        if page(read_json(DATA), goals) not in read_text(PAGE):
-            raise Failure(f"{PAGE}: is not what {DATA} gives; scripts/fpga-fast writes it")
-        say("docs/photon_gatherer.md is that of fpga/fast.json")
-        return 0
     board = read_board(goals.board)
+    if o.check or o.render:
+        made: Data = read_json(DATA)
+        text = page(made, goals, stale_rows(made, board))
+        if o.render:
+            replace_between(PAGE, "fast", text)
+        elif text not in read_text(PAGE):
+            raise Failure(f"{PAGE}: is not what {DATA} and today's RTL give; scripts/fpga-fast --render writes it")
+        say("docs/photon_gatherer.md is that of fpga/fast.json and of today's RTL")
+        return 0
     tools = find_tools(board)
     cycle_rows: list[CycleRow] = read_json(CYCLES)[UNIT]
     seeds = range(1, 1 + (o.seeds or goals.seeds))
@@ -206,7 +220,7 @@ def main() -> int:
             rows.append(old[name])
     data: Data = {"board": board.name, "placer": o.placer, "versions": tools.versions, "rows": rows}
     write_json(DATA, data)
-    replace_between(PAGE, "fast", page(data, goals))
+    replace_between(PAGE, "fast", page(data, goals, stale_rows(data, board)))
     faults = [f"{row['plan']}: {fault}" for row in rows for fault in verdict(row, rows, goals)]
     for fault in faults:
         say(fault)

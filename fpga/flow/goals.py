@@ -55,13 +55,15 @@ class GainGoals:
 class HeadlineGoals:
     """board: where queries a second are those of its routed top. scene: whose photons and queries are gathered. replay: the
     plan whose replayer is simulated. images: what is timed of whole images. times: multiples of one core, photon memory -> k as text -> multiple.
-    gain: beside an earlier commit and golden. coarse: of rows in coarser formats."""
+    gain: beside an earlier commit and golden. share: what binds a row from SDRAM -> share of its own bound. coarse: of rows in
+    coarser formats."""
     board: str
     scene: Path
     replay: str
     images: ImageGoals
     times: dict[str, dict[str, float]]
     gain: GainGoals
+    share: dict[str, float]
     coarse: CoarseGoals
     path: Path
 
@@ -139,6 +141,7 @@ def headline_goals(path: Path = GOALS) -> HeadlineGoals:
     return HeadlineGoals(field(said, path, "headline.board", str, "a board"),
                          ROOT / field(said, path, "headline.scene", str, "a scene below the repository's root"),
                          field(said, path, "headline.replay", str, "a plan of fpga/headline"), images, times, gain_goals(said, path),
+                         {by: float(field(said, path, f"headline.share.{by}", (int, float), "a share")) for by in ("SDRAM", "gatherers")},
                          CoarseGoals(*(field(said, path, f"headline.coarse.{name}", (int, float), "a number") for name in ("relmse", "times"))), path)
 
 

@@ -1,25 +1,26 @@
 # SPDX-License-Identifier: Apache-2.0
 """Whether the engines that `photonloom plan SCENE --board` names are routed: the whole top of each scene's plan, and its clocks
 beside what they are constrained to. Scenes and options are [planned] of fpga/goals.toml. Writes fpga/planned.json and the table
-of docs/planner.md; what was routed is kept in build/planned and not made again. Exit status 1 where a clock is missed. With --check it
-measures nothing and tells whether the page is that of the data."""
+of docs/planner.md, and the plans into fpga/planned; what was routed is kept in build/planned and not made again. Exit status 1 where a
+clock is missed. With --check it measures nothing and tells whether the page is that of the data and of today's RTL: rows that were
+routed with earlier RTL are named below the table, which --render writes."""
 import argparse
 import concurrent.futures
 import hashlib
 import json
 import os
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from pathlib import Path
 from typing import Any, TypedDict
 
 from flow.arguments import LAST_SEED, whole
-from flow.boards import LUT_EQ, read_board
+from flow.boards import LUT_EQ, Board, read_board
 from flow.goals import PlannedGoals, planned_goals
-from flow.headline.netlist import SHORT
+from flow.headline.netlist import SHORT, digest_now
 from flow.headline.plans import HeadlinePlan
 from flow.headline.tops import Routing, Top, prepare, route_seed, synthesized
 from flow.headline.verdict import clock_name
-from flow.package import PHOTONLOOM
+from flow.package import PHOTONLOOM, describe
 from flow.routing import Placement
 from flow.shell import ROOT, Failure, field, read_json, read_text, read_toml, run, say, write_json
 from flow.synthesis import Counts
@@ -28,6 +29,7 @@ from flow.tools import find_tools, nextpnr_is_slow
 
 DATA = ROOT / "fpga" / "planned.json"
 PAGE = ROOT / "docs" / "planner.md"
+PLANS = ROOT / "fpga" / "planned"  # the plans of the rows
 WIDTHS = ("nodes_per_cycle", "lanes", "candidates_per_cycle", "powers_per_cycle")
 
 
@@ -61,9 +63,9 @@ class Data(TypedDict):
     rows: list[Planned]
 
 
-def plan_scene(scene: Path, goals: PlannedGoals, work: Path) -> tuple[HeadlinePlan, dict[str, Any]]:
+def plan_scene(scene: Path, goals: PlannedGoals) -> tuple[HeadlinePlan, dict[str, Any]]:
     """Writes the scene's plan, and gives what photonloom says of it."""
-    path = work / f"{scene.stem}.toml"
+    path = PLANS / f"{scene.stem}.toml"
     said: dict[str, Any] = json.loads(run([PHOTONLOOM, "plan", str(scene), *goals.options, "--board", goals.board, "-o", str(path), "--json"]))
     return HeadlinePlan(scene.stem, path), said
 
@@ -103,8 +105,20 @@ def cells(row: Planned) -> list[str]:
             f"{mhz / row['cycles']:.2f}" if mhz else "–", f"`{row['digest'][:SHORT]}`", "**MISSED**: " + "; ".join(faults) if faults else "yes"]
 
 
-def page(data: Data | None) -> str:
-    """The table, and what it was made of."""
+def stale_rows(data: Data, board: Board) -> list[str]:
+    """The scenes whose plan's top is another with today's RTL than the one that was routed."""
+    stale = []
+    for row in data["rows"]:
+        plan = PLANS / f"{row['scene']}.toml"
+        if (found := describe(plan)["hash"]) != row["plan"]:
+            raise Failure(f"{plan}: is plan {found}, expected {row['plan']}, which {DATA.name} has of it; scripts/plan-boards writes both")
+        if digest_now(plan, board) != row["digest"]:
+            stale.append(row["scene"])
+    return stale
+
+
+def page(data: Data | None, stale: Collection[str] = ()) -> str:
+    """The table, what it was made of, and the rows that are of earlier RTL."""
     if not data:
         return "Not routed yet.\n"
     of = hashlib.sha256(json.dumps(data, sort_keys=True).encode()).hexdigest()[:SHORT]
@@ -113,7 +127,9 @@ def page(data: Data | None) -> str:
                      ["scene", "gatherers", "nodes, lanes, candidates, powers", "contexts", "photons in", "bits of a beat",
                       "cycles a gather, predicted", "LUT-eq", "DP16KD", "seed", "clocks, MHz", "M gathers a second at that clock",
                       "netlist", "routed to its clocks"]) +
-            f"\nMade of `fpga/planned.json` {of}; " + "; ".join(data["versions"].values()) + ".\n")
+            f"\nMade of `fpga/planned.json` {of}; " + "; ".join(data["versions"].values()) + ".\n" +
+            (f"\nRouted with earlier RTL: {', '.join(f'`{scene}`' for scene in stale)}; `scripts/plan-boards SCENE` routes an engine again.\n"
+             if stale else ""))
 
 
 def merged(old: Sequence[Planned], new: Sequence[Planned], scenes: Sequence[Path]) -> list[Planned]:
@@ -129,19 +145,24 @@ def main() -> int:
     p.add_argument("--jobs", type=whole(1), default=os.cpu_count() or 1, help="tops routed at a time (default: one a core; 2 GB each)")
     p.add_argument("--placer", choices=("heap", "static"), help="as of scripts/fpga (default: static, but heap with nextpnr 0.7)")
     p.add_argument("--results", type=Path, default=ROOT / "build" / "planned", help="where netlists and routed seeds are kept (default: build/planned)")
-    p.add_argument("--check", action="store_true", help="tell whether docs/planner.md is that of fpga/planned.json")
+    p.add_argument("--render", action="store_true", help="write the table from fpga/planned.json again, nothing else")
+    p.add_argument("--check", action="store_true", help="tell whether docs/planner.md is that of fpga/planned.json and of today's RTL")
     o = p.parse_args()
     goals = planned_goals()
     known = {scene.stem: scene for scene in goals.scenes}
     for name in o.scenes:
         if name not in known:
             p.error(f"there is no scene {name}, expected some of {', '.join(known)}")
-    if o.check:
-        if page(read_json(DATA) if DATA.is_file() else None) not in read_text(PAGE):
-            raise Failure(f"{PAGE}: is not what {DATA} gives; scripts/plan-boards writes it")
-        say("docs/planner.md is that of fpga/planned.json")
-        return 0
     board = read_board(goals.board)
+    if o.check or o.render:
+        made: Data | None = read_json(DATA) if DATA.is_file() else None
+        text = page(made, stale_rows(made, board) if made else [])
+        if o.render:
+            replace_between(PAGE, "planned", text)
+        elif text not in read_text(PAGE):
+            raise Failure(f"{PAGE}: is not what {DATA} and today's RTL give; scripts/plan-boards --render writes it")
+        say("docs/planner.md is that of fpga/planned.json and of today's RTL")
+        return 0
     tools = find_tools(board)
     slow = nextpnr_is_slow(tools.versions[board.family.nextpnr])
     routing = Routing(board, tools, 1, o.seed, None, 8 if slow else 6, o.placer or ("heap" if slow else "static"), False)
@@ -150,7 +171,7 @@ def main() -> int:
     scenes = [known[name] for name in o.scenes] or list(goals.scenes)
 
     def one(scene: Path) -> Planned:
-        plan, said = plan_scene(scene, goals, work)
+        plan, said = plan_scene(scene, goals)
         top = prepare(plan, work, routing)
         resources = synthesized(top, routing)["resources"]
         return row_of(plan, said, top, resources, o.seed, route_seed(top, o.seed, routing.placer, routing))
@@ -161,7 +182,7 @@ def main() -> int:
     data: Data = {"board": board.name, "options": list(goals.options), "versions": tools.versions,
                   "rows": merged(old["rows"] if old else [], rows, goals.scenes)}
     write_json(DATA, data)
-    replace_between(PAGE, "planned", page(data))
+    replace_between(PAGE, "planned", page(data, stale_rows(data, board)))
     faults = [f"{row['scene']}: {fault}" for row in data["rows"] for fault in missed(row)]
     for fault in faults:
         say(fault)

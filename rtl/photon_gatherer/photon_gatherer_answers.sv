@@ -7,8 +7,8 @@
 //
 // The slot store of a list is read by its sum, else by the photons. What belongs to the context is read when the sum
 // takes it, since the context may start anew before the sum is out. A query takes count + 1 cycles of its sum, and
-// where there are several up to Sums - 1 more; latency count + 8 from its turn to the end of its sum. Mirrors the end
-// of search_gather in golden/unit/photon_gatherer.cpp.
+// where there are several up to Sums - 1 more; latency count + 8 from its turn to the end of its sum, where there are several
+// count + 9. Mirrors the end of search_gather in golden/unit/photon_gatherer.cpp.
 module photon_gatherer_answers #(
     parameter int unsigned Contexts = 16,
     parameter int unsigned Trees = 1,
@@ -210,14 +210,28 @@ module photon_gatherer_answers #(
     );
   end
 
-  // One sum a cycle is done.
-  logic [SumBits-1:0] sum_done;
+  // One sum a cycle is done. Of several, which one is known late: it comes to the results a cycle later.
+  logic finish;
+  logic [SumBits-1:0] sum_done, finished;
   always_comb begin
     sum_done = '0;
     for (int unsigned s = 0; s < Sums; s++)
       if (Sums == 1 || sum_valid[s]) sum_done = sum_done | sums[SumBits*s+:SumBits];
   end
-  assign {sum_flux, sum_slot, sum_r2, sum_insertions, sum_leaves, sum_nodes, sum_count} = sum_done;
+  if (Sums > 1) begin : gen_finish_register
+    logic finish_q;
+    logic [SumBits-1:0] finished_q;
+    always_ff @(posedge clk_i) begin
+      finish_q <= sum_valid != '0 && !rst_i;
+      finished_q <= sum_done;
+    end
+    assign finish = finish_q;
+    assign finished = finished_q;
+  end else begin : gen_finish
+    assign finish = sum_valid[0];
+    assign finished = sum_done;
+  end
+  assign {sum_flux, sum_slot, sum_r2, sum_insertions, sum_leaves, sum_nodes, sum_count} = finished;
 
   // ---- results ----
   photon_gatherer_results #(
@@ -239,7 +253,7 @@ module photon_gatherer_answers #(
       .take_i(sum_take),
       .take_slot_i(take_slot),
       .take_faulty_i(found_faulty_i),
-      .finish_i(sum_valid != '0),
+      .finish_i(finish),
       .finish_slot_i(sum_slot),
       .finish_count_i(sum_count),
       .finish_r2_i(sum_r2),

@@ -14,7 +14,8 @@ module photon_gatherer_beat_queue #(
     parameter int unsigned DirectionBits = 8,
     parameter int unsigned LoadBits = 48,      // direction, mantissas, exponent of a photon
     parameter int unsigned Behind = 16,        // beats that may be between the FIFO and the list
-    // Of many lanes it is known late whether one is near. Then beats are written before that, since each has room for it.
+    // Of many lanes it is known late whether one is near. Then beats are written before that, since each has room for it; and the room
+    // that comes back is counted a cycle later, as if a line were issued in each.
     parameter int unsigned Ahead = Lanes > 4 ? 1 : 0,
     localparam int unsigned ContextBits = Contexts > 1 ? $clog2(Contexts) : 1,
     localparam int unsigned Beats = Bucket / Lanes,
@@ -57,15 +58,31 @@ module photon_gatherer_beat_queue #(
 
   // ---- room: a line is let in when its beats have a place in the FIFO. That of the last cycle is counted now. ----
   logic [RoomBits-1:0] room_q;
-  logic issue_q, pop, drop;
+  logic issue_q, pop, drop, popped, dropped, ready_ahead;
 
-  assign ready_o = room_q >= (issue_q ? RoomBits'(2 * Beats) : RoomBits'(Beats));
+  assign ready_o = Ahead != 0 ? ready_ahead : room_q >= (issue_q ? RoomBits'(2 * Beats) : RoomBits'(Beats));
   assign drop = in_valid_i && !in_keep_i;
   assign pop = out_valid_o && out_ready_i;
 
+  if (Ahead != 0) begin : gen_ahead
+    logic ready_q, pop_q, drop_q;
+    always_ff @(posedge clk_i) begin
+      ready_q <= room_q >= (issue_q ? RoomBits'(3 * Beats) : RoomBits'(2 * Beats));
+      {pop_q, drop_q} <= {pop, drop};
+      if (rst_i) {ready_q, pop_q, drop_q} <= '0;
+    end
+    assign ready_ahead = ready_q;
+    assign popped = pop_q;
+    assign dropped = drop_q;
+  end else begin : gen_at_once
+    assign ready_ahead = pop;  // nothing looks at it
+    assign popped = pop;
+    assign dropped = drop;
+  end
+
   always_ff @(posedge clk_i) begin
     issue_q <= issue_i;
-    room_q <= room_q - (issue_q ? RoomBits'(Beats) : '0) + RoomBits'(pop) + RoomBits'(drop);
+    room_q <= room_q - (issue_q ? RoomBits'(Beats) : '0) + RoomBits'(popped) + RoomBits'(dropped);
     if (rst_i) begin
       issue_q <= 1'b0;
       room_q  <= RoomBits'(FifoDepth);

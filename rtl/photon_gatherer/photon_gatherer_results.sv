@@ -7,7 +7,7 @@
 //
 // What is written last has the lap of its slot beside it: how often, modulo 2, the slots had gone round when the query
 // took it. A slot is complete iff it shows the lap of the head. A flush writes it when it starts, so it waits where
-// another is written. After reset, which takes Slots cycles, all show the other lap. Starts are at least two cycles apart.
+// another is written; of several sums, where that is known late, its start does not wait, but that word and the next flush. After reset, which takes Slots cycles, all show the other lap. Starts are at least two cycles apart.
 //
 // Latency from finish to output 4 cycles, with a reciprocal 5 more than that takes; one result each 3 cycles at best.
 module photon_gatherer_results #(
@@ -66,13 +66,39 @@ module photon_gatherer_results #(
   // Of what is written last: that it is, and where; the lap that it shows.
   logic done, done_write, done_slot_lap, done_lap, lap;
   logic [SlotBits-1:0] done_slot, done_address;
+  logic flush_waits, flush_start, flush_now;
+  logic [SlotBits:0] flush_slot;
 
   assign start_ready_o = ready_q;
-  assign flush_ready_o = ready_q && !done;
+  assign flush_ready_o = ready_q && !flush_waits;
   assign start_slot_o = tail_q;
-  assign done_write = done || sweeping_q || (start_i && start_flush_i);
-  assign done_address = sweeping_q ? sweep_q : done ? done_slot : tail_q[SlotBits-1:0];
-  assign done_lap = sweeping_q || (done ? done_slot_lap : tail_q[SlotBits]);
+  assign done_write = done || sweeping_q || (flush_now && flush_start);
+  assign done_address = sweeping_q ? sweep_q : done ? done_slot : flush_slot[SlotBits-1:0];
+  assign done_lap = sweeping_q || (done ? done_slot_lap : flush_slot[SlotBits]);
+
+  // ---- the word of a flush ----
+  if (Sums > 1) begin : gen_flush_register
+    logic due_q;
+    logic [SlotBits:0] slot_q;
+    always_ff @(posedge clk_i) begin
+      if (!due_q) begin
+        due_q  <= start_i && start_flush_i;
+        slot_q <= tail_q;
+      end else if (!done) begin
+        due_q <= 1'b0;
+      end
+      if (rst_i) due_q <= 1'b0;
+    end
+    assign flush_waits = due_q;
+    assign flush_start = due_q;
+    assign flush_now = 1'b1;
+    assign flush_slot = slot_q;
+  end else begin : gen_flush
+    assign flush_waits = done;
+    assign flush_start = start_i;
+    assign flush_now = start_flush_i;
+    assign flush_slot = tail_q;
+  end
 
   block_ram #(
       .Width(HeadBits),

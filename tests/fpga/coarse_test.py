@@ -45,6 +45,9 @@ class Coarser(MadeUp):
         row = self.coarse(gain=3)
         self.assertIn("| no, **missed**: reordering gains 3.00, goal 4 |", tables.coarse_table([(row, self.judge(row))], [self.sdram()], GOALS))
 
+    def test_its_share_of_its_bound_is_no_goal(self) -> None:
+        self.assertEqual(self.judge(self.coarse(cycles_per_gather=20)).missed, [])
+
     def test_without_the_other_row_nothing_is_said_to_be_reached(self) -> None:
         alone = judge_coarse(self.coarse(), [], GOALS)
         self.assertEqual((alone.times, alone.missed), (None, []))

@@ -2,8 +2,10 @@
 """What is said of the gatherer alone, on made-up figures."""
 import unittest
 from pathlib import Path
+from unittest import mock
 
-from flow.fast import CycleRow, Data, Row, cycles_of, names, page, rate, verdict
+from flow.boards import read_board
+from flow.fast import CycleRow, Data, Row, cycles_of, names, page, rate, stale_rows, verdict
 from flow.goals import FastGoals, fast_goals
 from flow.shell import Failure
 
@@ -51,12 +53,22 @@ class Fast(unittest.TestCase):
 
     def test_the_page_changes_with_its_data(self) -> None:
         data: Data = {"board": "b", "placer": "static", "versions": {"yosys": "Yosys 1"}, "rows": [row("k8", [80.0], 10.0, 9000), NARROW]}
-        text = page(data, GOALS)
+        text = page(data, GOALS, [])
         self.assertIn("| `k8` | 2, 8, 2, 2 | 32 | 10.0 | 20.0 | 80.0, 80.0 (1) | 9,000 | 90 | 48 | 888,889 | 1,000,000, from 90.0 MHz | 1 of 3 seeds", text)
         self.assertIn("Yosys 1", text)
         self.assertIn("nextpnr's static placer, a seed", text)
         data["rows"][0]["digest"] = "other"
-        self.assertNotEqual(page(data, GOALS), text)
+        self.assertNotEqual(page(data, GOALS, []), text)
+
+    def test_rows_of_earlier_rtl_are_named(self) -> None:
+        data: Data = {"board": "b", "placer": "static", "versions": {}, "rows": [row("k8", [80.0], 10.0, 9000), NARROW]}
+        data["rows"][0]["digest"] = "then"
+        with mock.patch("flow.fast.digest_now", side_effect=lambda plan, board, unit: "" if plan.stem == "narrow_k8" else "now") as asked:
+            stale = stale_rows(data, read_board("ulx3s-85f"))
+        self.assertEqual(stale, ["k8"])
+        self.assertEqual({call.kwargs["unit"] for call in asked.call_args_list}, {"photon_gatherer"})
+        self.assertIn("\nMeasured with earlier RTL: `k8`; ", page(data, GOALS, stale))
+        self.assertNotIn("earlier RTL", page(data, GOALS, []))
 
     def test_every_plan_has_its_goals(self) -> None:
         self.assertEqual(names(), ["k8", "narrow_k8", "k16", "narrow_k16", "k50", "narrow_k50"])

@@ -350,6 +350,15 @@ class Verdicts(MadeUp):
         self.assertTrue(v.reached)
         self.assertEqual(v.missed, ["reordering gains 3.90, goal 4"])
 
+    def test_a_row_from_sdram_reaches_a_share_of_what_binds_it(self) -> None:
+        near = self.sdram(cycles=8.4)
+        v = self.judge(near)
+        self.assertEqual((v.reached, v.missed), (True, ["84 % of the bound by the SDRAM, goal 85 %"]))
+        self.assertIn("| 84 % (goal 85 %) **MISSED** |", tables.bound_table([(near, v)]))
+        self.assertEqual(self.judge(self.sdram(cycles=8.6)).missed, [])
+        self.assertEqual(self.judge(self.sdram(cycles=7, cycles_per_gather=10.1)).missed, ["79 % of the bound by the gatherers, goal 80 %"])
+        self.assertIsNone(self.judge(self.row()).share_goal)
+
     def test_the_parts_bounds(self) -> None:
         v = self.judge(self.sdram())
         self.assertEqual(v.part, {"DP16KD": 18.75e6, "LUT4": 75e6, "MULT18X18D": 37.5e6, "SDRAM pins": 12.5e6})
@@ -358,7 +367,7 @@ class Verdicts(MadeUp):
 
     def test_both_rooflines_stand_on_the_page(self) -> None:
         row = self.sdram(cycles=11)  # 8 of its 11 cycles are lines
-        self.assertIn("| 9.09 (SDRAM) | 110 % | 12.50 | – | 9.09 | 12.50 |", tables.bound_table([(row, self.judge(row))]))
+        self.assertIn("| 9.09 (SDRAM) | 110 % (goal 85 %) | 12.50 | – | 9.09 | 12.50 |", tables.bound_table([(row, self.judge(row))]))
 
     def test_rows_of_several_machines_are_told_apart(self) -> None:
         def judged(*rows: Row) -> list[tuple[Row, Verdict]]:

@@ -181,6 +181,7 @@ class DataFiles(Files):
 
     def test_goals(self) -> None:
         self.assertEqual(headline_goals().times_core("sdram", 16), 1.5)
+        self.assertEqual(headline_goals().share, {"SDRAM": 0.85, "gatherers": 0.8})
         text = (ROOT / "fpga" / "goals.toml").read_text()
         path = self.write("goals.toml", text.replace("times = [2, 1.8]", "times = [2]"))
         with self.assertRaisesRegex(Failure, r"goals.toml: headline.gain.block_ram_k8.times is \[2\], expected two numbers"):

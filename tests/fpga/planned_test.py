@@ -4,12 +4,14 @@ import copy
 import tempfile
 import unittest
 from pathlib import Path
+from unittest import mock
 
+from flow.boards import read_board
 from flow.goals import planned_goals
 from flow.headline.data import Link
 from flow.headline.plans import HeadlinePlan
 from flow.headline.tops import Top
-from flow.planned import Data, Planned, cells, merged, missed, page, row_of
+from flow.planned import Data, Planned, cells, merged, missed, page, row_of, stale_rows
 from flow.routing import Placement
 from flow.shell import ROOT, Failure
 
@@ -46,6 +48,20 @@ class PlannedEngines(unittest.TestCase):
         data["rows"][0]["plan"] = "4567"
         self.assertNotEqual(page(data), text)
         self.assertEqual(page(None), "Not routed yet.\n")
+
+    def test_rows_of_earlier_rtl_are_named(self) -> None:
+        data: Data = {"board": "b", "options": [], "versions": {}, "rows": [copy.deepcopy(ROW), copy.deepcopy(ROW)]}
+        data["rows"][1]["scene"] = "hall"
+        board = read_board("ulx3s-85f")
+        with mock.patch("flow.planned.describe", return_value={"hash": "0123"}), \
+                mock.patch("flow.planned.digest_now", side_effect=lambda plan, board: "n" * 64 if plan.stem == "hall" else "d" * 64):
+            stale = stale_rows(data, board)
+        self.assertEqual(stale, ["hall"])
+        self.assertIn("\nRouted with earlier RTL: `hall`; ", page(data, stale))
+        self.assertNotIn("earlier RTL", page(data))
+        with mock.patch("flow.planned.describe", return_value={"hash": "4567"}), \
+                self.assertRaisesRegex(Failure, "fpga/planned/room.toml: is plan 4567, expected 0123, which planned.json has of it"):
+            stale_rows(data, board)
 
     def test_a_row_is_read_from_the_plan_and_the_placement(self) -> None:
         with tempfile.TemporaryDirectory() as folder:

@@ -15,6 +15,7 @@
 #include "golden/planner/resources.hpp"
 #include "golden/unit/photon_gatherer.hpp"
 #include "study/board_room.hpp"
+#include "study/gather_cost.hpp"
 #include "tests/catch.hpp"
 #include "tests/command/run.hpp"
 #include "tests/photon_sets.hpp"
@@ -270,4 +271,21 @@ TEST_CASE("predicted cycles of engines on block RAM are within 15 % of simulated
     CHECK(found.best.cycles.cycles > 0.85 * simulated);
     CHECK(found.best.cycles.cycles < 1.15 * simulated);
   }
+}
+
+TEST_CASE("no gather takes fewer cycles than its sum reads powers") {
+  Plan plan;
+  plan.k = 50;
+  plan.contexts = 64;
+  plan.lanes = 8;
+  plan.nodes_per_cycle = 2;
+  plan.candidates_per_cycle = 4;
+  const GatherLoad load{.nodes = 30, .leaves = 10, .insertions = 80};
+  plan.powers_per_cycle = 1;
+  CHECK(modelled_cycles(plan, load, 1) == 51);
+  plan.powers_per_cycle = 4;
+  CHECK(modelled_cycles(plan, load, 1) < 51);
+  CHECK(modelled_cycles(plan, load, 1) > 51 / 4.0);
+  plan.powers_per_cycle = 1;
+  CHECK(modelled_cycles(plan, {.nodes = 30, .leaves = 10, .insertions = 20}, 1) < 51);
 }

@@ -115,6 +115,16 @@ std::vector<BenchPlan> plans() {
     p.candidates_per_cycle = 4;
     p.lut_ram_words = 128;
   });
+  add("fast", [](Plan& p) {  // every width, as in fpga/fast
+    p.k = 12;
+    p.contexts = 48;
+    p.nodes_per_cycle = 2;
+    p.lanes = 8;
+    p.candidates_per_cycle = p.powers_per_cycle = 4;
+    p.cache_ways = 5;
+    p.cache_bytes = 5 * p.line_bytes() * 4;
+    p.cache_misses = 8;
+  });
   return list;
 }
 

@@ -102,13 +102,33 @@ Plan draw(RoleRandom& random) {
   return p;
 }
 
+// What few plans have: a leaf in one beat of lanes, ways that are no power of two, memories of
+// LUTs.
+Plan rarer(const Plan& drawn, RoleRandom& random) {
+  Plan plan = drawn;
+  const auto change = [&](auto&& line) {
+    if (random.below(4) != 0) return;
+    Plan other = plan;
+    line(other);
+    if (!find_problem(other)) plan = other;
+  };
+  change([](Plan& p) { p.lanes = p.bucket; });
+  change([&](Plan& p) {
+    const int bytes_of_a_way = p.cache_bytes / p.cache_ways;
+    p.cache_ways = random.below(2) ? 3 : 5;
+    p.cache_bytes = bytes_of_a_way * p.cache_ways;
+  });
+  change([&](Plan& p) { p.lut_ram_words = 32 << random.below(5); });
+  return plan;
+}
+
 }  // namespace
 
 Plan random_plan(uint64_t seed) {
-  RoleRandom random(seed, "plan");
+  RoleRandom random(seed, "plan"), rare(seed, "rare lines of a plan");
   for (;;) {
     const Plan plan = draw(random);
-    if (!find_problem(plan)) return plan;
+    if (!find_problem(plan)) return rarer(plan, rare);
   }
 }
 

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Cycles per gather of a board's whole gather engine: all gatherers of a plan at work on the one
 // photon memory, fill and drain included. Photons and final-gather queries of a scene; every result
-// is compared with golden. Plans are those of fpga/headline, or files that are named.
+// is compared with golden. Plans are those of fpga/headline, at the clocks to which
+// fpga/headline.json says that they were routed, or files that are named.
 //
 // From block RAM the queries come in a frame's order and pass the engine's reorder buffer. From
 // SDRAM the same, and once more as they come, without it: the same queries, all of them, since
@@ -36,7 +37,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kSdramMHz = 100;  // of the board, for which the controller counts its times
+constexpr double kSdramMHz = 100;    // of the board, for which the controller counts its times
+constexpr double kUnroutedMHz = 60;  // of a core whose plan has no routed clock
 // PRECHARGE and ACTIVATE, each in whole cycles of the SDRAM's clock.
 const double kRowChange =
     std::ceil(static_cast<double>(SdramTimes{}.precharge) * kSdramMHz / 1e6) +
@@ -47,11 +49,46 @@ struct Options {
   Options() { load.samples = 8; }
   LoadOptions load;
   std::vector<std::string> plans;
-  std::string dump, write_plans;
+  std::string dump, write_plans, clocks = data_dir() + "/fpga/headline.json";
   uint64_t queries = 0;
-  double core_mhz = 60, sdram_mhz = kSdramMHz;
+  std::optional<double> core_mhz, sdram_mhz;
   bool radius = false;
 };
+
+// What a plan is simulated at, in MHz, and whether it was routed to that.
+struct Clocks {
+  double core, sdram;
+  bool routed;
+};
+
+// What `make headline` wrote.
+nlohmann::json read_rows(const std::string& path) {
+  try {
+    return nlohmann::json::parse(read_file(path)).at("rows");
+  } catch (const nlohmann::json::exception& error) {
+    throw std::runtime_error(
+        fmt::format("{}: expected what make headline writes: {}", path, error.what()));
+  }
+}
+
+// The clocks of a plan of fpga/headline: the medians of its row in the data that `make headline`
+// writes. The SDRAM runs at the clock of its constraint, or at the one that was reached where that
+// is slower. Options go before; a plan without a row has the clocks of none.
+Clocks clocks_of(const fs::path& plan, const nlohmann::json& rows, const Options& o) {
+  Clocks found{kUnroutedMHz, kSdramMHz, false};
+  std::error_code other;
+  if (fs::equivalent(fs::absolute(plan).parent_path(), data_dir() + "/fpga/headline", other))
+    for (const nlohmann::json& row : rows) {
+      if (row.at("plan") != plan.stem().string()) continue;
+      found.core = row.at("fmax_mhz").at("median").get<double>();
+      if (const nlohmann::json& sdram = row.at("sdram"); !sdram.is_null())
+        found.sdram = sdram.at("mhz").get<double>();
+      found.routed = true;
+    }
+  if (o.core_mhz) found.core = *o.core_mhz;
+  if (o.sdram_mhz) found.sdram = *o.sdram_mhz;
+  return found;
+}
 
 // What the command line's plans are: a memory and a k each, with as many gatherers as nextpnr finds
 // wires and block RAM for. Where the map lies in block RAM, the beats of all gatherers together
@@ -126,7 +163,7 @@ double ports_cycles(const Plan& plan, double lines) {
 }
 
 GatherRun measure(const Plan& plan, const PhotonMap& map, const std::vector<GatherQuery>& queries,
-                  bool through_buffer, const Options& o) {
+                  bool through_buffer, const Clocks& clocks, const Options& o) {
   std::vector<GatherQuery> in = queries;
   std::vector<GatherQuery> order = queries;
   if (through_buffer) {
@@ -138,7 +175,7 @@ GatherRun measure(const Plan& plan, const PhotonMap& map, const std::vector<Gath
   RunOptions options;
   options.seed = o.load.seed;
   options.work_dir = o.load.work;
-  options.sdram_period = o.core_mhz / o.sdram_mhz;
+  options.sdram_period = clocks.core / clocks.sdram;
   const auto rtl = make_rtl_gather_engine(plan, options, through_buffer, true);
   return run_gathers(*rtl, plan, map, in, order, queries.size());
 }
@@ -150,18 +187,19 @@ struct Verdict {
 };
 
 Verdict judge(const Plan& plan, const GatherRun& m, double memory_lines, double row_changes,
-              const Roof& gatherers, const Roof& roofline, double pins_cycles, const Options& o) {
+              const Roof& gatherers, const Roof& roofline, double pins_cycles,
+              const Clocks& clocks) {
   const bool bound_by_gatherers = binds(gatherers, roofline);
   const bool met = reaches_its_bound(gatherers, roofline);
   return {
       bound_by_gatherers, met,
       fmt::format(
-          "SDRAM: ({:.3f} lines * {} cycles + {:.3f} row changes * {:g}) / {:.4f} * {:g} / "
-          "{:g} MHz = {:.2f} cycles, {:.2f} without row changes; gatherers: {:.2f} / {} = {:.2f} "
+          "SDRAM: ({:.3f} lines * {} cycles + {:.3f} row changes * {:g}) / {:.4f} * {:.1f} / "
+          "{:.1f} MHz = {:.2f} cycles, {:.2f} without row changes; gatherers: {:.2f} / {} = {:.2f} "
           "cycles; bound by the {}: {:.1f} % of {} bound, goal {:.0f} %{}",
-          memory_lines, plan.line_bytes() / 2, row_changes, kRowChange, kRefreshLeaves, o.core_mhz,
-          o.sdram_mhz, roofline.cycles, pins_cycles, m.cost.bound, plan.gatherers, gatherers.cycles,
-          bound_by_gatherers ? "gatherers" : "SDRAM",
+          memory_lines, plan.line_bytes() / 2, row_changes, kRowChange, kRefreshLeaves, clocks.core,
+          clocks.sdram, roofline.cycles, pins_cycles, m.cost.bound, plan.gatherers,
+          gatherers.cycles, bound_by_gatherers ? "gatherers" : "SDRAM",
           100 * (bound_by_gatherers ? gatherers : roofline).reached,
           bound_by_gatherers ? "their" : "its",
           100 * (bound_by_gatherers ? kGatherersGoal : kRooflineGoal), met ? "" : "; MISSED")};
@@ -178,13 +216,13 @@ void dump(const std::string& path, const std::vector<UVec3>& points) {
 }
 
 int run(Options o) {
-  if (!(o.core_mhz > 0 && o.core_mhz <= 1000))
-    throw std::runtime_error(fmt::format("--core-mhz: {}, expected up to 1000", o.core_mhz));
-  if (!(o.sdram_mhz > 0 && o.sdram_mhz <= kSdramMHz))
+  if (o.core_mhz && !(*o.core_mhz > 0 && *o.core_mhz <= 1000))
+    throw std::runtime_error(fmt::format("--core-mhz: {}, expected up to 1000", *o.core_mhz));
+  if (o.sdram_mhz && !(*o.sdram_mhz > 0 && *o.sdram_mhz <= kSdramMHz))
     throw std::runtime_error(fmt::format(
         "--sdram-mhz: {}, expected up to {:g}: the controller's cycles are too short for its chip "
         "at more",
-        o.sdram_mhz, kSdramMHz));
+        *o.sdram_mhz, kSdramMHz));
   const GatherLoad load(o.load);
   if (!o.write_plans.empty()) {
     for (const PlanOfBoard& p : kPlans)
@@ -195,18 +233,22 @@ int run(Options o) {
     for (const PlanOfBoard& p : kPlans)
       o.plans.push_back(fmt::format("{}/fpga/headline/{}.toml", data_dir(), p.name));
 
-  fmt::print("gather engine: cycles of a core of {:g} MHz, SDRAM of {:g} MHz\n", o.core_mhz,
-             o.sdram_mhz);
+  const nlohmann::json routed = read_rows(o.clocks);
   fmt::print(
-      "{:<16} {:>3} {:>2} {:>6} {:<9} {:>6} {:>6} {:>13} {:>7} {:>6} {:>6} {:>9} {:>8} {:>6} "
-      "{:>9}\n",
-      "plan", "k", "N", "radius", "order", "bound", "leaves", "cycles/gather", "bound/N", "of it",
-      "lines", "mem lines", "roofline", "of it", "kcycles/s");
+      "gather engine: cycles of its core, at the clocks in MHz to which {} says that the plan was "
+      "routed\n",
+      fs::path(o.clocks).filename().string());
+  fmt::print(
+      "{:<16} {:>3} {:>2} {:>5} {:>5} {:>6} {:<9} {:>6} {:>6} {:>13} {:>7} {:>6} {:>6} {:>9} "
+      "{:>8} {:>6} {:>9}\n",
+      "plan", "k", "N", "core", "SDRAM", "radius", "order", "bound", "leaves", "cycles/gather",
+      "bound/N", "of it", "lines", "mem lines", "roofline", "of it", "kcycles/s");
   nlohmann::json rows = nlohmann::json::array();
   std::vector<std::string> missed;
   for (const std::string& file : o.plans) {
     Plan plan = read_plan(file);
     const std::string name = fs::path(file).stem().string();
+    const Clocks clocks = clocks_of(file, routed, o);
     const std::vector<Photon> photons = stored_photons(load, plan.global.photons);
     const std::vector<PackedPhoton> packed = pack_photons(photons, plan, plan.global, nullptr);
     const PhotonMap map = build_photon_map(packed, plan);
@@ -236,12 +278,15 @@ int run(Options o) {
     }
 
     const bool sdram = plan.photon_memory == PhotonMemory::kSdram;
+    if (!clocks.routed && !o.core_mhz)
+      fmt::print("{}: no plan of fpga/headline that was routed; a core of {:g} MHz is assumed\n",
+                 file, clocks.core);
     for (const uint64_t r2_max : radii) {
       plan.global.r2_max = plan.caustic.r2_max = r2_max;
       double with_order = 0;
       for (const bool through_buffer : {true, false}) {
         if (!through_buffer && !sdram) continue;
-        const GatherRun m = measure(plan, map, queries, through_buffer, o);
+        const GatherRun m = measure(plan, map, queries, through_buffer, clocks, o);
         const auto n = static_cast<double>(m.queries);
         const double lines = m.counted("lines") / n, memory_lines = m.counted("memory lines") / n;
         const double row_changes = sdram ? m.counted("memory row changes") / n : 0;
@@ -251,24 +296,26 @@ int run(Options o) {
         std::optional<Verdict> verdict;
         std::optional<double> gain;
         const auto of_sdram = [&](double cycles) {
-          return cycles / kRefreshLeaves * o.core_mhz / o.sdram_mhz;
+          return cycles / kRefreshLeaves * clocks.core / clocks.sdram;
         };
         const double data = memory_lines * plan.line_bytes() / 2, pins_cycles = of_sdram(data);
         if (sdram) roofline = roof(of_sdram(data + row_changes * kRowChange));
         if (through_buffer) {
           with_order = m.cycles;
           if (sdram)
-            verdict =
-                judge(plan, m, memory_lines, row_changes, gatherers, *roofline, pins_cycles, o);
+            verdict = judge(plan, m, memory_lines, row_changes, gatherers, *roofline, pins_cycles,
+                            clocks);
         } else {
           gain = m.cycles / with_order;
         }
         fmt::print(
-            "{:<16} {:>3} {:>2} {:>6} {:<9} {:>6.1f} {:>6.1f} {:>13.2f} {:>7.2f} {:>6} {:>6.2f} "
-            "{:>9.3f} {:>8} {:>6} {:>9.0f}\n",
-            name, plan.k, plan.gatherers, r2_max == plan.r2_limit() ? "none" : "mean",
-            through_buffer ? "reordered" : "pixels", m.cost.bound, m.cost.leaves, m.cycles,
-            gatherers.cycles, fmt::format("{:.0f} %", 100 * gatherers.reached), lines, memory_lines,
+            "{:<16} {:>3} {:>2} {:>5.1f} {:>5} {:>6} {:<9} {:>6.1f} {:>6.1f} {:>13.2f} {:>7.2f} "
+            "{:>6} {:>6.2f} {:>9.3f} {:>8} {:>6} {:>9.0f}\n",
+            name, plan.k, plan.gatherers, clocks.core,
+            sdram ? fmt::format("{:.1f}", clocks.sdram) : "",
+            r2_max == plan.r2_limit() ? "none" : "mean", through_buffer ? "reordered" : "pixels",
+            m.cost.bound, m.cost.leaves, m.cycles, gatherers.cycles,
+            fmt::format("{:.0f} %", 100 * gatherers.reached), lines, memory_lines,
             roofline ? fmt::format("{:.2f}", roofline->cycles) : "",
             roofline ? fmt::format("{:.0f} %", 100 * roofline->reached) : "",
             m.cycles_per_second / 1000);
@@ -291,8 +338,8 @@ int run(Options o) {
              {"gatherers", plan.gatherers},
              {"r2_max", r2_max == plan.r2_limit() ? nlohmann::json() : nlohmann::json(r2_max)},
              {"order", through_buffer ? "reordered" : "pixels"},
-             {"core_mhz", o.core_mhz},
-             {"sdram_mhz", o.sdram_mhz},
+             {"core_mhz", clocks.core},
+             {"sdram_mhz", clocks.sdram},
              {"lines_per_gather", lines},
              {"memory_lines_per_gather", memory_lines},
              {"row_changes_per_gather", row_changes},
@@ -331,9 +378,12 @@ int main(int argc, char** argv) {
   app.add_option("plans", o.plans, "Plan files. Default: those of fpga/headline.");
   o.load.add_to(app, "--scene");
   app.add_option("--queries", o.queries, "Queries at most; 0: all of the pixels.");
+  app.add_option("--clocks", o.clocks,
+                 "What `make headline` wrote: the clocks of the plans of fpga/headline.");
   app.add_option("--core-mhz", o.core_mhz,
-                 "Frequency of the core: what a cycle is beside the SDRAM's clock.");
-  app.add_option("--sdram-mhz", o.sdram_mhz, "Frequency of the SDRAM, at most the board's.");
+                 "Frequency of the core, instead: what a cycle is beside the SDRAM's clock.");
+  app.add_option("--sdram-mhz", o.sdram_mhz,
+                 "Frequency of the SDRAM, instead, at most the board's.");
   app.add_flag("--radius", o.radius,
                "Once more within the mean r^2 of the queries, found exactly.");
   app.add_option("--dump", o.dump,

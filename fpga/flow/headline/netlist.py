@@ -189,8 +189,8 @@ def netlist_digest(folder: Path) -> str:
     return hashlib.sha256("\n".join(parts).encode()).hexdigest()
 
 
-def digest_now(plan: Path, board: Board, clock_mhz: float | None = None) -> str:
-    """The digest of what today's RTL makes of a plan's board."""
+def digest_now(plan: Path, board: Board, clock_mhz: float | None = None, unit: str | None = None) -> str:
+    """The digest of what today's RTL makes of a plan's board, or of a unit of it alone."""
     with tempfile.TemporaryDirectory() as folder:
-        generate(plan, Path(folder, "board"), board, None, clock_mhz)
-        return netlist_digest(Path(folder, "board"))
+        generate(plan, Path(folder, "package"), board, unit, clock_mhz)
+        return netlist_digest(Path(folder, "package"))

@@ -143,6 +143,10 @@ def summary(data: Data, goals: HeadlineGoals, stale: Collection[str]) -> str:
              f"; {slower} {'is' if slower == 1 else 'are'} slower than one core of golden.**",
              f"{sum(not judge_gain(r, goals.gain).missed and not v.missed_clocks for r, v in judged)} of {len(judged)} reach what they were to gain "
              f"over commit {goals.gain.commit} and golden (\"What was gained\")."]
+    if shares := [(r, v) for r, v in judged if v.share_goal is not None]:
+        missed = [r["plan"] for r, v in shares if not v.share_reached]
+        lines.append(f"{len(shares) - len(missed)} of {len(shares)} rows from SDRAM reach their share of their own bound" +
+                     (f"; MISSED by rows of {names(set(missed))}" if missed else "") + " (\"What bounds a row\").")
     if stale:
         lines.append(f"{STALE}{names(stale)}. Their figures are not those of the RTL beside this page; "
                      "`make headline PLAN=NAME HEADLINE_FLAGS=--page` measures a plan again.")

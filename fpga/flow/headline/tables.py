@@ -195,12 +195,17 @@ def gain_cell(row: Row) -> str:
         " **missed**" if load["reorder_gain"] < load["reorder_goal"] else "")
 
 
+def share_cell(v: Verdict) -> str:
+    goal = "" if v.share_goal is None else f" (goal {100 * v.share_goal:.0f} %)" + ("" if v.share_reached else " **MISSED**")
+    return f"{100 * v.share:.0f} %{goal}"
+
+
 def bound_table(judged: Judged) -> str:
     rows = []
     for r, v in judged:
         mhz, load = 1e6 * r["fmax_mhz"]["median"], r["sdram"]
         rows.append([r["plan"], radius_of(r, "none"), f"{r['cycles_per_gather']:.2f}", f"{mega(v.bound)} ({v.bound_by})",
-                     f"{100 * v.share:.0f} %", mega(mhz * r["gatherers"] / r["cost"]["bound"]),
+                     share_cell(v), mega(mhz * r["gatherers"] / r["cost"]["bound"]),
                      mega(mhz / r["ports_cycles"]) if r["ports_cycles"] else "–",
                      mega(mhz / load["cycles"]) if load else "–",
                      mega(mhz / cycles_without_row_changes(load)) if load else "–",

@@ -12,7 +12,8 @@ GOLDEN = "photonloom"
 @dataclass(frozen=True)
 class Verdict:
     """Rates in queries a second. library: the fastest but golden. times: of the faster of the two cores, by the medians.
-    goal: None of a variant. bound: what this design's own gatherers, at its own clock, could do with the lines that they read; share: of it, reached.
+    goal: None of a variant. bound: what this design's own gatherers, at its own clock, could do with the lines that they read; share: of it, reached; share_goal: of it, that
+    a row from SDRAM in the default formats is to reach.
     part: resource of the part -> what gatherers that fill it could do at this clock. missed: why the row fails."""
     board: float
     library: str
@@ -22,12 +23,17 @@ class Verdict:
     bound: float
     bound_by: str
     share: float
+    share_goal: float | None
     part: dict[str, float]
     missed: list[str]
 
     @property
     def reached(self) -> bool:
         return (self.goal is None or self.times >= self.goal) and not self.missed_clocks
+
+    @property
+    def share_reached(self) -> bool:
+        return self.share_goal is None or self.share >= self.share_goal
 
     @property
     def part_by(self) -> str:
@@ -150,4 +156,8 @@ def judge(row: Row, goals: HeadlineGoals) -> Verdict:
     missed += clocks
     if (load := row["sdram"]) and load["reorder_gain"] < load["reorder_goal"]:
         missed.append(f"reordering gains {load['reorder_gain']:.2f}, goal {load['reorder_goal']:g}")
-    return Verdict(board, library, times, goal, clocks, bound, by, board / bound, part_bounds(row), missed)
+    verdict = Verdict(board, library, times, goal, clocks, bound, by, board / bound,
+                      goals.share[by] if load and not row["coarse"] else None, part_bounds(row), missed)
+    if not verdict.share_reached:
+        missed.append(f"{100 * verdict.share:.0f} % of the bound by the {by}, goal {100 * (verdict.share_goal or 0):.0f} %")
+    return verdict

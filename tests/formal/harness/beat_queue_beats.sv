@@ -2,7 +2,8 @@
 // sources: rtl/common/lut_ram.sv rtl/common/fifo.sv tests/formal/harness/stubs/block_ram.sv rtl/photon_gatherer/photon_gatherer_beat_queue.sv
 // photon_gatherer_beat_queue: one beat that is kept, any, is followed. It comes out as it went in, once, behind all that were
 // kept before it and before all that were kept after it, and stays offered until it is taken; its directions are read when it is
-// taken, its loads while at most Behind - 1 beats have left after it. Room is promised exactly where there is some. A line is
+// taken, its loads while at most Behind - 1 beats have left after it. Room is promised exactly where there is some; with Ahead
+// only where there is some, and where all of it has been free for two cycles. A line is
 // announced by issue_i only where ready_o is 1, and its beats come later, kept or not.
 //
 // Of each block RAM the row of the beat that is followed is kept.
@@ -81,6 +82,7 @@ module beat_queue_beats #(
   // comes out, and has beats behind it that have come out too.
   logic [4:0] due_q, inside_q, ahead_q;
   logic picked_q, out_q;
+  logic [1:0] empty_q;  // cycles in which nothing was due or inside
   logic [4:0] behind_q;
   logic [RowBits-1:0] row_q;
   logic [4:0] word_q;
@@ -113,6 +115,7 @@ module beat_queue_beats #(
     directed_q <= comes ? direction_read_i : directed_q && !direction_read_i;
     loaded_q <= (comes && load_row_i == out_row) || (out_q && behind_q < 5'(Behind) && load_row_i == row_q);
     stalled_q <= out_valid && !out_ready_i;
+    empty_q <= due_q != '0 || inside_q != '0 || issue_i ? '0 : empty_q == 2'd2 ? 2'd2 : empty_q + 1'b1;
     shown_q <= word;
     shown_row_q <= out_row;
     if (rst_i) begin
@@ -124,6 +127,7 @@ module beat_queue_beats #(
       directed_q <= 1'b0;
       loaded_q <= 1'b0;
       stalled_q <= 1'b0;
+      empty_q <= '0;
     end
   end
 
@@ -155,7 +159,9 @@ module beat_queue_beats #(
     always_comb begin
       if (!rst_i) begin
         assert (inside_q <= 5'(FifoDepth) && due_q <= 5'(FifoDepth) - inside_q);
-        assert (ready == (due_q + inside_q <= 5'(FifoDepth - Beats)));
+        if (Ahead == 0) assert (ready == (due_q + inside_q <= 5'(FifoDepth - Beats)));
+        if (Ahead != 0 && ready) assert (due_q + inside_q <= 5'(FifoDepth - Beats));
+        if (Ahead != 0 && empty_q == 2'd2) assert (ready);
         assert (out_valid == (inside_q != '0));
       end
     end
@@ -164,6 +170,9 @@ module beat_queue_beats #(
   // ---- inside ----
   (* keep *) logic [4:0] head, tail, room, place;  // probes, and where the beat lies
   (* keep *) logic issue;
+  (* keep *) logic popped, dropped;  // with Ahead: room that is counted in the next cycle
+  logic [4:0] back;
+  assign back = Ahead != 0 ? 5'(popped) + 5'(dropped) : 5'd0;
   (* keep *) logic [FifoDepth*10-1:0] words;
   logic [9:0] placed;
   (* keep *) logic [2:0] row_load;
@@ -174,7 +183,11 @@ module beat_queue_beats #(
     always_comb begin
       if (!rst_i) begin
         assert (tail - head == inside_q && inside_q <= 5'(FifoDepth) && due_q <= 5'(FifoDepth) - inside_q);
-        assert (room - (issue ? 5'(Beats) : 5'd0) == 5'(FifoDepth) - due_q - inside_q);
+        assert (room - (issue ? 5'(Beats) : 5'd0) + back == 5'(FifoDepth) - due_q - inside_q);
+        if (Ahead != 0 && issue) assert (due_q >= 5'(Beats) && room >= 5'(Beats));
+        if (Ahead != 0) assert (room <= 5'(FifoDepth));
+        if (Ahead != 0 && ready) assert (room >= (issue ? 5'(2 * Beats) : 5'(Beats)));
+        if (Ahead != 0 && empty_q != '0) assert (room == 5'(FifoDepth) && !issue);
       end
       if (!rst_i && Order == 1) begin
         assert (behind_q <= 5'(Behind));

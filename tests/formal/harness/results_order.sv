@@ -2,14 +2,17 @@
 // package: tests/formal/harness/gatherer_pkg.sv
 // sources: tests/formal/harness/stubs/block_ram.sv rtl/common/lut_ram.sv tests/formal/harness/stubs/fifo.sv
 // sources: tests/formal/harness/stubs/reciprocal.sv rtl/photon_gatherer/photon_gatherer_results.sv
-// photon_gatherer_results, two units of reciprocals that take any time each: one slot, any, is followed, through all queries and
+// photon_gatherer_results, a unit of reciprocals for each sum that takes any time: one slot, any, is followed, through all queries and
 // flushes that take it. Its result is offered in its turn, once that query has finished and its reciprocal is done, or where it is a
 // flush; it holds the query's head, what the query finished with and the reciprocal of its own r2; and it is offered within 5
-// cycles of its turn and of that. Slots are numbered in turn. Queries finish in any order.
+// cycles of its turn and of that, of two sums within 8, since a flush waits there for the others' words. Slots are numbered in turn. Queries finish in any order.
 //
 // Of each block RAM the word of the slot is kept; what other slots hold, and when they are done, is any. At most four
 // queries wait for a unit, which is as many as there are slots.
-module results_order (
+module results_order #(
+    parameter  int unsigned Sums  = 2,
+    localparam int unsigned Limit = Sums > 1 ? 8 : 5
+) (
     input logic clk_i,
     input logic rst_i,
     input logic start_i,
@@ -29,7 +32,7 @@ module results_order (
 
   photon_gatherer_results #(
       .Slots(4),
-      .Sums(2)
+      .Sums(Sums)
   ) dut (
       .clk_i(clk_i),
       .rst_i(rst_i),
@@ -43,9 +46,9 @@ module results_order (
       .start_pixel_i(1'b0),
       .start_slot_o(start_slot),
       .take_ready_o(),
-      .take_i(2'd0),
-      .take_slot_i(4'd0),
-      .take_faulty_i(2'd0),
+      .take_i(Sums'(0)),
+      .take_slot_i((2 * Sums)'(0)),
+      .take_faulty_i(Sums'(0)),
       .finish_i(finish_i),
       .finish_slot_i(finish_slot_i),
       .finish_count_i({1'b0, finish_count_i}),
@@ -70,7 +73,7 @@ module results_order (
   logic there_q, runs_q, waits_q, flush_q, map_q, tag_q, count_q, lap_q;
   logic [1:0] r2_q;
   logic starts, finishes, mine, turn;
-  logic [2:0] late_q;
+  logic [3:0] late_q;
   assign starts = start_i && starts_q[1:0] == slot;
   assign finishes = finish_i && finish_slot_i[1:0] == slot;
   assign turn = results_q[1:0] == slot && starts_q != results_q;
@@ -131,7 +134,7 @@ module results_order (
         if (!flush_q) assert (result.count == {1'b0, count_q} && result.r2 == {4'd0, r2_q});
         if (!flush_q) assert (result.reciprocal == (r2_q == 2'd0 ? 2'd1 : r2_q));
       end
-      assert (late_q <= 3'd5);
+      assert (late_q <= 4'(Limit));
     end
   end
 endmodule

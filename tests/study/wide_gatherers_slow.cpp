@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+// The cycles that the model predicts of the wide gatherers of fpga/fast, of which its fit has none
+// (study/cycles.csv has one node, candidate and power a cycle), against their RTL.
+#include "golden/pipeline/prepare.hpp"
+#include "study/engine_search.hpp"
+#include "study/gather_cost.hpp"
+#include "tests/catch.hpp"
+#include "tests/command/run.hpp"
+
+using namespace photonloom;
+
+TEST_CASE("predicted cycles of wide gatherers are within 15 % of the RTL's") {
+  for (const char* name : {"k8", "k16", "k50"}) {
+    FrameRequest request;
+    request.scene_file = photonloom::test::source("scenes/cornell.xml");
+    request.plan_file = photonloom::test::source(std::string("fpga/fast/") + name + ".toml");
+    PreparedFrame frame = prepare_frame(request, Arithmetic::kGolden, nullptr);
+    std::vector<GatherQuery> queries = engine_queries(frame, nullptr);
+    REQUIRE(queries.size() > 5000);
+    for (const int latency : {20, 60}) {
+      const double predicted =
+          gather_cost_model(frame.plan, frame.global, frame.caustic, queries, latency).cycles;
+      const double simulated =
+          gather_cost_rtl(frame.plan, frame.global, frame.caustic, queries, latency, "cosim")
+              .cycles;
+      CAPTURE(name, latency, queries.size(), predicted, simulated);
+      CHECK(predicted > 0.85 * simulated);
+      CHECK(predicted < 1.15 * simulated);
+    }
+  }
+}
