@@ -136,7 +136,7 @@ def verdict(row: Row, rows: Sequence[Row], goals: FastGoals) -> list[str]:
     """What a wide plan misses; empty where it reaches all of its goals or has none."""
     if row["plan"].startswith("narrow"):
         return []
-    few = [f"{len(row['mhz'])} of {goals.seeds} seeds routed"] if len(row["mhz"]) < goals.seeds else []
+    few = [f"MISSED: {len(row['mhz'])} of {goals.seeds} seeds routed"] if len(row["mhz"]) < goals.seeds else []
     return few + (missed(row, rows, goals) if row["mhz"] else [])
 
 

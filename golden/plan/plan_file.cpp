@@ -332,9 +332,10 @@ std::optional<PlanProblem> find_problem(const Plan& plan) {
         std::pair{"gatherer.powers_per_cycle", plan.powers_per_cycle}}) {
     if (!power_of_two(width)) return fail(line, fmt::format("is {}, expected 1, 2 or 4", width));
     if (width > plan.contexts)
-      return fail(line, fmt::format("is {}, expected at most the {} of gatherer.contexts, which "
-                                    "are dealt to the {} of them",
-                                    width, plan.contexts, width));
+      return fail(line,
+                  fmt::format("is {}, expected at most gatherer.contexts = {}: each of the {} "
+                              "has contexts of its own",
+                              width, plan.contexts, width));
   }
   if (plan.powers_per_cycle > plan.candidates_per_cycle)
     return fail("gatherer.powers_per_cycle",

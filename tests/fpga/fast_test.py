@@ -30,8 +30,8 @@ class Fast(unittest.TestCase):
             ([90.0, 90.0, 95.0], 9000, []),
             ([80.0, 88.0, 99.0], 8000, ["MISSED: 88.0 MHz, goal 90"]),
             ([90.0, 90.0, 90.0], 10000, ["MISSED: 900,000 gathers, goal 1,000,000"]),
-            ([80.0], 9000, ["1 of 3 seeds routed", "MISSED: 80.0 MHz, goal 90", "MISSED: 888,889 gathers, goal 1,000,000"]),
-            ([], 9000, ["0 of 3 seeds routed"])]
+            ([80.0], 9000, ["MISSED: 1 of 3 seeds routed", "MISSED: 80.0 MHz, goal 90", "MISSED: 888,889 gathers, goal 1,000,000"]),
+            ([], 9000, ["MISSED: 0 of 3 seeds routed"])]
         for mhz, luts, said in cases:
             wide = row("k8", mhz, 10.0, luts)
             self.assertEqual(verdict(wide, [wide, NARROW], GOALS), said)
@@ -54,7 +54,7 @@ class Fast(unittest.TestCase):
     def test_the_page_changes_with_its_data(self) -> None:
         data: Data = {"board": "b", "placer": "static", "versions": {"yosys": "Yosys 1"}, "rows": [row("k8", [80.0], 10.0, 9000), NARROW]}
         text = page(data, GOALS, [])
-        self.assertIn("| `k8` | 2, 8, 2, 2 | 32 | 10.0 | 20.0 | 80.0, 80.0 (1) | 9,000 | 90 | 48 | 888,889 | 1,000,000, from 90.0 MHz | 1 of 3 seeds", text)
+        self.assertIn("| `k8` | 2, 8, 2, 2 | 32 | 10.0 | 20.0 | 80.0, 80.0 (1) | 9,000 | 90 | 48 | 888,889 | 1,000,000, from 90.0 MHz | MISSED: 1 of 3 seeds", text)
         self.assertIn("Yosys 1", text)
         self.assertIn("nextpnr's static placer, a seed", text)
         data["rows"][0]["digest"] = "other"

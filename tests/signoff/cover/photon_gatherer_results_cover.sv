@@ -13,6 +13,8 @@ module photon_gatherer_results_cover #(
     input logic [SlotBits:0] head_q,
     input logic [SlotBits:0] tail_q,
     input logic done,
+    input logic flush_start,
+    input logic flush_now,
     input logic occupied_q,
     input logic settled_q,
     input logic complete,
@@ -37,4 +39,6 @@ module photon_gatherer_results_cover #(
   both_written: cover property (@(posedge clk_i) disable iff (rst_i) finish_i && done);
   // A flush starts as a query finishes.
   flush_as_one_finishes: cover property (@(posedge clk_i) disable iff (rst_i) start_i && start_flush_i && finish_i);
+  // Of several sums: the word of a flush waits, for another slot is written.
+  flush_word_waits: cover property (@(posedge clk_i) disable iff (rst_i) flush_start && flush_now && done);
 endmodule
