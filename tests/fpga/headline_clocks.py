@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """usage: headline_clocks.py THROUGHPUT: make bench-rtl's rows of the boards are at the clocks of fpga/headline.json, from which
-docs/headline.md is written, on a few queries."""
+docs/headline.md is written, and have its goals of the share of a bound, on a few queries."""
 import json
 import subprocess
 import sys
@@ -8,6 +8,7 @@ import tempfile
 from pathlib import Path
 from typing import Any
 
+from flow.goals import headline_goals
 from flow.headline.data import DATA
 from flow.headline.plans import find_plan
 from flow.shell import Failure, exit_with, read_json, write_json
@@ -25,6 +26,8 @@ def clocks(throughput: Path, work: Path, *options: str) -> dict[str, tuple[float
     if not out.is_file():
         raise Failure(f"{command}: status {ran.returncode}, wrote no rows: {ran.stderr}")
     rows: list[dict[str, Any]] = json.loads(out.read_text())["gather_cluster"]
+    for row in rows:
+        expect({"SDRAM": row["roofline_goal"], "gatherers": row["gatherers_goal"]}, headline_goals().share, "goals of fpga/goals.toml")
     return {row["plan"]: (row["core_mhz"], row["sdram_mhz"]) for row in rows}
 
 
