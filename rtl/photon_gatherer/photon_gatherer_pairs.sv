@@ -53,7 +53,7 @@ module photon_gatherer_pairs #(
   localparam int unsigned RoomBits = $clog2(Depth + 1);
 
   // ---- the beat to be tested ----
-  logic held_q, last_q, test, finished, merge, take, room_back, discard;
+  logic held_q, last_q, test, finished, merge, take, room_back, discard, returned, discarded;
   logic [RoomBits-1:0] room_q;
   logic [ContextBits-1:0] context_q;
   logic [BeatBits-1:0] beat_q;
@@ -88,8 +88,16 @@ module photon_gatherer_pairs #(
     end
     always_ff @(posedge clk_i) if (take || test) one_left_q <= (next & (next - 1'b1)) == '0;
     assign finished = test && one_left_q;
+
+    // Room that comes back is counted a cycle later.
+    logic room_back_q, discard_q;
+    always_ff @(posedge clk_i) {room_back_q, discard_q} <= rst_i ? '0 : {room_back, discard};
+    assign returned = room_back_q;
+    assign discarded = discard_q;
   end else begin : gen_now
     assign finished = test && rest == '0;
+    assign returned = room_back;
+    assign discarded = discard;
   end
 
   // A beat without candidates is the end of the beat here, if that has not gone yet.
@@ -111,7 +119,7 @@ module photon_gatherer_pairs #(
       if (test) mask_q <= rest;
       if (merge) last_q <= 1'b1;
     end
-    room_q <= room_q - RoomBits'(test) + RoomBits'(room_back) + RoomBits'(discard);
+    room_q <= room_q - RoomBits'(test) + RoomBits'(returned) + RoomBits'(discarded);
     if (rst_i) begin
       held_q <= 1'b0;
       room_q <= RoomBits'(Depth);

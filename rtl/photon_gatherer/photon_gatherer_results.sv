@@ -9,7 +9,8 @@
 // took it. A slot is complete iff it shows the lap of the head. A flush writes it when it starts, so it waits where
 // another is written; of several sums, where that is known late, its start does not wait, but that word and the next flush. After reset, which takes Slots cycles, all show the other lap. Starts are at least two cycles apart.
 //
-// Latency from finish to output 4 cycles, with a reciprocal 5 more than that takes; one result each 3 cycles at best.
+// Latency from finish to output 4 cycles, with a reciprocal 5 more than that takes; one result each 3 cycles at best, of several
+// sums a cycle more of each.
 module photon_gatherer_results #(
     parameter int unsigned Slots = 64,
     parameter int unsigned Sums = 1,
@@ -66,7 +67,7 @@ module photon_gatherer_results #(
   // Of what is written last: that it is, and where; the lap that it shows.
   logic done, done_write, done_slot_lap, done_lap, lap;
   logic [SlotBits-1:0] done_slot, done_address;
-  logic flush_waits, flush_start, flush_now;
+  logic flush_waits, flush_start, flush_now, settled, lap_seen;
   logic [SlotBits:0] flush_slot;
 
   assign start_ready_o = ready_q;
@@ -321,7 +322,22 @@ module photon_gatherer_results #(
   end
 
   assign result_valid_o = state_q == Out;
-  assign complete = occupied_q && settled_q && lap == head_q[SlotBits];
+  assign complete = occupied_q && settled && lap_seen == head_q[SlotBits];
+
+  // Of several sums the lap, which comes from block RAM late, has a register and is looked at a cycle later.
+  if (Sums > 1) begin : gen_lap_register
+    logic lap_q, settled_2_q, look_q;
+    always_ff @(posedge clk_i) begin
+      lap_q <= lap;
+      settled_2_q <= settled_q;
+      look_q <= state_q == Look;
+    end
+    assign lap_seen = lap_q;
+    assign settled = settled_2_q && look_q;
+  end else begin : gen_lap
+    assign lap_seen = lap;
+    assign settled = settled_q;
+  end
 
   always_ff @(posedge clk_i) begin
     unique case (state_q)

@@ -7,7 +7,7 @@
 // cycle: the ways on, to the queues and to the cache, are long and begin at a register.
 //
 // Trees inner nodes, one leaf and 2 * Trees stack entries a cycle; latencies are those of photon_gatherer_tree, of several
-// trees one more from a start.
+// trees one more from a start and one more to a leaf.
 module photon_gatherer_trees #(
     parameter int unsigned Contexts = 16,
     parameter int unsigned Trees = 1,
@@ -75,7 +75,7 @@ module photon_gatherer_trees #(
 );
   localparam int unsigned LeafBits = ContextBits + 2 + LineBits + 2 * StackBits;
 
-  logic root, root_inner, root_leaf, held;
+  logic root, root_inner, root_leaf, held, any_leaf;
   logic [ContextBits-1:0] root_context;
   logic [Trees-1:0] hold, leaf_valid, node_step;
   logic [2*Trees-1:0] dropped;
@@ -225,15 +225,22 @@ module photon_gatherer_trees #(
     end
   end
 
-  assign leaf_valid_o = leaf_valid != '0;
+  assign any_leaf = leaf_valid != '0;
   if (Trees == 1) begin : gen_one
+    assign leaf_valid_o = any_leaf;
     assign {leaf_context_o, leaf_map_o, leaf_first_o, leaf_line_o, leaf_stack_o, leaf_steps_o} = leaves;
   end else begin : gen_choice
-    logic [LeafBits-1:0] leaf;
+    logic leaf_valid_q;
+    logic [LeafBits-1:0] leaf, leaf_q;
     always_comb begin
       leaf = leaves[0+:LeafBits];
       for (int unsigned t = Trees; t > 0; t--) if (leaf_valid[t-1]) leaf = leaves[LeafBits*(t-1)+:LeafBits];
     end
-    assign {leaf_context_o, leaf_map_o, leaf_first_o, leaf_line_o, leaf_stack_o, leaf_steps_o} = leaf;
+    always_ff @(posedge clk_i) begin
+      leaf_valid_q <= any_leaf && !rst_i;
+      leaf_q <= leaf;
+    end
+    assign leaf_valid_o = leaf_valid_q;
+    assign {leaf_context_o, leaf_map_o, leaf_first_o, leaf_line_o, leaf_stack_o, leaf_steps_o} = leaf_q;
   end
 endmodule

@@ -4,6 +4,7 @@
 // that is offered stays and holds, bit for bit, until it is taken, past an empty FIFO too. Beats, directions and normals are any.
 module pairs_credits #(
     parameter int unsigned Lemmas = 0,
+    parameter int unsigned Lanes = 2,
     localparam int unsigned Depth = 8
 ) (
     input logic clk_i,
@@ -12,9 +13,9 @@ module pairs_credits #(
     input logic in_context_i,
     input logic in_row_i,
     input logic in_last_i,
-    input logic [1:0] in_mask_i,
-    input logic [1:0] in_d2_i,
-    input logic [7:0] directions_i,
+    input logic [Lanes-1:0] in_mask_i,
+    input logic [Lanes-1:0] in_d2_i,
+    input logic [4*Lanes-1:0] directions_i,
     input logic [11:0] normal_i,
     input logic out_ready_i
 );
@@ -26,8 +27,8 @@ module pairs_credits #(
   photon_gatherer_pairs #(
       .R2Bits(1),
       .Contexts(2),
-      .Bucket(2),
-      .Lanes(2),
+      .Bucket(Lanes),
+      .Lanes(Lanes),
       .RowBits(1),
       .DirectionBits(2),
       .NormalBits(2)
@@ -59,7 +60,9 @@ module pairs_credits #(
   (* keep *) logic [3:0] room, head, tail;  // probes
   (* keep *) logic [5:0] stages;  // probe
   (* keep *) logic fifo_push, fifo_ready;  // probes
-  logic [3:0] going;
+  (* keep *) logic room_back, discarded;  // of many lanes, probes: room that is counted in the next cycle
+  logic [3:0] going, back;
+  assign back = Lanes > 4 ? 4'(room_back) + 4'(discarded) : 4'd0;
   always_comb begin
     going = '0;
     for (int unsigned i = 0; i < 6; i++) going = going + 4'(stages[i]);
@@ -77,14 +80,14 @@ module pairs_credits #(
     assume (rst_i == !started_q);
     if (!rst_i) begin
       if (fifo_push) assert (fifo_ready);
-      if (stages == '0 && !out_valid) assert (room == 4'(Depth));
+      if (stages == '0 && !out_valid) assert (room + back == 4'(Depth));
       if (stalled_q) assert (out_valid && bits[followed] == shown_q);
     end
   end
 
   if (Lemmas == 1) begin : gen_lemmas
     always_comb begin
-      if (!rst_i) assert (6'(room) + 6'(going) + 6'(4'(tail - head)) == 6'(Depth));
+      if (!rst_i) assert (6'(room) + 6'(back) + 6'(going) + 6'(4'(tail - head)) == 6'(Depth));
     end
   end
 endmodule
