@@ -111,7 +111,7 @@ double joined(double a, double b) {
 }
 
 EngineCycles predict(const Plan& plan, const Load& of, double lines, double sdram_lines,
-                     int core_khz, int sdram_khz) {
+                     int core_khz) {
   EngineCycles e;
   const bool sdram = plan.photon_memory == PhotonMemory::kSdram;
   GatherLoad load = of.searches.load;
@@ -121,8 +121,8 @@ EngineCycles predict(const Plan& plan, const Load& of, double lines, double sdra
     // A line that the cache lacks comes whole before its first beat goes on.
     const double slow = lines > 0 ? std::min(1.0, sdram_lines / lines) : 0;
     const double read = kSdramReadLatency + plan.line_bytes() / 2.0;
-    latency =
-        kSharedCacheLatency + static_cast<int>(std::lround(slow * read * core_khz / sdram_khz));
+    latency = kSharedCacheLatency +
+              static_cast<int>(std::lround(slow * read * core_khz / plan.sdram_khz));
   }
   // What the fit has not, for it does not bind where one candidate a cycle does: reciprocals are
   // made one after the other (rtl/common/reciprocal.sv). Queries that wait for them hold nothing
@@ -135,7 +135,7 @@ EngineCycles predict(const Plan& plan, const Load& of, double lines, double sdra
     e.memory_lines = sdram_lines;
     // A halfword a cycle of its clock.
     const double data = sdram_lines * plan.line_bytes() / 2 / kRefreshLeaves;
-    e.memory = std::max(data * core_khz / sdram_khz, kCycleFit.memory * beats * lines);
+    e.memory = std::max(data * core_khz / plan.sdram_khz, kCycleFit.memory * beats * lines);
   } else {
     e.memory = kCycleFit.memory * beats * lines / std::min(2, plan.gatherers);
   }
@@ -261,6 +261,10 @@ std::string engine_misfit(const Plan& plan, const BoardDescription& board) {
   const char* const top = plan.photon_memory == PhotonMemory::kSdram ? "sdram" : "block_ram";
   if (!board.tops.count(top))
     return fmt::format("has its photons in {}, and {} has no top for that", top, board.name);
+  if (plan.photon_memory == PhotonMemory::kSdram && board.sdram &&
+      plan.sdram_khz > board.sdram->clock_khz)
+    return fmt::format("has an SDRAM at {} kHz, and that of {} runs at {}", plan.sdram_khz,
+                       board.name, board.sdram->clock_khz);
   const std::string why = misfit(plan, board, kEngineShare);
   if (!why.empty()) return why;
   const std::string wires = too_many_wires(plan);
@@ -268,14 +272,14 @@ std::string engine_misfit(const Plan& plan, const BoardDescription& board) {
 }
 
 EngineCycles engine_cycles(const Plan& plan, const PhotonMap& global, const PhotonMap& caustic,
-                           std::span<const GatherQuery> queries, int core_khz, int sdram_khz) {
+                           std::span<const GatherQuery> queries, int core_khz) {
   const Load load = load_of(plan, global, caustic, queries);
   const LineVisits& visits = load.searches.visits;
   const Order order = served_order(plan, queries);
   return predict(
       plan, load, lines_asked(plan, visits, order),
       plan.photon_memory == PhotonMemory::kSdram ? lines_of_sdram(plan, visits, order) : 0,
-      core_khz, sdram_khz);
+      core_khz);
 }
 
 std::vector<const char*> engine_lines(const BoardDescription& board) {
@@ -291,16 +295,17 @@ std::vector<const char*> engine_lines(const BoardDescription& board) {
   return lines;
 }
 
-EngineSearch fastest_engine(const Plan& plan, const PhotonMap& global, const PhotonMap& caustic,
+EngineSearch fastest_engine(const Plan& given, const PhotonMap& global, const PhotonMap& caustic,
                             std::span<const GatherQuery> queries, const BoardDescription& board) {
   if (queries.empty())
     throw std::runtime_error(
         "--board: the frame asks for no gather, so no engine is faster than "
         "another");
+  const bool has_sdram = board.tops.count("sdram") && board.sdram;
+  Plan plan = given;
+  if (has_sdram) plan.sdram_khz = std::min(plan.sdram_khz, board.sdram->clock_khz);
   const Load load = load_of(plan, global, caustic, queries);
   const LineVisits& visits = load.searches.visits;
-  const bool has_sdram = board.tops.count("sdram") && board.sdram;
-  const int sdram_khz = has_sdram ? board.sdram->clock_khz : 1;  // 1: of no engine that is tried
 
   // ---- memories and buffers ----
   std::vector<Stream> streams;
@@ -359,8 +364,7 @@ EngineSearch fastest_engine(const Plan& plan, const PhotonMap& global, const Pho
     const auto [rest, new_rest] =
         others.try_emplace({static_cast<int>(stream), p.beat_bits, w.lut_words, w.stride});
     if (new_rest) rest->second = other_needs(p);
-    return Candidate{stream, w,
-                     predict(p, load, lines->second, at.sdram_lines, board.core_khz, sdram_khz),
+    return Candidate{stream, w, predict(p, load, lines->second, at.sdram_lines, board.core_khz),
                      rest->second + w.gatherers * one->second};
   };
   std::vector<Candidate> all;
@@ -402,9 +406,9 @@ EngineSearch fastest_engine(const Plan& plan, const PhotonMap& global, const Pho
   }
   found.best = {plan_of(*best), best->cycles};
   derive_plan(found.best.plan);
-  if (plan.photon_memory != PhotonMemory::kSdram || has_sdram)
-    found.given = engine_cycles(plan, global, caustic, queries, board.core_khz, sdram_khz);
-  found.misfit = engine_misfit(plan, board);
+  if (given.photon_memory != PhotonMemory::kSdram || has_sdram)
+    found.given = engine_cycles(given, global, caustic, queries, board.core_khz);
+  found.misfit = engine_misfit(given, board);
 
   // ---- what each line's next values would do, all others as they are ----
   const Plan& made = found.best.plan;
@@ -414,11 +418,10 @@ EngineSearch fastest_engine(const Plan& plan, const PhotonMap& global, const Pho
     if (const std::string why = engine_misfit(p, board); !why.empty()) return why;
     const Order order = served_order(p, queries);
     const bool slow = p.photon_memory == PhotonMemory::kSdram;
-    return fmt::format(
-        "{:.2f} cycles a gather",
-        predict(p, load, lines_asked(p, visits, order), slow ? lines_of_sdram(p, visits, order) : 0,
-                board.core_khz, sdram_khz)
-            .cycles);
+    return fmt::format("{:.2f} cycles a gather",
+                       predict(p, load, lines_asked(p, visits, order),
+                               slow ? lines_of_sdram(p, visits, order) : 0, board.core_khz)
+                           .cycles);
   };
   // Other values, in rising order, each with the plan that has it.
   const auto tell = [&](const char* line, const std::vector<std::pair<std::string, Plan>>& others) {

@@ -31,10 +31,10 @@ struct EngineCycles {
 };
 
 // Of a plan's engine for these queries, in the order in which the frame makes them and as the
-// plan's reorder buffer lets them go on. The SDRAM's controller runs at sdram_khz, the core at
-// core_khz.
+// plan's reorder buffer lets them go on. The SDRAM's controller runs at the plan's clock, the core
+// at core_khz.
 EngineCycles engine_cycles(const Plan& plan, const PhotonMap& global, const PhotonMap& caustic,
-                           std::span<const GatherQuery> queries, int core_khz, int sdram_khz);
+                           std::span<const GatherQuery> queries, int core_khz);
 
 struct Engine {
   Plan plan;

@@ -21,6 +21,9 @@ enum class TablePhotons { kAll, kIndirect };
 // direction bin within a tile.
 enum class FrameOrder { kPixel, kTile, kDirectionBins };
 enum class PhotonMemory { kBlockRam, kSdram };  // of a board
+// Clock of an SDRAM's controller. Under 36 MHz data of a READ would be gone when they are taken
+// (docs/photon_memory.md, "At the pins"); the controller has been simulated up to 100 MHz.
+inline constexpr int kSdramLeastKHz = 50000, kSdramMostKHz = 100000;
 enum class PhotonLines { kPlain, kCompressed };
 enum class CacheRadius { kPhotons, kProbe };  // what an irradiance record's radius comes from
 // How a record's light may change over its reach.
@@ -118,6 +121,7 @@ struct Plan {
   int gatherers = 1;
   PhotonMemory photon_memory = PhotonMemory::kBlockRam;
   int board_cache_bytes = 65536;  // of photon lines, before an SDRAM
+  int sdram_khz = 100000;         // clock of an SDRAM's controller
   int replay_queries = 1024;      // block RAM of the query replayer
   int lut_ram_words = 0;          // memories of so many words at most are made of LUTs
   bool parity = false;            // of memories of photons, nodes and cached lines
@@ -313,6 +317,8 @@ struct Plan {
       "where a board keeps the photon lines: block_ram or sdram");
     v("board", "cache_bytes", p.board_cache_bytes, 64, 1 << 20,
       "lines that all gatherers share before an SDRAM");
+    v("board", "sdram_khz", p.sdram_khz, kSdramLeastKHz, kSdramMostKHz,
+      "clock of the SDRAM and its controller");
     v("board", "replay_queries", p.replay_queries, 2, 65536,
       "queries that a board's replayer holds, a power of two");
     v("board", "lut_ram_words", p.lut_ram_words, 0, 1024,

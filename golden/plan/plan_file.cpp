@@ -508,6 +508,7 @@ bool may_be_left_out(const std::string& line) {
                                             "cache.weight_bits",
                                             "cache.glossy",
                                             "cache.gradients",
+                                            "board.sdram_khz",
                                             "board.parity",
                                             "board.self_test",
                                             "photon.lines",

@@ -17,7 +17,7 @@ module photon_sdram #(
     parameter int unsigned CacheBytes = photonloom_pkg::BoardCacheBytes,
     parameter int unsigned CacheWays = 4,
     parameter int unsigned CacheMisses = 8,
-    parameter int unsigned SdramKHz = 100000,  // frequency of clk_sdram_i at most
+    parameter int unsigned SdramKHz = photonloom_pkg::SdramKHz,  // frequency of clk_sdram_i at most
     localparam int unsigned TagBits = photonloom_pkg::LineTagBits,
     localparam int unsigned LineBits = photonloom_pkg::LineAddressBits,
     localparam int unsigned Parity = photonloom_pkg::Parity,

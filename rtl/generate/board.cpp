@@ -140,7 +140,7 @@ BoardFiles board_files(const Plan& plan, const BoardRequest& request, const std:
     out.files["rtl/" + out.top + ".sv"] =
         write_unit_top(out.top, request.unit, b.clock_port, rtl_dir);
   } else {
-    clocks = board_clocks(b, out.clock_khz, kind == "sdram", rtl_dir);
+    clocks = board_clocks(b, out.clock_khz, kind == "sdram" ? plan.sdram_khz : 0, rtl_dir);
     add_core(b, top, clocks, out);
   }
   out.sources.push_back("rtl/" + out.top + ".sv");

@@ -145,7 +145,7 @@ PllLimits read_pll(Table t) {
 BoardSdram read_sdram(Table t) {
   BoardSdram sdram;
   t.text("chip");
-  sdram.clock_khz = t.number("clock_khz");
+  sdram.clock_khz = t.number("clock_khz", kSdramLeastKHz);
   for (const char* time : {"row_to_column_ns", "precharge_ns", "row_active_ns", "row_to_row_ns",
                            "write_recovery_ns", "refresh_ns"})
     sdram.times_ns[time] = t.number(time);

@@ -3,6 +3,7 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <regex>
 #include <stdexcept>
@@ -15,7 +16,8 @@ namespace {
 
 bool within(const IntRange& range, long x) { return x >= range.least && x <= range.most; }
 
-// Sets dividers and VCO: exact, the VCO nearest to the best; false where there are none.
+// Sets dividers and VCO: exact, the VCO nearest to the best of those that a whole divider makes the
+// SDRAM's clock of too; false where there are none.
 bool choose_dividers(const PllLimits& pll, long in_khz, BoardClocks& clocks) {
   const long out_khz = clocks.core_khz;
   long best_distance = -1;
@@ -28,6 +30,7 @@ bool choose_dividers(const PllLimits& pll, long in_khz, BoardClocks& clocks) {
         const long vco = out_khz * output, distance = std::labs(vco - pll.vco_best_khz);
         if (!within(pll.vco_khz, vco) || (best_distance >= 0 && distance >= best_distance))
           continue;
+        if (clocks.sdram_khz && vco % clocks.sdram_khz != 0) continue;
         best_distance = distance;
         clocks.reference = ref;
         clocks.feedback = feedback;
@@ -38,17 +41,33 @@ bool choose_dividers(const PllLimits& pll, long in_khz, BoardClocks& clocks) {
   return best_distance >= 0;
 }
 
-// Core clocks that the PLL makes, for a message.
+// Core clocks that the PLL makes, for a message; "" where there are none.
 std::string examples(const BoardDescription& board, int sdram_khz) {
   std::string text;
   for (const int khz : {25000, 50000, 60000, 62500, 75000, 100000}) {
-    BoardClocks clocks{.core_khz = khz};
+    BoardClocks clocks{.core_khz = khz, .sdram_khz = sdram_khz};
     if (!choose_dividers(*board.pll, board.oscillator_khz, clocks)) continue;
-    if (sdram_khz && clocks.vco_khz % sdram_khz != 0) continue;
-    text += fmt::format("{}{}", text.empty() ? "" : ", ", khz);
+    text += fmt::format("{}{}", text.empty() ? "for example one of " : ", ", khz);
   }
-  return text.empty() ? fmt::format("another clock or other limits in [pll] of {}", board.file)
-                      : "for example one of " + text;
+  return text;
+}
+
+// What else a board would need, for a message.
+std::string other_limits(const BoardDescription& board) {
+  return fmt::format("another clock or other limits in [pll] of {}", board.file);
+}
+
+// SDRAM clocks that the PLL makes beside the core's, for a message; "" where there are none.
+std::string sdram_examples(const BoardDescription& board, int core_khz) {
+  std::string text;
+  int told = 0;
+  for (int khz = std::min(board.sdram->clock_khz, kSdramMostKHz); khz >= kSdramLeastKHz && told < 3;
+       khz -= 1250) {
+    BoardClocks clocks{.core_khz = core_khz, .sdram_khz = khz};
+    if (!choose_dividers(*board.pll, board.oscillator_khz, clocks)) continue;
+    text += fmt::format("{}{}", told++ ? ", " : "board.sdram_khz of the plan to be one of ", khz);
+  }
+  return text;
 }
 
 // Fastest rate that whole core clocks make, at least 8 of them a bit.
@@ -77,14 +96,13 @@ int number_in(const std::string& file, const std::string& before) {
   return std::stoi(m[1]);
 }
 
-// The controller waits the times that stand in it, at the frequency that photon_sdram gives it.
-void check_sdram(const BoardDescription& board, const std::string& rtl_dir) {
-  const std::string memory = rtl_dir + "/board/photon_sdram.sv";
+// The controller waits the times that stand in it, whatever its clock.
+void check_sdram(const BoardDescription& board, int sdram_khz, const std::string& rtl_dir) {
   const std::string controller = rtl_dir + "/board/sdram_controller.sv";
-  const int khz = number_in(memory, "SdramKHz = ");
-  if (board.sdram->clock_khz != khz)
-    throw std::runtime_error(fmt::format("{}: sdram.clock_khz is {}, expected {}, that of {}",
-                                         board.file, board.sdram->clock_khz, khz, memory));
+  if (sdram_khz > board.sdram->clock_khz)
+    throw std::runtime_error(
+        fmt::format("the plan's board.sdram_khz is {}, expected at most {}, sdram.clock_khz of {}",
+                    sdram_khz, board.sdram->clock_khz, board.file));
   static const std::pair<const char*, const char*> kTimes[] = {
       {"row_to_column_ns", "RowToColumn"},    {"precharge_ns", "Precharge"},
       {"row_active_ns", "RowActive"},         {"row_to_row_ns", "RowToRow"},
@@ -100,20 +118,23 @@ void check_sdram(const BoardDescription& board, const std::string& rtl_dir) {
 
 }  // namespace
 
-BoardClocks board_clocks(const BoardDescription& board, int core_khz, bool sdram,
+BoardClocks board_clocks(const BoardDescription& board, int core_khz, int sdram_khz,
                          const std::string& rtl_dir) {
+  if (sdram_khz) check_sdram(board, sdram_khz, rtl_dir);
   BoardClocks clocks{.core_khz = core_khz};
-  if (!choose_dividers(*board.pll, board.oscillator_khz, clocks))
+  if (!choose_dividers(*board.pll, board.oscillator_khz, clocks)) {
+    const std::string core = examples(board, 0);
     throw std::runtime_error(
         fmt::format("the PLL cannot make {} kHz of {} kHz exactly, expected {}", core_khz,
-                    board.oscillator_khz, examples(board, 0)));
-  if (sdram) {
-    check_sdram(board, rtl_dir);
-    clocks.sdram_khz = board.sdram->clock_khz;
-    if (clocks.vco_khz % clocks.sdram_khz != 0)
-      throw std::runtime_error(
-          fmt::format("the PLL cannot make {} kHz beside the SDRAM's {} kHz, expected {}", core_khz,
-                      clocks.sdram_khz, examples(board, clocks.sdram_khz)));
+                    board.oscillator_khz, core.empty() ? other_limits(board) : core));
+  }
+  clocks.sdram_khz = sdram_khz;
+  if (sdram_khz && !choose_dividers(*board.pll, board.oscillator_khz, clocks)) {
+    const std::string core = examples(board, sdram_khz), sdram = sdram_examples(board, core_khz);
+    throw std::runtime_error(
+        fmt::format("the PLL cannot make {} kHz beside the SDRAM's {} kHz, expected {}{}{}",
+                    core_khz, sdram_khz, core, core.empty() || sdram.empty() ? "" : ", or ",
+                    core.empty() && sdram.empty() ? other_limits(board) : sdram));
   }
   choose_baud(board, clocks);
   return clocks;

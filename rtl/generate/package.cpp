@@ -84,6 +84,8 @@ std::vector<PackageConstant> package_constants(const Plan& plan) {
   LINE(gatherers, "gatherers of a board");
   LINE(photon_memory, "of a board: 0 block RAM, 1 SDRAM");
   LINE(board_cache_bytes, "lines that a board's gatherers share before an SDRAM");
+  number("sdram_kHz", static_cast<uint64_t>(plan.sdram_khz),
+         "clock of an SDRAM's controller, from which its waits follow");
   LINE(replay_queries, "queries that a board's replayer holds");
   LINE(lut_ram_words, "memories of so many words at most are made of LUTs");
   number("parity", plan.parity, "1: words of photons, nodes and cached lines have a parity bit");

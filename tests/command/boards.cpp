@@ -216,8 +216,10 @@ TEST_CASE("a folder whose name begins no module's is refused") {
 
 TEST_CASE("an SDRAM that the controller does not serve is refused") {
   for (const auto& [from, to, said] :
-       {std::tuple{"clock_khz = 100000", "clock_khz = 120000",
-                   "sdram.clock_khz is 120000, expected 100000, that of"},
+       {std::tuple{"clock_khz = 100000", "clock_khz = 90000",
+                   "the plan's board.sdram_khz is 100000, expected at most 90000, sdram.clock_khz "
+                   "of"},
+        std::tuple{"clock_khz = 100000", "clock_khz = 40000", "sdram.clock_khz is 40000, expected"},
         std::tuple{"row_active_ns = 44", "row_active_ns = 50",
                    "sdram.row_active_ns is 50, expected at most 44, what"},
         std::tuple{"refresh_ns = 66\n", "", "sdram.refresh_ns is missing"}}) {
@@ -228,7 +230,41 @@ TEST_CASE("an SDRAM that the controller does not serve is refused") {
     replace(boards.folder + "/board.toml", from, to);
     const Outcome o = boards.generate("--board b");
     CHECK(o.status == 1);
-    CHECK_THAT(o.err, ContainsSubstring("b/board.toml: "));
+    CHECK_THAT(o.err, ContainsSubstring("b/board.toml"));
+    CHECK_THAT(o.err, ContainsSubstring(said));
+  }
+}
+
+TEST_CASE("the SDRAM has the plan's clock") {
+  const Boards boards("ulx3s-85f", "b");
+  write_small_plan(boards.scratch / "plan.toml", PhotonMemory::kSdram);
+  const auto made = [&](const std::string& options, const std::string& file) {
+    REQUIRE(boards.generate("--board b " + options).status == 0);
+    return read_file(boards.scratch / "hw/" + file);
+  };
+  CHECK_THAT(made("", "Makefile"), ContainsSubstring(" clk_sdram 100.000 "));
+  CHECK_THAT(made("--set board.sdram_khz=87500", "Makefile"),
+             ContainsSubstring(" clk_sdram 87.500 "));
+  const std::string package = read_file(boards.scratch / "hw/rtl/board_pkg.sv");
+  CHECK_THAT(package, ContainsSubstring("VcoKHz = 700000;"));
+  CHECK_THAT(package, ContainsSubstring("SdramKHz = 87500;"));
+  CHECK_THAT(read_file(boards.scratch / "hw/rtl/photonloom_pkg.sv"),
+             ContainsSubstring("SdramKHz = 87500;"));
+  CHECK(lints(boards.scratch / "hw", "b_top"));
+  for (const auto& [options, said] :
+       {std::pair{"--set board.sdram_khz=93333",
+                  "50000 kHz beside the SDRAM's 93333 kHz, expected board.sdram_khz of the plan to "
+                  "be one of 100000, 93750, 90000"},
+        std::pair{"--clock 45",
+                  "45000 kHz beside the SDRAM's 100000 kHz, expected for example one of 25000, "
+                  "50000, 60000, 62500, 75000, 100000, or board.sdram_khz of the plan to be one of "
+                  "97500, 90000, 85000"},
+        std::pair{"--set board.sdram_khz=100001",
+                  "board.sdram_khz is '100001', expected an integer from 50000 to 100000"}}) {
+    INFO(options);
+    const Outcome o = boards.generate(fmt::format("--board b {}", options));
+    CHECK(o.status != 0);
+    CHECK(o.one_error_line());
     CHECK_THAT(o.err, ContainsSubstring(said));
   }
 }

@@ -91,8 +91,7 @@ TEST_CASE(
     CHECK(engine_misfit(best, board) == "");
     CHECK(which_packets(best) == which_packets(load.plan));
     if (found.misfit.empty()) CHECK(found.best.cycles.cycles <= found.given->cycles);
-    const EngineCycles again =
-        engine_cycles(best, load.map, {}, load.queries, board.core_khz, board.sdram->clock_khz);
+    const EngineCycles again = engine_cycles(best, load.map, {}, load.queries, board.core_khz);
     CHECK(again.cycles == Approx(found.best.cycles.cycles));
     // The map of 65,536 photons is larger than all block RAM.
     if (photons == 65536) CHECK(best.photon_memory == PhotonMemory::kSdram);
@@ -106,7 +105,7 @@ TEST_CASE("which part of a frame comes first does not decide what an engine is p
   for (size_t i = 0; i < 10000; ++i)
     corner_first[i] = corner_last[corner_last.size() - 1 - i] = load.queries[0];
   const auto memory = [&](const std::vector<GatherQuery>& queries) {
-    return engine_cycles(load.plan, load.map, {}, queries, 50000, 1).memory;
+    return engine_cycles(load.plan, load.map, {}, queries, 50000).memory;
   };
   CHECK(memory(corner_first) == Approx(memory(corner_last)).epsilon(0.1));
   CHECK(memory(corner_first) == Approx(0.75 * memory(load.queries)).epsilon(0.1));
@@ -132,8 +131,8 @@ TEST_CASE("no engine beside the one for a board is faster and fits") {
     p.lut_ram_words = any(i, 7, {0, 32, 64});
     if (find_problem(p) || !engine_misfit(p, board).empty()) continue;
     ++fitting;
-    CHECK(engine_cycles(p, load.map, {}, load.queries, board.core_khz, board.sdram->clock_khz)
-              .cycles >= found.best.cycles.cycles * 0.99);
+    CHECK(engine_cycles(p, load.map, {}, load.queries, board.core_khz).cycles >=
+          found.best.cycles.cycles * 0.99);
   }
   CHECK(fitting > 20);
 }
@@ -214,9 +213,7 @@ TEST_CASE("the reason of a line that the engine search decides is what its next 
     // The next plan is predicted as the search predicts: no faster, where it fits.
     Plan fewer = best;
     if (--fewer.gatherers > 0) {
-      const double cycles =
-          engine_cycles(fewer, load.map, {}, load.queries, board.core_khz, board.sdram->clock_khz)
-              .cycles;
+      const double cycles = engine_cycles(fewer, load.map, {}, load.queries, board.core_khz).cycles;
       if (fewer.beat_bits == best.beat_bits && photons == 65536)
         CHECK(reason("board.gatherers")
                   .find(fmt::format("{}: {:.2f} cycles a gather", fewer.gatherers, cycles)) == 0);

@@ -60,6 +60,7 @@ std::vector<BenchPlan> plans() {
   // Lines of 96 bytes, a beat a photon, a cache of four lines.
   add("sdram_narrow", [](Plan& p) {
     p.photon_memory = PhotonMemory::kSdram;
+    p.sdram_khz = 87500;
     p.gatherers = 2;
     p.photon_bytes = 12;
     p.cache_bytes = 4 * p.line_bytes();
@@ -70,6 +71,7 @@ std::vector<BenchPlan> plans() {
   // Lines of 80 bytes; many of so few leaves are too large for one.
   add("sdram_compressed", [](Plan& p) {
     p.photon_memory = PhotonMemory::kSdram;
+    p.sdram_khz = kSdramLeastKHz;
     p.gatherers = 2;
     p.position_bits = 16;
     p.photon_bytes = 10;

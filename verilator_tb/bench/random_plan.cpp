@@ -119,6 +119,10 @@ Plan rarer(const Plan& drawn, RoleRandom& random) {
     p.cache_bytes = bytes_of_a_way * p.cache_ways;
   });
   change([&](Plan& p) { p.lut_ram_words = 32 << random.below(5); });
+  change([&](Plan& p) {
+    p.sdram_khz =
+        kSdramLeastKHz + static_cast<int>(random.below(kSdramMostKHz - kSdramLeastKHz + 1));
+  });
   return plan;
 }
 

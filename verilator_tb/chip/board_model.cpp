@@ -26,7 +26,7 @@ BoardModel::BoardModel(const Plan& plan, const BoardRun& run)
   if (model_.has_port("led_o")) leds_ = model_.port("led_o").data;
   if (plan.photon_memory == PhotonMemory::kSdram && model_.has_port("sdram_dq_i")) {
     sdram_ = std::make_unique<SdramSocket>(
-        [&](const std::string& port) { return model_.port(port).data; });
+        [&](const std::string& port) { return model_.port(port).data; }, plan.sdram_khz);
     sdram_clock_ = model_.port("clk_sdram_i").data;
   }
   if (!run.waveform.empty()) {

@@ -8,11 +8,12 @@ namespace photonloom {
 namespace {
 // Picoseconds. The chip's clock is a quarter ahead of the controller's; pins come out of the FPGA
 // some time after their edge, the clock too, and go in some time before theirs.
-constexpr int64_t kPeriod = 10'000, kClockAhead = 2'500, kPinOut = 3'500, kPinIn = 1'000;
+constexpr int64_t kPinOut = 3'500, kPinIn = 1'000;
 }  // namespace
 
-SdramSocket::SdramSocket(const std::function<uint8_t*(const std::string& port)>& pin)
-    : data_in_(pin("sdram_dq_i")),
+SdramSocket::SdramSocket(const std::function<uint8_t*(const std::string& port)>& pin, int khz)
+    : period_(1'000'000'000 / khz),
+      data_in_(pin("sdram_dq_i")),
       data_out_(pin("sdram_dq_o")),
       driven_(pin("sdram_dq_oe_o")),
       address_(pin("sdram_a_o")),
@@ -25,7 +26,7 @@ SdramSocket::SdramSocket(const std::function<uint8_t*(const std::string& port)>&
       we_(pin("sdram_we_no")) {}
 
 void SdramSocket::before_edge(uint64_t edge) {
-  const int64_t time = static_cast<int64_t>(edge) * kPeriod;
+  const int64_t time = static_cast<int64_t>(edge) * period_;
   const uint16_t data = chip_.data(time - kPinIn);
   std::memcpy(data_in_, &data, 2);
   // The chip's next edge comes after this one of the controller, but sees the pins before they
@@ -43,7 +44,7 @@ void SdramSocket::before_edge(uint64_t edge) {
   pins.dqm = *dqm_;
   pins.driven = *driven_ != 0;
   std::memcpy(&pins.data, data_out_, 2);
-  chip_.edge(time - kClockAhead + kPinOut, pins);
+  chip_.edge(time - period_ / 4 + kPinOut, pins);
 }
 
 }  // namespace photonloom

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The SDRAM chip on a model's pins, at 100 MHz on its board.
+// The SDRAM chip on a model's pins, at the plan's clock on its board.
 #pragma once
 #include <cstdint>
 #include <functional>
@@ -11,8 +11,9 @@ namespace photonloom {
 
 class SdramSocket {
  public:
-  // `pin`: the storage of a port of the model, which has all of sdram_*.
-  explicit SdramSocket(const std::function<uint8_t*(const std::string& port)>& pin);
+  // `pin`: the storage of a port of the model, which has all of sdram_*. `khz`: the clock, by which
+  // the chip tells whether its times are kept.
+  SdramSocket(const std::function<uint8_t*(const std::string& port)>& pin, int khz);
 
   // Just before edge number `edge` of the controller's clock: the pins, both ways.
   void before_edge(uint64_t edge);
@@ -21,6 +22,7 @@ class SdramSocket {
 
  private:
   SdramChip chip_;
+  int64_t period_;  // picoseconds
   uint8_t* data_in_;
   const uint8_t *data_out_, *driven_, *address_, *bank_, *dqm_;
   const uint8_t *cke_, *cs_, *ras_, *cas_, *we_;

@@ -37,13 +37,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kSdramMHz = 100;    // of the board, for which the controller counts its times
 constexpr double kUnroutedMHz = 60;  // of a core whose plan has no routed clock
-// PRECHARGE and ACTIVATE, each in whole cycles of the SDRAM's clock.
-const double kRowChange =
-    std::ceil(static_cast<double>(SdramTimes{}.precharge) * kSdramMHz / 1e6) +
-    std::ceil(static_cast<double>(SdramTimes{}.row_to_column) * kSdramMHz / 1e6);
-constexpr double kReorderGoal = 4;  // docs/gather_cluster.md
+constexpr double kReorderGoal = 4;   // docs/gather_cluster.md
 
 struct Options {
   Options() { load.samples = 8; }
@@ -71,15 +66,27 @@ nlohmann::json read_rows(const std::string& path) {
   }
 }
 
+// The clock for which the controller counts its times.
+double planned_mhz(const Plan& plan) { return plan.sdram_khz / 1000.0; }
+
+// PRECHARGE and ACTIVATE, each in whole cycles of that clock.
+double row_change_cycles(const Plan& plan) {
+  const auto cycles = [&](int64_t time) {
+    return std::ceil(static_cast<double>(time) * planned_mhz(plan) / 1e6);
+  };
+  return cycles(SdramTimes{}.precharge) + cycles(SdramTimes{}.row_to_column);
+}
+
 // The clocks of a plan of fpga/headline: the medians of its row in the data that `make headline`
 // writes. The SDRAM runs at the clock of its constraint, or at the one that was reached where that
 // is slower. Options go before; a plan without a row has the clocks of none.
-Clocks clocks_of(const fs::path& plan, const nlohmann::json& rows, const Options& o) {
-  Clocks found{kUnroutedMHz, kSdramMHz, false};
+Clocks clocks_of(const fs::path& file, const Plan& plan, const nlohmann::json& rows,
+                 const Options& o) {
+  Clocks found{kUnroutedMHz, planned_mhz(plan), false};
   std::error_code other;
-  if (fs::equivalent(fs::absolute(plan).parent_path(), data_dir() + "/fpga/headline", other))
+  if (fs::equivalent(fs::absolute(file).parent_path(), data_dir() + "/fpga/headline", other))
     for (const nlohmann::json& row : rows) {
-      if (row.at("plan") != plan.stem().string()) continue;
+      if (row.at("plan") != file.stem().string()) continue;
       found.core = row.at("fmax_mhz").at("median").get<double>();
       if (const nlohmann::json& sdram = row.at("sdram"); !sdram.is_null())
         found.sdram = sdram.at("mhz").get<double>();
@@ -87,6 +94,12 @@ Clocks clocks_of(const fs::path& plan, const nlohmann::json& rows, const Options
     }
   if (o.core_mhz) found.core = *o.core_mhz;
   if (o.sdram_mhz) found.sdram = *o.sdram_mhz;
+  if (!(found.sdram > 0 && found.sdram <= planned_mhz(plan)))
+    throw std::runtime_error(
+        fmt::format("{}: an SDRAM of {} MHz by --sdram-mhz or {}, expected up to {:g}, its "
+                    "board.sdram_khz: the "
+                    "controller's cycles are too short for its chip at more",
+                    file.string(), found.sdram, o.clocks, planned_mhz(plan)));
   return found;
 }
 
@@ -108,22 +121,22 @@ struct PlanOfBoard {
   const char* name;
   PhotonMemory memory;
   uint64_t photons;
-  int k, gatherers, contexts, bucket, photon_bytes, lanes, beat_bits, leaf_photons, pool, bins,
-      cache_kb, lut_ram_words, replay;
+  int k, gatherers, contexts, candidates, bucket, photon_bytes, lanes, beat_bits, leaf_photons,
+      pool, bins, cache_kb, lut_ram_words, replay, sdram_khz;
 };
 constexpr PlanOfBoard kPlans[] = {
-    {"block_ram_k8", PhotonMemory::kBlockRam, 16384, 8, 4, 16, 8, 16, 2, 256, 256, 512, 512, 48, 64,
-     1024},
-    {"block_ram_k16", PhotonMemory::kBlockRam, 16384, 16, 4, 16, 8, 12, 2, 256, 256, 512, 512, 48,
-     32, 1024},
-    {"block_ram_k50", PhotonMemory::kBlockRam, 16384, 50, 2, 16, 8, 16, 4, 1024, 256, 2032, 512, 48,
-     32, 512},
-    {"sdram_k8", PhotonMemory::kSdram, 65536, 8, 3, 20, 8, 12, 4, 384, 256, 11248, 1024, 48, 64,
-     512},
-    {"sdram_k16", PhotonMemory::kSdram, 65536, 16, 3, 16, 8, 12, 4, 384, 256, 10224, 512, 48, 64,
-     1024},
-    {"sdram_k50", PhotonMemory::kSdram, 65536, 50, 2, 16, 16, 12, 4, 384, 2048, 10224, 512, 24, 32,
-     512},
+    {"block_ram_k8", PhotonMemory::kBlockRam, 16384, 8, 4, 16, 1, 8, 16, 2, 256, 256, 512, 512, 48,
+     64, 1024, 100000},
+    {"block_ram_k16", PhotonMemory::kBlockRam, 16384, 16, 4, 16, 1, 8, 12, 2, 256, 256, 512, 512,
+     48, 32, 1024, 100000},
+    {"block_ram_k50", PhotonMemory::kBlockRam, 16384, 50, 2, 16, 1, 8, 16, 4, 1024, 256, 2032, 512,
+     48, 32, 512, 100000},
+    {"sdram_k8", PhotonMemory::kSdram, 65536, 8, 3, 20, 1, 8, 12, 4, 384, 256, 11248, 1024, 48, 64,
+     512, 100000},
+    {"sdram_k16", PhotonMemory::kSdram, 65536, 16, 3, 16, 1, 8, 12, 4, 384, 256, 10224, 512, 48, 64,
+     1024, 100000},
+    {"sdram_k50", PhotonMemory::kSdram, 65536, 50, 2, 16, 1, 16, 12, 4, 384, 2048, 10224, 512, 24,
+     32, 512, 100000},
 };
 
 // The photons of a plan; a path that would overfill the map is cut.
@@ -138,6 +151,7 @@ Plan make_plan(const PlanOfBoard& p, const GatherLoad& load) {
   plan.scene = "";
   plan.k = p.k;
   plan.contexts = p.contexts;
+  plan.candidates_per_cycle = p.candidates;
   plan.bucket = p.bucket;
   plan.reorder_packets = p.pool;
   plan.reorder_bins = p.bins;
@@ -149,6 +163,7 @@ Plan make_plan(const PlanOfBoard& p, const GatherLoad& load) {
   plan.beat_bits = p.beat_bits;
   plan.cache_bytes = p.leaf_photons * plan.photon_bytes;
   plan.board_cache_bytes = p.cache_kb * 1024;
+  plan.sdram_khz = p.sdram_khz;
   plan.lut_ram_words = p.lut_ram_words;
   plan.replay_queries = p.replay;
   check_plan(plan);
@@ -197,8 +212,8 @@ Verdict judge(const Plan& plan, const GatherRun& m, double memory_lines, double 
           "SDRAM: ({:.3f} lines * {} cycles + {:.3f} row changes * {:g}) / {:.4f} * {:.1f} / "
           "{:.1f} MHz = {:.2f} cycles, {:.2f} without row changes; gatherers: {:.2f} / {} = {:.2f} "
           "cycles; bound by the {}: {:.1f} % of {} bound, goal {:.0f} %{}",
-          memory_lines, plan.line_bytes() / 2, row_changes, kRowChange, kRefreshLeaves, clocks.core,
-          clocks.sdram, roofline.cycles, pins_cycles, m.cost.bound, plan.gatherers,
+          memory_lines, plan.line_bytes() / 2, row_changes, row_change_cycles(plan), kRefreshLeaves,
+          clocks.core, clocks.sdram, roofline.cycles, pins_cycles, m.cost.bound, plan.gatherers,
           gatherers.cycles, bound_by_gatherers ? "gatherers" : "SDRAM",
           100 * (bound_by_gatherers ? gatherers : roofline).reached,
           bound_by_gatherers ? "their" : "its",
@@ -218,11 +233,6 @@ void dump(const std::string& path, const std::vector<UVec3>& points) {
 int run(Options o) {
   if (o.core_mhz && !(*o.core_mhz > 0 && *o.core_mhz <= 1000))
     throw std::runtime_error(fmt::format("--core-mhz: {}, expected up to 1000", *o.core_mhz));
-  if (o.sdram_mhz && !(*o.sdram_mhz > 0 && *o.sdram_mhz <= kSdramMHz))
-    throw std::runtime_error(fmt::format(
-        "--sdram-mhz: {}, expected up to {:g}: the controller's cycles are too short for its chip "
-        "at more",
-        *o.sdram_mhz, kSdramMHz));
   const GatherLoad load(o.load);
   if (!o.write_plans.empty()) {
     for (const PlanOfBoard& p : kPlans)
@@ -248,7 +258,7 @@ int run(Options o) {
   for (const std::string& file : o.plans) {
     Plan plan = read_plan(file);
     const std::string name = fs::path(file).stem().string();
-    const Clocks clocks = clocks_of(file, routed, o);
+    const Clocks clocks = clocks_of(file, plan, routed, o);
     const std::vector<Photon> photons = stored_photons(load, plan.global.photons);
     const std::vector<PackedPhoton> packed = pack_photons(photons, plan, plan.global, nullptr);
     const PhotonMap map = build_photon_map(packed, plan);
@@ -299,7 +309,7 @@ int run(Options o) {
           return cycles / kRefreshLeaves * clocks.core / clocks.sdram;
         };
         const double data = memory_lines * plan.line_bytes() / 2, pins_cycles = of_sdram(data);
-        if (sdram) roofline = roof(of_sdram(data + row_changes * kRowChange));
+        if (sdram) roofline = roof(of_sdram(data + row_changes * row_change_cycles(plan)));
         if (through_buffer) {
           with_order = m.cycles;
           if (sdram)
@@ -343,7 +353,7 @@ int run(Options o) {
              {"lines_per_gather", lines},
              {"memory_lines_per_gather", memory_lines},
              {"row_changes_per_gather", row_changes},
-             {"row_change_cycles", kRowChange},
+             {"row_change_cycles", row_change_cycles(plan)},
              {"ports_cycles", sdram ? nlohmann::json() : nlohmann::json(ports_cycles(plan, lines))},
              {"memory_busy", m.counted("memory busy") / (m.cycles * n)},
              {"gatherers_cycles", gatherers.cycles},
@@ -383,7 +393,7 @@ int main(int argc, char** argv) {
   app.add_option("--core-mhz", o.core_mhz,
                  "Frequency of the core, instead: what a cycle is beside the SDRAM's clock.");
   app.add_option("--sdram-mhz", o.sdram_mhz,
-                 "Frequency of the SDRAM, instead, at most the board's.");
+                 "Frequency of the SDRAM, instead, at most the plan's board.sdram_khz.");
   app.add_flag("--radius", o.radius,
                "Once more within the mean r^2 of the queries, found exactly.");
   app.add_option("--dump", o.dump,

@@ -17,7 +17,7 @@ class RtlGatherEngine final : public GathererUnit {
     rig_.set("reorder_i", reordered);
     if (plan.photon_memory == PhotonMemory::kSdram) {
       sdram_ = std::make_unique<SdramSocket>(
-          [this](const std::string& port) { return rig_.port(port).data; });
+          [this](const std::string& port) { return rig_.port(port).data; }, plan.sdram_khz);
       rig_.add_clock("clk_sdram_i", options.sdram_period,
                      [this](uint64_t edge) { sdram_->before_edge(edge); });
     }

@@ -103,6 +103,10 @@ module sdram_intervals #(
   end
 
   // Cycles since a command as one bit each: bit n is n + 1 cycles ago. Of the watched bank, or of any.
+  // within(n): those after which n cycles have not passed, none of 1.
+  function automatic logic [15:0] within(input int unsigned n);
+    within = (16'd1 << (n - 1)) - 16'd1;
+  endfunction
   logic [15:0] activate_q, any_activate_q, write_q, any_write_q, read_q, any_read_q, precharge_q, refresh_q, load_q;
   logic open_q;
   always_ff @(posedge clk_i) begin
@@ -137,23 +141,23 @@ module sdram_intervals #(
       assert (due_age_q != '1);
     end
     if (!rst_i && started_q && Pause == 0) begin
-      if (activate && mine) assert (!open_q && precharge_q[Trp-2:0] == '0);
-      if (activate) assert (any_activate_q[Trrd-2:0] == '0);
-      if ((read || write) && mine) assert (open_q && activate_q[Trcd-2:0] == '0);
+      if (activate && mine) assert (!open_q && (precharge_q & within(Trp)) == '0);
+      if (activate) assert ((any_activate_q & within(Trrd)) == '0);
+      if ((read || write) && mine) assert (open_q && (activate_q & within(Trcd)) == '0);
       if ((read || write) && mine) assert (!a[10]);  // no auto precharge
       if (precharge && mine_or_all) begin
-        assert (activate_q[Tras-2:0] == '0);
-        assert (write_q[Twr-2:0] == '0);
-        assert (read_q[Burst-2:0] == '0);
+        assert ((activate_q & within(Tras)) == '0);
+        assert ((write_q & within(Twr)) == '0);
+        assert ((read_q & within(Burst)) == '0);
       end
       // Bursts run to their end, and a word is driven only when the chip has let go of the pins.
-      if (read) assert (any_read_q[Burst-2:0] == '0);
-      if (write) assert (any_read_q[Burst+Cas-2:0] == '0);
+      if (read) assert ((any_read_q & within(Burst)) == '0);
+      if (write) assert ((any_read_q & within(Burst+Cas)) == '0);
       if (dq_oe) assert (write);
-      if (refresh || load_mode) assert (!open_q && precharge_q[Trp-2:0] == '0);
+      if (refresh || load_mode) assert (!open_q && (precharge_q & within(Trp)) == '0);
       if (activate || read || write || precharge || refresh || load_mode) begin
-        assert (refresh_q[Trfc-2:0] == '0);
-        assert (load_q[Tmrd-2:0] == '0);
+        assert ((refresh_q & within(Trfc)) == '0);
+        assert ((load_q & within(Tmrd)) == '0);
         assert (cke);
       end
     end
