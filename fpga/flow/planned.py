@@ -21,7 +21,7 @@ from flow.headline.plans import HeadlinePlan
 from flow.headline.tops import Routing, Top, prepare, route_seed, synthesized
 from flow.headline.verdict import clock_name
 from flow.package import PHOTONLOOM, describe
-from flow.routing import Placement
+from flow.routing import Placement, constrained
 from flow.shell import ROOT, Failure, field, read_json, read_text, read_toml, run, say, write_json
 from flow.synthesis import Counts
 from flow.tables import markdown, replace_between
@@ -77,7 +77,7 @@ def row_of(plan: HeadlinePlan, said: dict[str, Any], top: Top, resources: Counts
         count: int = field(lines, path, line, int, "a count")
         return count
 
-    clocks: list[PlannedClock] = [{"name": clock_name(net), "achieved": clock["achieved"], "constraint": clock["constraint"]}
+    clocks: list[PlannedClock] = [{"name": clock_name(net), "achieved": clock["achieved"], "constraint": constrained(clock)}
                                   for net, clock in placed["clocks"].items()] if placed else []
     return {"scene": plan.name, "plan": said["hash"], "gatherers": number("board.gatherers"),
             "widths": [number(f"gatherer.{width}") for width in WIDTHS], "contexts": number("gatherer.contexts"),

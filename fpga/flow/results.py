@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import TypedDict
 
 from flow.boards import Board
-from flow.routing import Placement
+from flow.routing import Placement, constrained
 from flow.shell import ROOT, Failure, read_json
 from flow.synthesis import Binding, Counts
 
@@ -73,7 +73,7 @@ def add_placements(entry: Entry, placed: list[Placement], where: Path) -> None:
     entry["seeds"], entry["clocks"] = placed, {}
     for clock, first in placed[0]["clocks"].items():
         achieved = [p["clocks"][clock]["achieved"] for p in placed]
-        entry["clocks"][clock] = {"constraint": first["constraint"], "median": median(achieved), "low": min(achieved),
+        entry["clocks"][clock] = {"constraint": constrained(first), "median": median(achieved), "low": min(achieved),
                                   "high": max(achieved)}
     core = [c for c in entry["clocks"].values() if abs(c["constraint"] - entry["constraint_mhz"]) < 0.01]
     if not core:

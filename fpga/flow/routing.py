@@ -33,6 +33,11 @@ class Placement(TypedDict):
     bitstream: NotRequired[str]
 
 
+def constrained(clock: Clock) -> float:
+    """MHz that a package asks for: nextpnr counts a period in whole picoseconds and says what frequency that is."""
+    return round(clock["constraint"], 2)
+
+
 def clocks_of(report_file: Path) -> tuple[dict[str, Clock], dict[str, Any]]:
     """Clocks and use of the part in the JSON of nextpnr's --report."""
     report = read_json(report_file)

@@ -21,9 +21,9 @@ enum class TablePhotons { kAll, kIndirect };
 // direction bin within a tile.
 enum class FrameOrder { kPixel, kTile, kDirectionBins };
 enum class PhotonMemory { kBlockRam, kSdram };  // of a board
-// Clock of an SDRAM's controller. Under 36 MHz data of a READ would be gone when they are taken
-// (docs/photon_memory.md, "At the pins"); the controller has been simulated up to 100 MHz.
-inline constexpr int kSdramLeastKHz = 50000, kSdramMostKHz = 100000;
+// Clock of an SDRAM's controller. Under 36 MHz data of a READ would be gone when they are taken,
+// beyond 126 MHz they would not be there yet (docs/photon_memory.md, "At the pins").
+inline constexpr int kSdramLeastKHz = 50000, kSdramMostKHz = 120000;
 enum class PhotonLines { kPlain, kCompressed };
 enum class CacheRadius { kPhotons, kProbe };  // what an irradiance record's radius comes from
 // How a record's light may change over its reach.

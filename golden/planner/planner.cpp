@@ -462,7 +462,7 @@ PlannedFrame make_plan(const World& world, const PlanRequest& request, const Pho
                                            map_bytes / 1024, kBoardBlockRamBytes / 1024);
   why["board.cache_bytes"] = "used before an SDRAM: some 26 block RAMs of an LFE5U-85F";
   why["board.sdram_khz"] =
-      "the controller's fastest; less where the routed top of a full board does not reach it";
+      "what routed tops of a full board reach; less where one does not, more where one does";
   why["board.replay_queries"] = "the rate of a board without its link";
   why["board.lut_ram_words"] = "block RAM is short where several gatherers share it";
   why["board.parity"] = "set by hand where flipped bits must be told";

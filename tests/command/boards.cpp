@@ -216,10 +216,10 @@ TEST_CASE("a folder whose name begins no module's is refused") {
 
 TEST_CASE("an SDRAM that the controller does not serve is refused") {
   for (const auto& [from, to, said] :
-       {std::tuple{"clock_khz = 100000", "clock_khz = 90000",
+       {std::tuple{"clock_khz = 110000", "clock_khz = 90000",
                    "the plan's board.sdram_khz is 100000, expected at most 90000, sdram.clock_khz "
                    "of"},
-        std::tuple{"clock_khz = 100000", "clock_khz = 40000", "sdram.clock_khz is 40000, expected"},
+        std::tuple{"clock_khz = 110000", "clock_khz = 40000", "sdram.clock_khz is 40000, expected"},
         std::tuple{"row_active_ns = 44", "row_active_ns = 50",
                    "sdram.row_active_ns is 50, expected at most 44, what"},
         std::tuple{"refresh_ns = 66\n", "", "sdram.refresh_ns is missing"}}) {
@@ -254,13 +254,13 @@ TEST_CASE("the SDRAM has the plan's clock") {
   for (const auto& [options, said] :
        {std::pair{"--set board.sdram_khz=93333",
                   "50000 kHz beside the SDRAM's 93333 kHz, expected board.sdram_khz of the plan to "
-                  "be one of 100000, 93750, 90000"},
+                  "be one of 110000, 100000, 93750"},
         std::pair{"--clock 45",
                   "45000 kHz beside the SDRAM's 100000 kHz, expected for example one of 25000, "
                   "50000, 60000, 62500, 75000, 100000, or board.sdram_khz of the plan to be one of "
-                  "97500, 90000, 85000"},
-        std::pair{"--set board.sdram_khz=100001",
-                  "board.sdram_khz is '100001', expected an integer from 50000 to 100000"}}) {
+                  "105000, 101250, 97500"},
+        std::pair{"--set board.sdram_khz=120001",
+                  "board.sdram_khz is '120001', expected an integer from 50000 to 120000"}}) {
     INFO(options);
     const Outcome o = boards.generate(fmt::format("--board b {}", options));
     CHECK(o.status != 0);

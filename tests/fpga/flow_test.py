@@ -80,6 +80,13 @@ class Seeds(unittest.TestCase):
         self.assertEqual([name for name, _ in missed_clocks(entry)], ["sdram"])
         self.assertIn("| 50 (MISSED: 99.0 of 100) |", table([entry]))
 
+    def test_a_period_of_whole_picoseconds(self) -> None:
+        entry = self.entry((60, 87.503))
+        entry["seeds"][0]["clocks"]["sdram"]["constraint"] = 87.5043716430664
+        add_placements(entry, entry["seeds"], Path("there"))
+        self.assertEqual(entry["clocks"]["sdram"]["constraint"], 87.5)
+        self.assertEqual(missed_clocks(entry), [])
+
     def test_an_estimate_misses_nothing(self) -> None:
         entry = self.entry((60, 99))
         slow = entry["seeds"]

@@ -55,6 +55,7 @@ std::vector<BenchPlan> plans() {
   });
   add("sdram", [](Plan& p) {
     p.photon_memory = PhotonMemory::kSdram;
+    p.sdram_khz = kSdramMostKHz;
     p.board_cache_bytes = 16 * p.line_bytes();
   });
   // Lines of 96 bytes, a beat a photon, a cache of four lines.
