@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Placement and routing of a package by nextpnr, with several seeds."""
+import itertools
+import math
 import os
 import re
 import signal
@@ -34,8 +36,11 @@ class Placement(TypedDict):
 
 
 def constrained(clock: Clock) -> float:
-    """MHz that a package asks for: nextpnr counts a period in whole picoseconds and says what frequency that is."""
-    return round(clock["constraint"], 2)
+    """MHz that a package asks for. nextpnr cuts a period to whole picoseconds and says what frequency that is, a little too high;
+    a PLL made it by small dividers, so it is the simplest fraction whose period is cut to the same."""
+    period = round(1e6 / clock["constraint"])  # ps
+    simple = (math.floor(denominator * 1e6 / period) / denominator for denominator in itertools.count(1))
+    return next(mhz for mhz in simple if mhz > 1e6 / (period + 1))
 
 
 def clocks_of(report_file: Path) -> tuple[dict[str, Clock], dict[str, Any]]:

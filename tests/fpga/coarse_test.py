@@ -12,7 +12,7 @@ from flow.headline.formats import formats_relmse
 from flow.headline.plans import HeadlinePlan, coarse_names, coarse_plan, find_plan
 from flow.headline.rows import photon_bytes
 from flow.headline.verdict import judge_coarse
-from flow.shell import ROOT, Failure
+from flow.shell import ROOT, Failure, field, read_toml
 from made_up_rows import CORE_CLOCK, MadeUp
 
 GOALS = CoarseGoals(relmse=1e-4, times=1.25)
@@ -66,7 +66,9 @@ class Coarser(MadeUp):
         self.assertIn("may cost a relMSE of at most 1e-04", text)
         for name in coarse_names():
             self.assertIn(f"; not measured, `make headline PLAN={name} HEADLINE_FLAGS=--page` does.", text)
-            self.assertIn("with `photon.position_bits=", text)
+        self.assertIn("`photon.position_bits=", text)
+        self.assertIn("`sdram_k8_coarse` is `sdram_k8` with ", text)
+        self.assertIn("; it stands beside `sdram_k8_sdram100`;", text)
 
     def test_goals_are_read(self) -> None:
         goals = headline_goals().coarse
@@ -79,11 +81,19 @@ class Plans(unittest.TestCase):
         self.addCleanup(folder.cleanup)
         self.work = Path(folder.name)
 
-    def test_each_names_a_plan_of_the_headline_with_fewer_bytes(self) -> None:
+    def test_each_names_a_plan_with_more_bytes_and_the_same_clock(self) -> None:
         for name in coarse_names():
             plan = find_plan(name, self.work)
             self.assertTrue(plan.finer and not plan.rejected and not plan.shows)
-            self.assertLess(photon_bytes(plan), photon_bytes(find_plan(plan.finer, self.work)))
+            finer = find_plan(plan.finer, self.work)
+            self.assertLess(photon_bytes(plan), photon_bytes(finer))
+            self.assertEqual(*(field(read_toml(p.path), p.path, "board.sdram_khz", int, "kHz") for p in (plan, finer)))
+
+    def test_it_stands_beside_its_base_or_the_plan_that_it_names(self) -> None:
+        variants = self.work / "headline.toml"
+        for beside, finer in (("", "sdram_k8"), ("beside = \"other\"\n", "other")):
+            variants.write_text(f"[coarse.a]\nbase = \"sdram_k8\"\n{beside}set = []\n")
+            self.assertEqual(coarse_plan("a", self.work, variants).finer, finer)
 
     def test_a_base_that_is_missing_names_file_and_field(self) -> None:
         variants = self.work / "headline.toml"

@@ -81,11 +81,12 @@ class Seeds(unittest.TestCase):
         self.assertIn("| 50 (MISSED: 99.0 of 100) |", table([entry]))
 
     def test_a_period_of_whole_picoseconds(self) -> None:
-        entry = self.entry((60, 87.503))
-        entry["seeds"][0]["clocks"]["sdram"]["constraint"] = 87.5043716430664
-        add_placements(entry, entry["seeds"], Path("there"))
-        self.assertEqual(entry["clocks"]["sdram"]["constraint"], 87.5)
-        self.assertEqual(missed_clocks(entry), [])
+        for asked, said in ((100.0, 100.0), (87.5, 87.5043716430664), (93.75, 93.75586), (110.0, 110.01100158691406)):
+            entry = self.entry((60, asked + 0.003))
+            entry["seeds"][0]["clocks"]["sdram"]["constraint"] = said
+            add_placements(entry, entry["seeds"], Path("there"))
+            self.assertEqual(entry["clocks"]["sdram"]["constraint"], asked)
+            self.assertEqual(missed_clocks(entry), [])
 
     def test_an_estimate_misses_nothing(self) -> None:
         entry = self.entry((60, 99))
