@@ -52,8 +52,10 @@ def base_of(kind: str, name: str, variants: Path = VARIANTS) -> str:
 def finer_of(name: str, variants: Path = VARIANTS) -> str:
     """The plan beside which one in coarser formats stands: its base, or a plan of the same formats that it names."""
     said = read_toml(variants)
-    path = f"coarse.{name}.beside"
-    return field(said, variants, path, str, "a plan") if "beside" in said["coarse"][name] else base_of("coarse", name, variants)
+    if "beside" not in said["coarse"][name]:
+        return base_of("coarse", name, variants)
+    beside: str = field(said, variants, f"coarse.{name}.beside", str, "a plan")
+    return beside
 
 
 def changes_of(kind: str, name: str, variants: Path = VARIANTS) -> list[str]:
