@@ -291,7 +291,7 @@ std::vector<const char*> engine_lines(const BoardDescription& board) {
                                  "gatherer.cache_ways",       "gatherer.beat_bits",
                                  "photon.photon_bytes",       "reorder.key"};
   // Before block RAM the pool is the plan's own.
-  if (board.tops.count("sdram")) lines.push_back("reorder.packets");
+  if (board.tops.count("sdram")) lines.insert(lines.end(), {"reorder.packets", "board.sdram_khz"});
   return lines;
 }
 
@@ -466,6 +466,9 @@ EngineSearch fastest_engine(const Plan& given, const PhotonMap& global, const Ph
   else
     found.reasons["photon.photon_bytes"] = "no fewer hold a photon";
   found.reasons["gatherer.cache_ways"] = "of every engine";
+  if (has_sdram)
+    found.reasons["board.sdram_khz"] =
+        fmt::format("of every engine; {} has {} at most", board.name, board.sdram->clock_khz);
   // As the search sets it, half and double of it.
   {
     std::vector<std::pair<std::string, Plan>> others;

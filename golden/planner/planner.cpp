@@ -461,8 +461,7 @@ PlannedFrame make_plan(const World& world, const PlanRequest& request, const Pho
   why["board.photon_memory"] = fmt::format("the maps have {} KiB, block RAM serves up to {}",
                                            map_bytes / 1024, kBoardBlockRamBytes / 1024);
   why["board.cache_bytes"] = "used before an SDRAM: some 26 block RAMs of an LFE5U-85F";
-  why["board.sdram_khz"] =
-      "what routed tops of a full board reach; less where one does not, more where one does";
+  why["board.sdram_khz"] = "most routed tops reach it; set by hand where one reaches less, or more";
   why["board.replay_queries"] = "the rate of a board without its link";
   why["board.lut_ram_words"] = "block RAM is short where several gatherers share it";
   why["board.parity"] = "set by hand where flipped bits must be told";

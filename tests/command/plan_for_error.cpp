@@ -277,7 +277,7 @@ TEST_CASE("plan --board: lines that it decides are refused") {
         "board.lut_ram_words=32", "gatherer.nodes_per_cycle=1", "gatherer.candidates_per_cycle=1",
         "gatherer.powers_per_cycle=1", "gatherer.lanes=2", "gatherer.contexts=8",
         "gatherer.cache_bytes=4096", "gatherer.cache_ways=2", "gatherer.beat_bits=512",
-        "reorder.key=none", "reorder.packets=512"}) {
+        "reorder.key=none", "reorder.packets=512", "board.sdram_khz=110000"}) {
     const auto o = run("plan" + cornell_box() + "--board ulx3s-85f --set " + line + " -o '" +
                        s / "p.toml" + "'");
     INFO(line << ": " << o.err);

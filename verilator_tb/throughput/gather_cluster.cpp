@@ -95,11 +95,10 @@ Clocks clocks_of(const fs::path& file, const Plan& plan, const nlohmann::json& r
   if (o.core_mhz) found.core = *o.core_mhz;
   if (o.sdram_mhz) found.sdram = *o.sdram_mhz;
   if (!(found.sdram > 0 && found.sdram <= planned_mhz(plan)))
-    throw std::runtime_error(
-        fmt::format("{}: an SDRAM of {} MHz by --sdram-mhz or {}, expected up to {:g}, its "
-                    "board.sdram_khz: the "
-                    "controller's cycles are too short for its chip at more",
-                    file.string(), found.sdram, o.clocks, planned_mhz(plan)));
+    throw std::runtime_error(fmt::format(
+        "{}: an SDRAM of {} MHz by {}, expected up to {:g}, the plan's board.sdram_khz: the "
+        "controller's cycles are too short for its chip at more",
+        file.string(), found.sdram, o.sdram_mhz ? "--sdram-mhz" : o.clocks, planned_mhz(plan)));
   return found;
 }
 
@@ -123,22 +122,22 @@ struct PlanOfBoard {
   const char* name;
   PhotonMemory memory;
   uint64_t photons;
-  int k, gatherers, contexts, candidates, powers, bucket, photon_bytes, lanes, beat_bits,
-      leaf_photons, pool, bins, cache_kb, lut_ram_words, replay, sdram_khz;
+  int k, gatherers, contexts, candidates, bucket, photon_bytes, lanes, beat_bits, leaf_photons,
+      pool, bins, cache_kb, lut_ram_words, replay, sdram_khz;
 };
 constexpr PlanOfBoard kPlans[] = {
-    {"block_ram_k8", PhotonMemory::kBlockRam, 16384, 8, 4, 16, 1, 1, 8, 16, 2, 256, 256, 512, 512,
-     48, 64, 1024, 100000},
-    {"block_ram_k16", PhotonMemory::kBlockRam, 16384, 16, 4, 16, 1, 1, 8, 12, 2, 256, 256, 512, 512,
+    {"block_ram_k8", PhotonMemory::kBlockRam, 16384, 8, 4, 16, 1, 8, 16, 2, 256, 256, 512, 512, 48,
+     64, 1024, 100000},
+    {"block_ram_k16", PhotonMemory::kBlockRam, 16384, 16, 4, 16, 1, 8, 12, 2, 256, 256, 512, 512,
      48, 32, 1024, 100000},
-    {"block_ram_k50", PhotonMemory::kBlockRam, 16384, 50, 2, 16, 1, 1, 8, 16, 4, 1024, 256, 2032,
-     512, 48, 32, 512, 100000},
-    {"sdram_k8", PhotonMemory::kSdram, 65536, 8, 3, 20, 1, 1, 8, 12, 4, 384, 256, 11248, 1024, 48,
-     64, 512, 110000},
-    {"sdram_k16", PhotonMemory::kSdram, 65536, 16, 3, 16, 1, 1, 8, 12, 4, 384, 256, 10224, 512, 48,
-     64, 1024, 87500},
-    {"sdram_k50", PhotonMemory::kSdram, 65536, 50, 2, 16, 2, 1, 16, 12, 4, 384, 2048, 10224, 512,
-     24, 32, 512, 93750},
+    {"block_ram_k50", PhotonMemory::kBlockRam, 16384, 50, 2, 16, 1, 8, 16, 4, 1024, 256, 2032, 512,
+     48, 32, 512, 100000},
+    {"sdram_k8", PhotonMemory::kSdram, 65536, 8, 3, 20, 1, 8, 12, 4, 384, 256, 11248, 1024, 48, 64,
+     512, 110000},
+    {"sdram_k16", PhotonMemory::kSdram, 65536, 16, 3, 16, 1, 8, 12, 4, 384, 256, 10224, 512, 48, 64,
+     1024, 87500},
+    {"sdram_k50", PhotonMemory::kSdram, 65536, 50, 2, 16, 2, 16, 12, 4, 384, 2048, 10224, 512, 24,
+     32, 512, 93750},
 };
 
 // The photons of a plan; a path that would overfill the map is cut.
@@ -154,7 +153,6 @@ Plan make_plan(const PlanOfBoard& p, const GatherLoad& load) {
   plan.k = p.k;
   plan.contexts = p.contexts;
   plan.candidates_per_cycle = p.candidates;
-  plan.powers_per_cycle = p.powers;
   plan.bucket = p.bucket;
   plan.reorder_packets = p.pool;
   plan.reorder_bins = p.bins;
