@@ -15,6 +15,7 @@ from flow.shell import ROOT, Failure, beside, complaint, read_json, read_text, r
 from flow.tools import Tools
 
 STATIC_ROUNDS = 900  # after which nextpnr's static placer is ended; a placement that ended took some 600
+LEGALISING_LEAST, LEGALISING_SHARE = 300, 2  # it is ended too when it has legalised for so many s, and for so many times its rounds
 SPARE_SEEDS = 2
 PART_SPEED = 6  # grade by whose delays the Makefile has the router search if not told
 Found = TypeVar("Found")
@@ -59,15 +60,30 @@ def static_rounds(log: str) -> int:
     return int(rounds[-1]) if rounds else 0
 
 
+def legalises_for_ever(log: str, until: float, since: float) -> bool:
+    """Whether nextpnr's static placer does not get cells legal: the last that it said, `until` s after it was started, is that it begins
+    to, and it has said nothing `since`."""
+    return (log.rstrip().rpartition("\n")[2].startswith("Info: Strict legalising") and
+            since > max(LEGALISING_LEAST, LEGALISING_SHARE * until))
+
+
 def watch_static(command: Sequence[str], log: Path, placer_log: Path) -> bool:
-    """Runs a placement by nextpnr's static placer. False where it does not come to an end: it goes round with the same
-    overlap of block RAMs for ever, which tops whose photon memory is stored in pairs of blocks were seen to do (docs/headline.md)."""
+    """Runs a placement by nextpnr's static placer. False where it does not come to an end. It goes round with the same
+    overlap of block RAMs for ever, which tops whose photon memory is stored in pairs of blocks were seen to do (docs/headline.md), or
+    it looks for ever for places of cells that stand together, of which a LUT RAM has six LUTs of one tile's eight."""
     with open(log, "w") as out:
+        started = said_at = time.monotonic()
+        said = ""
         running = subprocess.Popen(command, stdout=out, stderr=subprocess.STDOUT, start_new_session=True)
         try:
             while running.poll() is None:
                 time.sleep(2)
-                if placer_log.is_file() and static_rounds(read_text(placer_log)) > STATIC_ROUNDS:
+                if not placer_log.is_file():
+                    continue
+                now = time.monotonic()
+                if (text := read_text(placer_log)) != said:
+                    said, said_at = text, now
+                if static_rounds(said) > STATIC_ROUNDS or legalises_for_ever(said, said_at - started, now - said_at):
                     return False
         finally:
             if running.poll() is None:

@@ -9,6 +9,7 @@ import unittest
 from collections.abc import Container
 from pathlib import Path
 from typing import Any
+from unittest import mock
 
 from flow.boards import read_board
 from flow.headline.data import read_data
@@ -21,7 +22,7 @@ from flow.plans.measurements import Measurement, Measurements, merge
 from flow.plans.catalogue import read_catalogue
 from flow.plans.pages import COLUMNS, measured_table
 from flow.results import Entry, add_placements, median, missed_clocks
-from flow.routing import Placement, place, placements
+from flow.routing import STATIC_ROUNDS, Placement, legalises_for_ever, place, placements
 from flow.shell import ROOT, Failure, run
 from flow.tools import Tools
 
@@ -53,6 +54,26 @@ class Placements(unittest.TestCase):
                 self.assertIsNotNone(place(package, "top", 2, Tools([], {}), placer=placer))
                 self.assertEqual((package / "told").read_text(), f"{placer} 2\n")
                 self.assertTrue((built / f"{routed}.log").is_file(), "the log of a run that ended is kept")
+
+    def place_by(self, makefile: str) -> Placement | None:
+        """What place() gives where a package's Makefile does this for `all`."""
+        with tempfile.TemporaryDirectory() as folder:
+            package = Path(folder, "package")
+            (package / "build").mkdir(parents=True)
+            (package / "Makefile").write_text(f"all:\n\t@{makefile}\n")
+            return place(package, "top", 2, Tools([], {}), placer="static")
+
+    def test_a_placer_that_does_not_end_is_ended(self) -> None:
+        for says in (f"Info: iter={STATIC_ROUNDS + 1} steplen=1", "Info: iter=9 steplen=1\\nInfo: Strict legalising 7 cells..."):
+            with self.subTest(says), mock.patch("flow.routing.LEGALISING_LEAST", 1), mock.patch("flow.routing.LEGALISING_SHARE", 0):
+                self.assertIsNone(self.place_by(f"printf '{says}\\n' >build/top_seed2_static.log; sleep 600"))
+
+    def test_legalising_takes_its_time(self) -> None:
+        rounds, legalising = "Info: iter=9 steplen=1\n", "Info: Strict legalising 7 cells..."
+        for log, until, since, ever in ((rounds + legalising, 400, 799, False), (rounds + legalising, 400, 801, True),
+                                        (rounds + legalising, 10, 299, False), (rounds + legalising + "\n", 10, 301, True),
+                                        (rounds + legalising + "\nInfo: HPWL after legalise: 7\n", 10, 1e6, False), (rounds, 10, 1e6, False)):
+            self.assertEqual(legalises_for_ever(log, until, since), ever, (log, until, since))
 
 
 class Seeds(unittest.TestCase):
