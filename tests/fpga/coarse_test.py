@@ -68,7 +68,6 @@ class Coarser(MadeUp):
             self.assertIn(f"; not measured, `make headline PLAN={name} HEADLINE_FLAGS=--page` does.", text)
         self.assertIn("`photon.position_bits=", text)
         self.assertIn("`sdram_k8_coarse` is `sdram_k8` with ", text)
-        self.assertIn("; it stands beside `sdram_k8_sdram100`;", text)
 
     def test_goals_are_read(self) -> None:
         goals = headline_goals().coarse
@@ -88,12 +87,6 @@ class Plans(unittest.TestCase):
             finer = find_plan(plan.finer, self.work)
             self.assertLess(photon_bytes(plan), photon_bytes(finer))
             self.assertEqual(*(field(read_toml(p.path), p.path, "board.sdram_khz", int, "kHz") for p in (plan, finer)))
-
-    def test_it_stands_beside_its_base_or_the_plan_that_it_names(self) -> None:
-        variants = self.work / "headline.toml"
-        for beside, finer in (("", "sdram_k8"), ("beside = \"other\"\n", "other")):
-            variants.write_text(f"[coarse.a]\nbase = \"sdram_k8\"\n{beside}set = []\n")
-            self.assertEqual(coarse_plan("a", self.work, variants).finer, finer)
 
     def test_a_base_that_is_missing_names_file_and_field(self) -> None:
         variants = self.work / "headline.toml"

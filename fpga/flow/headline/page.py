@@ -7,7 +7,7 @@ from pathlib import Path
 from flow.goals import CoarseGoals, GainGoals, HeadlineGoals
 from flow.headline.data import Data, ImageTime, Link, Replay, Row, of_headline
 from flow.headline.netlist import SHORT
-from flow.headline.plans import base_of, changes_of, coarse_names, finer_of, rejected_names, variant_names, what_shows
+from flow.headline.plans import base_of, changes_of, coarse_names, rejected_names, variant_names, what_shows
 from flow.headline.tables import (IMAGE_COLUMNS, Judged, bound_table, coarse_table, gain_table, goal_table, image_cells, mega, part_table,
                                   predecessors_table, radius_of, sdram_clock_unknown, size_table, top_table, unrecorded, variant_table)
 from flow.headline.verdict import judge, judge_gain, slower_than_golden
@@ -50,7 +50,6 @@ def coarse_text(judged: Judged, rows: Sequence[Row], goals: CoarseGoals) -> str:
     measured = {r["plan"] for r, _ in judged}
     for name in coarse_names():
         parts.append(f"`{name}` is `{base_of('coarse', name)}` with {', '.join(f'`{line}`' for line in changes_of('coarse', name))}" +
-                     (f"; it stands beside `{finer_of(name)}`" if finer_of(name) != base_of("coarse", name) else "") +
                      (".\n" if name in measured else f"; not measured, `make headline PLAN={name} HEADLINE_FLAGS=--page` does.\n"))
     if judged:
         parts += [coarse_table(judged, rows, goals), top_table(judged)]

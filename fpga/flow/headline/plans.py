@@ -15,7 +15,7 @@ VARIANTS = ROOT / "fpga" / "headline.toml"
 @dataclass(frozen=True)
 class HeadlinePlan:
     """rejected: why it is none of the headline's; "" for one of them. shows: what a variant shows, "" for others. finer: the plan
-    of which it is one in coarser formats, "" for others."""
+    of the headline of which it is one in coarser formats, "" for others."""
     name: str
     path: Path
     rejected: str = ""
@@ -49,15 +49,6 @@ def base_of(kind: str, name: str, variants: Path = VARIANTS) -> str:
     return said
 
 
-def finer_of(name: str, variants: Path = VARIANTS) -> str:
-    """The plan beside which one in coarser formats stands: its base, or a plan of the same formats that it names."""
-    said = read_toml(variants)
-    if "beside" not in said["coarse"][name]:
-        return base_of("coarse", name, variants)
-    beside: str = field(said, variants, f"coarse.{name}.beside", str, "a plan")
-    return beside
-
-
 def changes_of(kind: str, name: str, variants: Path = VARIANTS) -> list[str]:
     """The lines in which a plan differs from its base, as options of photonloom have them."""
     said: list[str] = field(read_toml(variants), variants, f"{kind}.{name}.set", list, "a list of strings")
@@ -84,7 +75,7 @@ def variant_plan(name: str, work: Path, variants: Path = VARIANTS) -> HeadlinePl
 
 
 def coarse_plan(name: str, work: Path, variants: Path = VARIANTS) -> HeadlinePlan:
-    return HeadlinePlan(name, changed_plan("coarse", name, work, variants), finer=finer_of(name, variants))
+    return HeadlinePlan(name, changed_plan("coarse", name, work, variants), finer=base_of("coarse", name, variants))
 
 
 def known_names() -> list[str]:
