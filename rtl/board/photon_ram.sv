@@ -7,8 +7,8 @@
 // cycle, always taken. Latency from a request to its first beat 5 cycles where nobody else asks.
 //
 // Words of 32 bits are written at word addresses of the lines, global map first, then the caustic one, without gaps, while
-// no query is in flight; words behind the last line are taken and dropped. Some 5 cycles a word, 32 where a line's words
-// are not a power of two.
+// no query is in flight; words behind the last line are taken and dropped. Some 5 cycles a word, 32 where neither a line's
+// words nor a beat's are a power of two.
 //
 // With photonloom_pkg::Parity each stored beat has a parity bit. A beat of a reply has one bit more, the highest: the stored
 // one is not right, or the line asked for is beyond its map.
@@ -43,7 +43,6 @@ module photon_ram #(
   localparam int unsigned Bucket = photonloom_pkg::Bucket;
   localparam int unsigned StrideBits = 8 * photonloom_pkg::PhotonBytes;
   localparam int unsigned LineWords = Bucket * StrideBits / 32;
-  localparam int unsigned WordBits = $clog2(LineWords);
   localparam int unsigned Beats = Bucket * StrideBits / BeatBits;
   localparam int unsigned BeatNumberBits = Beats > 1 ? $clog2(Beats) : 1;
   localparam int unsigned BeatWords = BeatBits / 32;
@@ -53,6 +52,12 @@ module photon_ram #(
   localparam int unsigned Depth = Lines * Beats;
   localparam int unsigned AddressBits = Depth > 1 ? $clog2(Depth) : 1;
   localparam int unsigned Ports = Gatherers > 1 ? 2 : 1;
+
+  // Words are written by lines where the address of a line's first beat is only wires, else by beats, whose number is their address.
+  localparam bit ByLines = (Beats & (Beats - 1)) == 0 || BeatWords == 1;
+  localparam int unsigned WriteBeats = ByLines ? Beats : 1;
+  localparam int unsigned WriteWords = ByLines ? LineWords : BeatWords;
+  localparam int unsigned WordBits = $clog2(WriteWords);
 
   // A stored beat: what a slot has beside padding, it holds whole slots, else all of it.
   localparam bit Whole = BeatBits % StrideBits == 0;
@@ -86,7 +91,7 @@ module photon_ram #(
 
   photon_word_address #(
       .AddressBits(28),
-      .LineWords(LineWords)
+      .LineWords(WriteWords)
   ) word_address (
       .clk_i(clk_i),
       .rst_i(rst_i),
@@ -102,20 +107,20 @@ module photon_ram #(
   );
 
   // Address in cycle 0, word in the memory's output in 1, in the port's register in 2, written back then.
-  assign write_inside = 32'(write_line) < Lines;
+  assign write_inside = 32'(write_line) < Depth / WriteBeats;
   assign write_back = write_valid && write_wait_q == 2'd2;
   // Comparisons, since a division by BeatWords would be a divider.
   always_comb begin
     write_beat = '0;
     write_here = '0;
-    for (int unsigned beat = 0; beat < Beats; beat++)
+    for (int unsigned beat = 0; beat < WriteBeats; beat++)
       for (int unsigned word = 0; word < BeatWords; word++)
         if (32'(write_word) == beat * BeatWords + word) begin
           write_beat = write_beat | BeatNumberBits'(beat);
           write_here[word] = 1'b1;
         end
   end
-  assign write_address = AddressBits'(32'(write_line) * Beats + 32'(write_beat));
+  assign write_address = AddressBits'(32'(write_line) * WriteBeats + 32'(write_beat));
   always_ff @(posedge clk_i) begin
     write_wait_q <= write_back ? '0 : write_valid ? write_wait_q + 1'b1 : '0;
     if (rst_i) write_wait_q <= '0;

@@ -53,6 +53,14 @@ std::vector<BenchPlan> plans() {
     p.reorder_key = ReorderKey::kHash;
     p.reorder_drain = ReorderDrain::kFullest;
   });
+  // Lines of 96 bytes in three beats, so that a beat's address is a product.
+  add("three_beats", [](Plan& p) {
+    p.gatherers = 2;
+    p.photon_bytes = 12;
+    p.cache_bytes = 4 * p.line_bytes();
+    p.beat_bits = 256;
+    p.parity = true;
+  });
   add("sdram", [](Plan& p) {
     p.photon_memory = PhotonMemory::kSdram;
     p.sdram_khz = kSdramMostKHz;
