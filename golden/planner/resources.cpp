@@ -149,7 +149,7 @@ Memories gatherer_memories(const Plan& p) {
   const uint64_t places = contexts_of(p.candidates_per_cycle) * power_of_two(std::max(2, p.k));
   const int lists = p.candidates_per_cycle;
   m.add(load_bits(p) + p.r2_bits() + p.index_bits(), places, lists);
-  m.add(p.r2_bits(), places, lists);
+  m.add(p.r2_bits() + (p.list_code_bits() == 0 ? 0 : p.index_bits()), places, lists);
   m.add(2 + p.line_bits() + 3 * (p.position_bits + 1) + p.r2_bits() +
             clog2(static_cast<uint64_t>(p.epsilon_factor)),
         contexts_of(p.nodes_per_cycle) * power_of_two(p.line_bits() + 1) / 2,
@@ -181,8 +181,13 @@ Terms terms_of(Gatherer, const Plan& p, const std::string& resource) {
                              3 * std::min(p.lanes, 2) * p.candidates_per_cycle +
                              p.channels * p.powers_per_cycle}};
   const int lists = p.candidates_per_cycle;
-  const int list = p.k * (p.r2_bits() + p.index_bits()) * lists;
+  const bool coded = p.list_code_bits() != 0;
+  const int list = p.k * lists *
+                   (coded && resource == "lut" ? p.list_code_bits() : p.r2_bits() + p.index_bits());
   Terms terms = {{"list", list},
+                 // Of a place, beside its code: whether that is a candidate's too, and the way to
+                 // its whole key.
+                 {"codes", coded ? p.k * lists : 0},
                  {"lanes", p.lanes * p.position_bits},
                  {"flux", p.channels * p.flux_bits()},
                  {"contexts", p.contexts},

@@ -97,6 +97,7 @@ std::vector<PackageConstant> package_constants(const Plan& plan) {
   WIDTH(slot_bits, "slot in a line");
   WIDTH(index_bits, "photon index");
   WIDTH(count_bits, "count of photons up to k");
+  WIDTH(list_code_bits, "code of a key in a list of candidates, 0: keys are compared whole");
   WIDTH(power_bits, "one decoded channel of a power");
   WIDTH(flux_bits, "one channel of a sum of k powers");
   WIDTH(reciprocal_exponent_bits, "exponent of the reciprocal");

@@ -4,15 +4,19 @@
 // hand, and what is in hand goes to photon_gatherer_list. So candidates that lie behind the surface or that the bound has
 // left behind seldom take a cycle of the list.
 //
-// What goes to the list, without stall, in the order of slots: tokens {a candidate, the last of its leaf, a start, a
+// What goes to the list, in the order of slots: tokens {a candidate, the last of its leaf, a start, a
 // snapshot}. Starts and snapshots carry only a context and go before the next pair, within two cycles. leaf_done_o
 // follows the last token of a leaf by a cycle. Where all candidates went before it was known that they were the last,
 // the end goes beside what is in hand, or takes a token of its own if that ends a leaf too. Latency 9 from a beat to its
 // first token.
+//
+// With photonloom_pkg::ListCodeBits the list is a photon_gatherer_coded_list. While that is not ready, the hand stays, and so does what
+// was under way with its tokens: loads, and the ends of leaves, which go with them as far as where all is written.
 module photon_gatherer_candidates #(
     parameter int unsigned Contexts = 16,
     parameter int unsigned Lanes = 4,
     parameter int unsigned RowBits = 6,
+    parameter int unsigned Behind = 16,  // rows of beats that may have left the FIFO
     localparam int unsigned ContextBits = Contexts > 1 ? $clog2(Contexts) : 1,
     localparam int unsigned K = photonloom_pkg::K,
     localparam int unsigned CountBits = photonloom_pkg::CountBits,
@@ -87,6 +91,7 @@ module photon_gatherer_candidates #(
   localparam int unsigned SlotBits = $clog2(Bucket);
   localparam int unsigned LaneBits = Lanes > 1 ? $clog2(Lanes) : 1;
   localparam int unsigned CandidateBits = SlotBits + R2Bits;
+  localparam bit Coded = photonloom_pkg::ListCodeBits != 0;
 
   logic [ContextBits-1:0] normal_context, pair_context;
   logic [3*(NormalBits+2)-1:0] normal;
@@ -118,8 +123,8 @@ module photon_gatherer_candidates #(
   ) pairs (
       .clk_i(clk_i),
       .rst_i(rst_i),
-      .in_valid_i(in_valid_i),
-      .in_ready_o(in_ready_o),
+      .in_valid_i(in_valid_i && !(Coded && !rows_left_q)),
+      .in_ready_o(pairs_ready),
       .in_context_i(in_context_i),
       .in_beat_i(in_beat_i),
       .in_row_i(in_row_i),
@@ -140,6 +145,8 @@ module photon_gatherer_candidates #(
       .out_candidates_o(pair_candidates)
   );
 
+  assign in_ready_o = Coded ? pairs_ready && rows_left_q : pairs_ready;
+
   // ---- the oldest pair loses what the bound leaves behind while it waits ----
   // When nothing is left of it, it goes without being taken. If it ends its leaf, that is merged with the pair in hand where
   // this is of the same leaf, and else is done now where the hand does not end another one. The bound is that of a cycle
@@ -158,11 +165,19 @@ module photon_gatherer_candidates #(
   logic [R2Bits-1:0] token_d2;
   logic [1:0] hand_mask_q;
   logic [2*CandidateBits-1:0] hand_candidates_q;
+  /* verilator lint_off UNDRIVEN */
+  /* verilator lint_off UNUSEDSIGNAL */
+  logic list_ready, list_waits_q;  // where Coded; the other list is always ready
+  logic rows_left_q;  // where Coded: a beat may be taken
+  /* verilator lint_on UNUSEDSIGNAL */
+  /* verilator lint_on UNDRIVEN */
+  logic ended_q, pairs_ready;
+  logic [ContextBits-1:0] ended_context_q;
 
   assign gone = wait_valid_q && wait_mask_q == '0 && !wait_last_q;
   assign wait_alone = wait_valid_q && wait_mask_q == '0 && wait_last_q;
-  assign wait_merge = wait_alone && !wait_first_q && hand_q && !hand_other_q;
-  assign wait_end = wait_alone && !wait_merge && !hand_end;
+  assign wait_merge = wait_alone && !wait_first_q && hand_q && !hand_other_q && !(Coded && !list_ready);
+  assign wait_end = wait_alone && !wait_merge && !hand_end && !(Coded && !list_ready);
   assign wait_take = wait_valid_q && !gone && !wait_merge && !wait_end && hand_free && !ask;
   assign pair_taken = !wait_valid_q || gone || wait_merge || wait_end || wait_take;
   for (genvar c = 0; c < 2; c++) begin : gen_near
@@ -199,7 +214,7 @@ module photon_gatherer_candidates #(
   // ---- the pair in hand: a token a cycle ----
   assign line_context_o = wait_context_q;
   assign hand_two = hand_mask_q == 2'b11;
-  assign hand_free = !hand_q || !hand_two;
+  assign hand_free = (!hand_q || !hand_two) && !(Coded && !list_ready);
   assign hand_end = hand_q && !hand_two && hand_last_q;
   assign ask = start_i || snapshot_i;
   assign start_taken_o = start_i && hand_free;
@@ -218,14 +233,14 @@ module photon_gatherer_candidates #(
       hand_mask_q <= ask ? '0 : wait_mask_q & wait_near;
       hand_candidates_q <= wait_candidates_q;
     end else begin
-      hand_mask_q <= 2'b10;
+      hand_mask_q <= (Coded && !list_ready) ? hand_mask_q : 2'b10;
       if (wait_merge) hand_last_q <= 1'b1;
     end
-    leaf_done_o <= hand_end || (wait_merge && !hand_two) || wait_end;
-    leaf_done_context_o <= wait_end ? wait_context_q : token_context_q;
+    ended_q <= (Coded && !list_ready) ? ended_q : hand_end || (wait_merge && !hand_two) || wait_end;
+    ended_context_q <= (Coded && !list_ready) ? ended_context_q : wait_end ? wait_context_q : token_context_q;
     if (rst_i) begin
       hand_q <= 1'b0;
-      leaf_done_o <= 1'b0;
+      ended_q <= 1'b0;
     end
   end
 
@@ -245,46 +260,120 @@ module photon_gatherer_candidates #(
   end
 
   always_ff @(posedge clk_i) begin
-    lane_1_q <= LaneBits'(token_index[SlotBits-1:0]) & LaneBits'(Lanes - 1);
+    lane_1_q <= (Coded && list_waits_q) ? lane_1_q : LaneBits'(token_index[SlotBits-1:0]) & LaneBits'(Lanes - 1);
     for (int unsigned i = 0; i < Lanes; i++)
-      loads_q[LoadBits*i+:LoadBits] <= lane_1_q == LaneBits'(i) ? loads_i[LoadBits*i+:LoadBits] : '0;
-    token_load_q <= choice;
+      loads_q[LoadBits*i+:LoadBits] <= (Coded && list_waits_q) ? loads_q[LoadBits*i+:LoadBits] : lane_1_q == LaneBits'(i) ?
+          loads_i[LoadBits*i+:LoadBits] : '0;
+    token_load_q <= (Coded && list_waits_q) ? token_load_q : choice;
   end
 
-  photon_gatherer_list #(
-      .K(K),
-      .R2Bits(R2Bits),
-      .IndexBits(IndexBits),
-      .Contexts(Contexts),
-      .LoadBits(LoadBits)
-  ) list (
-      .clk_i(clk_i),
-      .rst_i(rst_i),
-      .in_valid_i(hand_q),
-      .in_context_i(token_context_q),
-      .in_candidate_i(token_candidate),
-      .in_start_i(token_start_q),
-      .in_snapshot_i(token_snapshot_q),
-      .in_index_i(token_index),
-      .in_d2_i(token_d2),
-      .load_i(token_load_q),
-      .started_o(start_done_o),
-      .r2_max_i(start_r2_max_i),
-      .bound_write_o(bound_write_o),
-      .bound_context_o(bound_context_o),
-      .bound_o(bound_o),
-      .read_context_i(found_context_i),
-      .count_o(found_count_o),
-      .insertions_o(found_insertions_o),
-      .store_read_i(store_read_i),
-      .store_context_i(store_context_i),
-      .store_place_i(store_place_i),
-      .store_word_o(store_word_o),
-      .snapshot_o(snapshot_done_o),
-      .snapshot_count_o(snapshot_count_o),
-      .snapshot_places_o(snapshot_places_o),
-      .insert_o(insertions_o)
-  );
+  if (Coded) begin : gen_coded
+    logic [LoadBits-1:0] coded_load_q;
+    logic ended_b_q, ended_c_q, pending;
+    logic [RowBits-1:0] oldest_row;
+    logic [ContextBits-1:0] ended_b_context_q, ended_c_context_q;
+
+    // While the hand stays, beats of which nothing is kept may pass it, any number: none is taken that is so far ahead of the
+    // oldest row still to be read that a beat behind it could be written there. What was left a cycle ago may be two rows less now.
+    assign pending = (hand_q && !hand_other_q) || wait_valid_q || pair_valid;
+    assign oldest_row = hand_q && !hand_other_q ? load_row_o : wait_valid_q ? wait_row_q : pair_row;
+    always_ff @(posedge clk_i) begin
+      rows_left_q <= in_valid_i && (!pending || RowBits'(in_row_i - oldest_row) < RowBits'(Behind - 3));
+      if (rst_i) rows_left_q <= 1'b0;
+    end
+
+    // A row that the hand asks for while the list is not ready is there in the next cycle: loads stay a cycle later.
+    always_ff @(posedge clk_i) begin
+      list_waits_q <= !list_ready;
+      if (!list_waits_q) coded_load_q <= token_load_q;
+      if (list_ready) begin
+        {ended_b_q, ended_b_context_q} <= {ended_q, ended_context_q};
+        {ended_c_q, ended_c_context_q} <= {ended_b_q, ended_b_context_q};
+      end
+      if (rst_i) begin
+        list_waits_q <= 1'b0;
+        ended_b_q <= 1'b0;
+        ended_c_q <= 1'b0;
+      end
+    end
+    assign leaf_done_o = ended_c_q && list_ready;
+    assign leaf_done_context_o = ended_c_context_q;
+
+    photon_gatherer_coded_list #(
+        .K(K),
+        .R2Bits(R2Bits),
+        .IndexBits(IndexBits),
+        .Contexts(Contexts),
+        .LoadBits(LoadBits),
+        .CodeBits(photonloom_pkg::ListCodeBits)
+    ) list (
+        .clk_i(clk_i),
+        .rst_i(rst_i),
+        .ready_o(list_ready),
+        .in_valid_i(hand_q),
+        .in_context_i(token_context_q),
+        .in_candidate_i(token_candidate),
+        .in_start_i(token_start_q),
+        .in_snapshot_i(token_snapshot_q),
+        .in_index_i(token_index),
+        .in_d2_i(token_d2),
+        .load_i(coded_load_q),
+        .started_o(start_done_o),
+        .r2_max_i(start_r2_max_i),
+        .bound_write_o(bound_write_o),
+        .bound_context_o(bound_context_o),
+        .bound_o(bound_o),
+        .read_context_i(found_context_i),
+        .count_o(found_count_o),
+        .insertions_o(found_insertions_o),
+        .store_read_i(store_read_i),
+        .store_context_i(store_context_i),
+        .store_place_i(store_place_i),
+        .store_word_o(store_word_o),
+        .snapshot_o(snapshot_done_o),
+        .snapshot_count_o(snapshot_count_o),
+        .snapshot_places_o(snapshot_places_o),
+        .insert_o(insertions_o)
+    );
+  end else begin : gen_whole
+    assign leaf_done_o = ended_q;
+    assign leaf_done_context_o = ended_context_q;
+
+    photon_gatherer_list #(
+        .K(K),
+        .R2Bits(R2Bits),
+        .IndexBits(IndexBits),
+        .Contexts(Contexts),
+        .LoadBits(LoadBits)
+    ) list (
+        .clk_i(clk_i),
+        .rst_i(rst_i),
+        .in_valid_i(hand_q),
+        .in_context_i(token_context_q),
+        .in_candidate_i(token_candidate),
+        .in_start_i(token_start_q),
+        .in_snapshot_i(token_snapshot_q),
+        .in_index_i(token_index),
+        .in_d2_i(token_d2),
+        .load_i(token_load_q),
+        .started_o(start_done_o),
+        .r2_max_i(start_r2_max_i),
+        .bound_write_o(bound_write_o),
+        .bound_context_o(bound_context_o),
+        .bound_o(bound_o),
+        .read_context_i(found_context_i),
+        .count_o(found_count_o),
+        .insertions_o(found_insertions_o),
+        .store_read_i(store_read_i),
+        .store_context_i(store_context_i),
+        .store_place_i(store_place_i),
+        .store_word_o(store_word_o),
+        .snapshot_o(snapshot_done_o),
+        .snapshot_count_o(snapshot_count_o),
+        .snapshot_places_o(snapshot_places_o),
+        .insert_o(insertions_o)
+    );
+  end
   lut_ram #(
       .Width(R2Bits),
       .Depth(Contexts)
@@ -296,5 +385,5 @@ module photon_gatherer_candidates #(
       .read_address_i(wait_bound_context),
       .read_data_o(wait_bound)
   );
-  assign candidates_o = hand_q && token_candidate;
+  assign candidates_o = hand_q && token_candidate && !(Coded && !list_ready);
 endmodule

@@ -272,7 +272,8 @@ module photon_gatherer_leaves #(
       .Lists(Lists),
       .Sums(Sums),
       .Lanes(Lanes),
-      .RowBits(RowBits)
+      .RowBits(RowBits),
+      .Behind(Behind)
   ) lists (
       .clk_i(clk_i),
       .rst_i(rst_i),

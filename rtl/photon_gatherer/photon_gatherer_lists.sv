@@ -10,6 +10,7 @@ module photon_gatherer_lists #(
     parameter int unsigned Sums = 1,  // at most Lists; sum s has the contexts c with c % Sums = s, as c / Sums
     parameter int unsigned Lanes = 4,
     parameter int unsigned RowBits = 6,  // of the FIFO of beats
+    parameter int unsigned Behind = 16,  // and how many rows may have left it
     localparam int unsigned ContextBits = Contexts > 1 ? $clog2(Contexts) : 1,
     localparam int unsigned ListContexts = (Contexts + Lists - 1) / Lists,
     localparam int unsigned ListContextBits = ListContexts > 1 ? $clog2(ListContexts) : 1,
@@ -96,7 +97,8 @@ module photon_gatherer_lists #(
     photon_gatherer_candidates #(
         .Contexts(ListContexts),
         .Lanes(Lanes),
-        .RowBits(RowBits)
+        .RowBits(RowBits),
+        .Behind(Behind)
     ) candidates (
         .clk_i(clk_i),
         .rst_i(rst_i),

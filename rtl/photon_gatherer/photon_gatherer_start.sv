@@ -3,7 +3,8 @@
 // empty map; search_o tells the other modules, which write their part of the context. A flush takes no context.
 //
 // Meanwhile the list of the context is emptied by a token, two cycles at most and five stages later: before a lane asks
-// for its bound, 8 cycles after the start at the earliest, and before the end of a query in an empty map is noted.
+// for its bound, 8 cycles after the start at the earliest, and before the end of a query in an empty map is noted. A list with
+// codes may keep the token waiting: so with TokenFirst a query takes its context, and starts when the list is empty.
 //
 // Latency 1 from the query to its start; starts are at least two cycles apart, so what they need is looked up a cycle
 // ahead. hold_i: the tree goes on with another query in this cycle; of several trees: the query that started last is not in
@@ -14,6 +15,7 @@ module photon_gatherer_start #(
     parameter int unsigned Contexts = 16,
     parameter int unsigned Trees = 1,
     parameter int unsigned Sums = 1,  // sum s has the contexts c with c % Sums = s, as c / Sums
+    parameter bit TokenFirst = photonloom_pkg::ListCodeBits != 0,
     localparam int unsigned ContextBits = Contexts > 1 ? $clog2(Contexts) : 1,
     localparam int unsigned SumContexts = (Contexts + Sums - 1) / Sums,
     localparam int unsigned SumContextBits = SumContexts > 1 ? $clog2(SumContexts) : 1,
@@ -61,6 +63,13 @@ module photon_gatherer_start #(
   localparam logic [1:0] Idle = 2'd0, Ask = 2'd1, Wait = 2'd2, End = 2'd3;
 
   logic query_valid_q, free, in_use, empty, leaf, slot_ready, context_ready, held;
+  /* verilator lint_off UNDRIVEN */
+  /* verilator lint_off UNUSEDSIGNAL */
+  logic emptied_q;  // with TokenFirst: the list of the query that waits
+  /* verilator lint_on UNUSEDSIGNAL */
+  /* verilator lint_on UNDRIVEN */
+  logic take;  // a query takes its context, and a token for its list
+  logic [ContextBits-1:0] free_context;
   photonloom_pkg::gather_query_t query_q;
   logic [1:0] map_empty_q, map_leaf_q;  // no line, one line
   logic [1:0] token_q, token_busy;
@@ -69,7 +78,9 @@ module photon_gatherer_start #(
 
   assign empty = map_empty_q[query_q.map];
   assign leaf = map_leaf_q[query_q.map];
-  assign search_o = query_valid_q && !query_q.flush && slot_ready && context_ready && token_busy == Idle && !held;
+  assign take = query_valid_q && !query_q.flush && slot_ready && context_ready && token_busy == Idle && !held;
+  assign search_o = TokenFirst ? emptied_q && !held : take;
+  assign context_o = TokenFirst ? token_context_o : free_context;
   assign search_inner_o = search_o && !empty && !leaf;
   assign search_leaf_o = search_o && leaf;
   assign start_o = search_o || (query_valid_q && query_q.flush && flush_ready_i);
@@ -83,8 +94,8 @@ module photon_gatherer_start #(
       .clk_i(clk_i),
       .rst_i(rst_i),
       .free_o(free),
-      .context_o(context_o),
-      .take_i(search_o),
+      .context_o(free_context),
+      .take_i(take),
       .take_photons_i(query_q.want_photons),
       .sum_free_i(sum_free_i),
       .sum_free_context_i(sum_free_context_i),
@@ -105,7 +116,7 @@ module photon_gatherer_start #(
     assign in_ready_o = !query_valid_q && !hold_i;
     assign slot_ready = may_q;
     assign context_ready = 1'b1;
-    assign token_busy = Idle;
+    assign token_busy = TokenFirst ? token_q : Idle;
     assign held = 1'b0;
   end else begin : gen_at_once
     assign in_ready_o = !query_valid_q;
@@ -113,6 +124,13 @@ module photon_gatherer_start #(
     assign context_ready = free;
     assign token_busy = token_q;
     assign held = hold_i;
+  end
+
+  if (TokenFirst) begin : gen_token_first
+    always_ff @(posedge clk_i) begin
+      emptied_q <= (token_done_i || emptied_q) && !search_o;
+      if (rst_i) emptied_q <= 1'b0;
+    end
   end
 
   always_ff @(posedge clk_i) begin
@@ -135,13 +153,13 @@ module photon_gatherer_start #(
   always_ff @(posedge clk_i) begin
     unique case (token_q)
       Idle: begin
-        token_context_o <= context_o;
+        token_context_o <= free_context;
         token_empty_q <= empty;
         token_map_q <= query_q.map;
-        if (search_o) token_q <= Ask;
+        if (take) token_q <= Ask;
       end
       Ask: if (token_taken_i) token_q <= Wait;
-      Wait: if (token_done_i) token_q <= token_empty_q ? End : Idle;
+      Wait: if (TokenFirst ? search_o : token_done_i) token_q <= token_empty_q ? End : Idle;
       default: if (!tree_done_i) token_q <= Idle;
     endcase
     if (rst_i) token_q <= Idle;

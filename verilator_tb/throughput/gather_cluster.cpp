@@ -103,21 +103,20 @@ Clocks clocks_of(const fs::path& file, const Plan& plan, const nlohmann::json& r
 }
 
 // What the command line's plans are: a memory and a k each, with as many gatherers as nextpnr finds
-// wires and block RAM for. Where the map lies in block RAM, the beats of all gatherers together
-// have 1,024 or 2,048 bits, for the wires; shallow memories of more than 32 words are block RAM
+// wires and block RAM for. Where the map lies in block RAM, photons have no padding, so that the
+// ports bring a line in three beats or one; shallow memories of more than 32 words are block RAM
 // too: it costs none of the wires that LUT RAM does. With k = 8 and 16 there are more and narrower
 // gatherers, since a leaf matters less to them than a node. With k = 8 their smaller memories are
-// LUT RAM; with k = 16 photons have no padding, so that the ports bring a line in three beats.
-// With k = 50 a beat is 8 photons: of 4 the photon memory would be pairs of block RAMs, which
-// nextpnr's static placer does not get off each other (docs/headline.md). The rows of its leaf
-// caches are LUT RAM then, and the pool has the block RAM. Before an SDRAM the pool is what block
-// RAM is best spent on: each sweep over it takes every line once or twice, however many queries it
-// serves. A pool of 16 places less than its memories have words wastes none of them. sdram_k8's
-// pool reads so few lines that 16 contexts would make it wait for the gatherers. Where a query
-// visits many leaves, 16 contexts hide what a leaf takes from there if leaves are few and large,
-// and if the gatherer's own cache, in block RAM, has most of them. sdram_k50's gatherers take two
-// candidates a cycle, for no port of theirs is busier than that of candidates. The clock of the
-// SDRAM is one that the routed top reaches.
+// LUT RAM. With k = 50 a beat is 8 photons: of 4 the photon memory would be pairs of block RAMs,
+// which nextpnr's static placer does not get off each other (docs/headline.md). The rows of its
+// leaf caches are LUT RAM then, 16 of them, and the pool has the block RAM. Before an SDRAM the
+// pool is what block RAM is best spent on: each sweep over it takes every line once or twice,
+// however many queries it serves. A pool of 16 places less than its memories have words wastes none
+// of them. sdram_k8's pool reads so few lines that 16 contexts would make it wait for the
+// gatherers. Where a query visits many leaves, 16 contexts hide what a leaf takes from there if
+// leaves are few and large, and if the gatherer's own cache, in block RAM, has most of them.
+// sdram_k50's gatherers take two candidates a cycle, for no port of theirs is busier than that of
+// candidates. The clock of the SDRAM is one that the routed top reaches.
 struct PlanOfBoard {
   const char* name;
   PhotonMemory memory;
@@ -126,11 +125,11 @@ struct PlanOfBoard {
       pool, bins, cache_kb, lut_ram_words, replay, sdram_khz;
 };
 constexpr PlanOfBoard kPlans[] = {
-    {"block_ram_k8", PhotonMemory::kBlockRam, 16384, 8, 4, 16, 1, 8, 16, 2, 256, 256, 512, 512, 48,
+    {"block_ram_k8", PhotonMemory::kBlockRam, 16384, 8, 4, 16, 1, 8, 12, 2, 256, 256, 512, 512, 48,
      64, 1024, 100000},
     {"block_ram_k16", PhotonMemory::kBlockRam, 16384, 16, 4, 16, 1, 8, 12, 2, 256, 256, 512, 512,
      48, 32, 1024, 100000},
-    {"block_ram_k50", PhotonMemory::kBlockRam, 16384, 50, 2, 16, 1, 8, 16, 4, 1024, 256, 2032, 512,
+    {"block_ram_k50", PhotonMemory::kBlockRam, 16384, 50, 3, 16, 1, 8, 12, 4, 768, 128, 2032, 512,
      48, 32, 512, 100000},
     {"sdram_k8", PhotonMemory::kSdram, 65536, 8, 3, 20, 1, 8, 12, 4, 384, 256, 11248, 1024, 48, 64,
      512, 110000},

@@ -43,6 +43,7 @@ package photonloom_pkg;
   localparam int unsigned LineBits = 1;
   localparam int unsigned IndexBits = 2;
   localparam int unsigned CountBits = 2;
+  localparam int unsigned ListCodeBits = 0;
   localparam int unsigned FluxBits = 3;
   localparam int unsigned PixelBits = 1;
   localparam int unsigned SampleBits = 1;

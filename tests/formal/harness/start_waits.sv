@@ -7,6 +7,7 @@
 // cycle itself whether it may take one, a query starts where it may. Slots, contexts and trees become free at any time.
 module start_waits #(
     parameter int unsigned Trees = 2,
+    parameter bit TokenFirst = 0,
     localparam int unsigned Contexts = 3,
     localparam int unsigned Slots = 5
 ) (
@@ -34,7 +35,8 @@ module start_waits #(
   photon_gatherer_start #(
       .Contexts(Contexts),
       .Trees(Trees),
-      .Sums(2)
+      .Sums(2),
+      .TokenFirst(TokenFirst)
   ) dut (
       .clk_i(clk_i),
       .rst_i(rst_i),
@@ -72,6 +74,7 @@ module start_waits #(
 
   logic started_q = 1'b0;
   logic [2:0] used_q;  // slots
+  logic emptied_q;  // the list of the query that waits
   logic [Contexts-1:0] summing_q, streaming_q;
   always_ff @(posedge clk_i) begin
     started_q <= 1'b1;
@@ -80,6 +83,7 @@ module start_waits #(
     if (!waiting_q) waiting_q <= search && Trees > 1;
     else if (tree_ready_i) waiting_q <= 1'b0;
     if (search) waiting_query_q <= query;
+    emptied_q <= (emptied_q || (token == 2'd2 && token_done_i)) && !search;
     for (int unsigned c = 0; c < Contexts; c++) begin
       if (sum_free_i[c%2] && (c % 2 == 0 ? sum_free_context0_i : sum_free_context1_i) == 1'(c / 2)) summing_q[c] <= 1'b0;
       if (photons_free_i && photons_free_context_i == 2'(c)) streaming_q[c] <= 1'b0;
@@ -92,6 +96,7 @@ module start_waits #(
       ready_q <= 1'b0;
       used_q <= '0;
       waiting_q <= 1'b0;
+      emptied_q <= 1'b0;
       summing_q <= '0;
       streaming_q <= '0;
     end
@@ -101,6 +106,7 @@ module start_waits #(
     assume (rst_i == !started_q);
     if (!rst_i) begin
       if (slot_done_i) assume (used_q != '0);
+      if (TokenFirst && token_done_i) assume (token == 2'd2 && !emptied_q);
       // What is given back is in use.
       if (sum_free_i[0]) assume (sum_free_context0_i ? summing_q[2] : summing_q[0]);
       if (sum_free_i[1]) assume (!sum_free_context1_i && summing_q[1]);
@@ -108,7 +114,7 @@ module start_waits #(
       if (start) assert (used_q != 3'(Slots));
       if (search) begin
         assert (context_o < 2'(Contexts) && !summing_q[context_o] && !streaming_q[context_o]);
-        assert (token == 2'd0 && !hold);
+        assert (TokenFirst ? emptied_q && token == 2'd2 && !hold : token == 2'd0 && !hold);
       end
       if (waiting_q) assert (query == waiting_query_q && !in_ready);
     end

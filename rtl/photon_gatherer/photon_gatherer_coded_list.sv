@@ -1,0 +1,368 @@
+// SPDX-License-Identifier: Apache-2.0
+// photon_gatherer_list for a K of many places: instead of its key, the code of a key stands at its place in LUT RAM
+// (photon_gatherer_key_code), with a comparison of as few bits. Whole keys stand in block RAM.
+//
+//   stage 0   the code of the new key
+//   stage a   read all codes of the context, compare with the new one; whole keys of the two tokens ahead are compared
+//   stage b   rank = how many go before it by their codes; doubt: does a code equal its own?
+//   stage c   in doubt it stays here: the entry at its rank in the order is read and compared whole, the rank is one more while
+//             that is smaller. Then it enters iff rank < K: order, key, code, count and the copy of d2 are written
+//   stage d   d2 of the entry that is now the last (block RAM), or its own; its load arrives
+//   stage e   the new bound is written
+//
+// Those that go before a token are the first of the order, at least as many as its rank by codes and by the tokens ahead, for
+// the list holds the K smallest of what came. So the loop ends at its rank, whatever was in doubt; an entry that is in doubt
+// without need costs only its cycles.
+//
+// One candidate a cycle, any context; 4 cycles for each entry that is compared whole. ready_o is low meanwhile, and all that
+// is in stages 0 to c stays. What goes with the tokens beside this module, loads and ends of leaves, has to stay too.
+//
+// Starts, slot store and bounds are those of photon_gatherer_list, a cycle later.
+module photon_gatherer_coded_list #(
+    parameter int unsigned K = 16,
+    parameter int unsigned R2Bits = 34,
+    parameter int unsigned IndexBits = 16,
+    parameter int unsigned Contexts = 16,
+    parameter int unsigned LoadBits = 48,
+    parameter int unsigned CodeBits = 20,
+    parameter int unsigned ExponentBits = 3,
+    localparam int unsigned ContextBits = Contexts > 1 ? $clog2(Contexts) : 1,
+    localparam int unsigned PlaceBits = K > 1 ? $clog2(K) : 1,
+    localparam int unsigned CountBits = $clog2(K + 1),
+    localparam int unsigned StoreBits = LoadBits + R2Bits + IndexBits
+) (
+    input  logic                           clk_i,
+    input  logic                           rst_i,
+    // tokens; all that comes with them or after them stays while not ready
+    output logic                           ready_o,
+    input  logic                           in_valid_i,
+    input  logic [        ContextBits-1:0] in_context_i,
+    input  logic                           in_candidate_i,
+    input  logic                           in_start_i,
+    input  logic                           in_snapshot_i,
+    input  logic [          IndexBits-1:0] in_index_i,
+    input  logic [             R2Bits-1:0] in_d2_i,
+    input  logic [           LoadBits-1:0] load_i,           // four cycles after its token was taken, those in which it is not ready left out
+    // a start is done: five cycles after its token, with r2_max of its map, given from the token until then
+    output logic                           started_o,
+    input  logic [             R2Bits-1:0] r2_max_i,
+    // a bound is written: who reads bounds keeps them by context
+    output logic                           bound_write_o,
+    output logic [        ContextBits-1:0] bound_context_o,
+    output logic [             R2Bits-1:0] bound_o,
+    // count and insertions of a context
+    input  logic [        ContextBits-1:0] read_context_i,
+    output logic [          CountBits-1:0] count_o,
+    output logic [            IndexBits:0] insertions_o,
+    // slot store: a word a cycle after its address
+    input  logic                           store_read_i,
+    input  logic [        ContextBits-1:0] store_context_i,
+    input  logic [          PlaceBits-1:0] store_place_i,
+    output logic [          StoreBits-1:0] store_word_o,     // load, d2, index
+    // snapshot: places in list order, the first lowest
+    output logic                           snapshot_o,
+    output logic [          CountBits-1:0] snapshot_count_o,
+    output logic [        K*PlaceBits-1:0] snapshot_places_o,
+    // counted event
+    output logic                           insert_o
+);
+  localparam int unsigned KeyBits = R2Bits + IndexBits;
+  localparam int unsigned RankBits = $clog2(K + 3);
+  localparam int unsigned Low = IndexBits > 8 ? IndexBits - 8 : 0;  // of the index, in no code: what differs in these alone is rare
+  localparam int unsigned DoubtBits = CodeBits > 16 ? 16 : CodeBits;
+  localparam int unsigned StateBits = IndexBits + 2;  // full, insertions
+
+  // ---- stage 0 ----
+  logic [CodeBits-1:0] in_code, a_code_q;
+  logic [KeyBits-1:0] a_key_q;
+  logic a_candidate_q, a_start_q, a_snapshot_q;
+  logic [ContextBits-1:0] a_context_q;
+
+  // ---- stage a ----
+  logic [KeyBits-1:0] b_key_q, c_key_q;
+  logic [CodeBits-1:0] b_code_q, c_code_q;
+  logic [K-1:0] smaller_b_q, equal_b_q;  // the code at a place, beside the token's; smaller only where an entry is
+  logic less_b, less_c, ahead_b, ahead_c, ahead_b_q, ahead_c_q;
+  logic b_candidate_q, c_candidate_q, c_enters_q, b_start_q, c_start_q, b_snapshot_q, c_snapshot_q;
+  logic [ContextBits-1:0] b_context_q, c_context_q;
+  logic [StateBits-1:0] a_state, c_state, c_state_next, read_state;
+  logic [CountBits-1:0] a_count, c_count;
+
+  // ---- stage c, where everything is written ----
+  logic [RankBits-1:0] rank, c_rank_q;
+  logic [K*PlaceBits-1:0] order;
+  logic [PlaceBits-1:0] place;
+  logic c_full, doubt, c_doubt_q, resolved, enters;
+
+  photon_gatherer_key_code #(
+      .KeyBits(KeyBits - Low),
+      .CodeBits(CodeBits),
+      .ExponentBits(ExponentBits)
+  ) code (
+      .key_i({in_d2_i, in_index_i[IndexBits-1:Low]}),
+      .code_o(in_code)
+  );
+  assign ready_o = !c_doubt_q;
+
+  assign a_count = count_of(a_state);
+  less_than #(
+      .Width(KeyBits)
+  ) compare_b (
+      .a_i(b_key_q),
+      .b_i(a_key_q),
+      .less_o(less_b)
+  );
+  less_than #(
+      .Width(KeyBits)
+  ) compare_c (
+      .a_i(c_key_q),
+      .b_i(a_key_q),
+      .less_o(less_c)
+  );
+  assign ahead_b = b_candidate_q && b_context_q == a_context_q && less_b;
+  assign ahead_c = c_candidate_q && c_context_q == a_context_q && less_c;
+
+  function automatic logic [CountBits-1:0] count_of(input logic [StateBits-1:0] state);
+    count_of = state[StateBits-1] ? CountBits'(K) : CountBits'(state[StateBits-2:0]);
+  endfunction
+
+  // One subtraction tells whether the code is smaller, and whether it is the same: by the low bits of the difference.
+  for (genvar j = 0; j < K; j++) begin : gen_place
+    logic [CodeBits-1:0] word;
+    logic [CodeBits:0] difference;
+    lut_ram #(
+        .Width(CodeBits),
+        .Depth(Contexts)
+    ) codes (
+        .clk_i(clk_i),
+        .write_i(c_enters_q && place == PlaceBits'(j)),
+        .write_address_i(c_context_q),
+        .write_data_i(c_code_q),
+        .read_address_i(a_context_q),
+        .read_data_o(word)
+    );
+    assign difference = {1'b0, word} - {1'b0, a_code_q};
+    always_ff @(posedge clk_i) begin
+      if (!c_doubt_q) begin
+        smaller_b_q[j] <= difference[CodeBits] && a_count > CountBits'(j);
+        equal_b_q[j] <= difference[DoubtBits-1:0] == '0;
+      end
+    end
+  end
+
+  // ---- stage b ----
+  always_comb begin
+    rank = RankBits'(ahead_b_q) + RankBits'(ahead_c_q);
+    for (int unsigned j = 0; j < K; j++) rank = rank + RankBits'(smaller_b_q[j]);
+  end
+  assign enters = b_candidate_q && rank < RankBits'(K);
+  assign doubt = equal_b_q != '0;
+
+  // ---- stage c in doubt: the entry at its rank: place | key, from block RAM | register | compare, and the next one ----
+  logic [3:0] step_q;
+  logic [PlaceBits-1:0] probe_place, probe_place_q;
+  logic [KeyBits-1:0] probe_key, probe_key_q;
+  logic probe_less;
+
+  always_comb begin
+    probe_place = '0;
+    for (int unsigned j = 0; j < K; j++) if (c_rank_q == RankBits'(j)) probe_place = probe_place | order[PlaceBits*j+:PlaceBits];
+  end
+  less_than #(
+      .Width(KeyBits)
+  ) compare_probe (
+      .a_i(probe_key_q),
+      .b_i(c_key_q),
+      .less_o(probe_less)
+  );
+  assign resolved = (step_q[0] && c_rank_q == RankBits'(c_count)) || (step_q[3] && !probe_less);
+
+  always_ff @(posedge clk_i) begin
+    probe_place_q <= probe_place;
+    probe_key_q <= probe_key;
+    if (c_doubt_q) begin
+      step_q <= {step_q[2:0], step_q[3]};
+      if (step_q[3] && probe_less) c_rank_q <= c_rank_q + 1'b1;
+      c_doubt_q <= !resolved;
+      c_enters_q <= resolved && c_rank_q < RankBits'(K);
+    end else begin
+      a_candidate_q <= in_valid_i && in_candidate_i;
+      a_start_q <= in_valid_i && in_start_i;
+      a_snapshot_q <= in_valid_i && in_snapshot_i;
+      a_context_q <= in_context_i;
+      a_key_q <= {in_d2_i, in_index_i};
+      a_code_q <= in_code;
+
+      b_candidate_q <= a_candidate_q;
+      b_start_q <= a_start_q;
+      b_snapshot_q <= a_snapshot_q;
+      b_context_q <= a_context_q;
+      b_key_q <= a_key_q;
+      b_code_q <= a_code_q;
+      ahead_b_q <= ahead_b;
+      ahead_c_q <= ahead_c;
+
+      c_candidate_q <= b_candidate_q;
+      c_start_q <= b_start_q;
+      c_snapshot_q <= b_snapshot_q;
+      c_context_q <= b_context_q;
+      c_key_q <= b_key_q;
+      c_code_q <= b_code_q;
+      c_rank_q <= rank;
+      c_enters_q <= enters && !doubt;
+      c_doubt_q <= enters && doubt;
+      step_q <= 4'd1;
+    end
+    if (rst_i) begin
+      a_candidate_q <= 1'b0;
+      a_start_q <= 1'b0;
+      a_snapshot_q <= 1'b0;
+      b_candidate_q <= 1'b0;
+      b_start_q <= 1'b0;
+      b_snapshot_q <= 1'b0;
+      c_candidate_q <= 1'b0;
+      c_start_q <= 1'b0;
+      c_snapshot_q <= 1'b0;
+      c_enters_q <= 1'b0;
+      c_doubt_q <= 1'b0;
+    end
+  end
+
+  // ---- stage c: order ----
+  assign c_full = c_state[StateBits-1];
+  assign c_count = count_of(c_state);
+  assign place = c_full ? order[PlaceBits*(K-1)+:PlaceBits] : PlaceBits'(c_state[IndexBits:0]);
+
+  for (genvar j = 0; j < K; j++) begin : gen_order
+    logic [PlaceBits-1:0] left;
+    if (j == 0) begin : gen_first
+      assign left = place;
+    end else begin : gen_other
+      assign left = c_rank_q < RankBits'(j) ? order[PlaceBits*(j-1)+:PlaceBits] : place;
+    end
+    lut_ram #(
+        .Width(PlaceBits),
+        .Depth(Contexts)
+    ) entry (
+        .clk_i(clk_i),
+        .write_i(c_enters_q && c_rank_q <= RankBits'(j)),
+        .write_address_i(c_context_q),
+        .write_data_i(left),
+        .read_address_i(c_context_q),
+        .read_data_o(order[PlaceBits*j+:PlaceBits])
+    );
+  end
+
+  // ---- counts; a start clears them ----
+  logic [StateBits-1:0] state_data;
+
+  assign c_state_next[IndexBits:0] = c_state[IndexBits:0] + 1'b1;
+  assign c_state_next[StateBits-1] = c_full || CountBits'(c_state[IndexBits:0]) == CountBits'(K - 1);
+  assign state_data = c_start_q ? '0 : c_state_next;
+
+  for (genvar r = 0; r < 3; r++) begin : gen_state
+    logic [ContextBits-1:0] address;
+    logic [StateBits-1:0] data;
+    lut_ram #(
+        .Width(StateBits),
+        .Depth(Contexts)
+    ) state (
+        .clk_i(clk_i),
+        .write_i(c_enters_q || c_start_q),
+        .write_address_i(c_context_q),
+        .write_data_i(state_data),
+        .read_address_i(address),
+        .read_data_o(data)
+    );
+  end
+  assign gen_state[0].address = a_context_q;
+  assign gen_state[1].address = c_context_q;
+  assign gen_state[2].address = read_context_i;
+  assign a_state = gen_state[0].data;
+  assign c_state = gen_state[1].data;
+  assign read_state = gen_state[2].data;
+  assign count_o = count_of(read_state);
+  assign insertions_o = read_state[IndexBits:0];
+  assign insert_o = c_enters_q;
+  assign snapshot_o = c_snapshot_q;
+  assign snapshot_count_o = c_count;
+  assign snapshot_places_o = order;
+
+  // ---- bounds ----
+  // The new last is the entry before the last, unless the token itself is.
+  logic d_bound_q, d_start_q, d_own_q, e_bound_q, e_start_q;
+  logic [ContextBits-1:0] d_context_q, e_context_q;
+  logic [R2Bits-1:0] d_own_d2_q, e_d2_q;  // own: of the token, not of the list
+  logic [PlaceBits-1:0] before_last;
+
+  if (K == 1) begin : gen_one
+    assign before_last = '0;
+  end else begin : gen_many
+    assign before_last = order[PlaceBits*(K-2)+:PlaceBits];
+  end
+
+  block_ram #(
+      .Width(KeyBits),
+      .Depth(1 << (ContextBits + PlaceBits))
+  ) key_by_place (
+      .clk_i(clk_i),
+      .write_i(c_enters_q),
+      .write_address_i({c_context_q, place}),
+      .write_data_i(c_key_q),
+      .read_i(1'b1),
+      .read_address_i({c_context_q, c_doubt_q ? probe_place_q : before_last}),
+      .read_data_o(probe_key)
+  );
+
+  always_ff @(posedge clk_i) begin
+    d_bound_q <= c_start_q || (c_enters_q && c_state_next[StateBits-1]);
+    d_start_q <= c_start_q;
+    d_own_q <= c_start_q || c_rank_q == RankBits'(K - 1);
+    d_context_q <= c_context_q;
+    d_own_d2_q <= c_start_q ? r2_max_i : c_key_q[KeyBits-1:IndexBits];
+
+    e_bound_q <= d_bound_q;
+    e_context_q <= d_context_q;
+    e_start_q <= d_start_q;
+    e_d2_q <= d_own_q ? d_own_d2_q : probe_key[KeyBits-1:IndexBits];
+    if (rst_i) begin
+      d_bound_q <= 1'b0;
+      d_start_q <= 1'b0;
+      e_bound_q <= 1'b0;
+      e_start_q <= 1'b0;
+    end
+  end
+
+  assign started_o = e_start_q;
+
+  assign bound_write_o = e_bound_q;
+  assign bound_context_o = e_context_q;
+  assign bound_o = e_d2_q;
+
+  // ---- slot store: load and key by place ----
+  logic store_q;
+  logic [ContextBits-1:0] store_context_q;
+  logic [PlaceBits-1:0] store_place_q;
+  logic [KeyBits-1:0] d_key_q;
+
+  always_ff @(posedge clk_i) begin
+    store_q <= c_enters_q;
+    store_context_q <= c_context_q;
+    store_place_q <= place;
+    d_key_q <= c_key_q;
+    if (rst_i) store_q <= 1'b0;
+  end
+
+  block_ram #(
+      .Width(StoreBits),
+      .Depth(1 << (ContextBits + PlaceBits))
+  ) slot_store (
+      .clk_i(clk_i),
+      .write_i(store_q),
+      .write_address_i({store_context_q, store_place_q}),
+      .write_data_i({load_i, d_key_q}),
+      .read_i(store_read_i),
+      .read_address_i({store_context_i, store_place_i}),
+      .read_data_o(store_word_o)
+  );
+endmodule
