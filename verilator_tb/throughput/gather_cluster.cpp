@@ -103,13 +103,13 @@ Clocks clocks_of(const fs::path& file, const Plan& plan, const nlohmann::json& r
 }
 
 // What the command line's plans are: a memory and a k each, with as many gatherers as nextpnr finds
-// wires and block RAM for. Where the map lies in block RAM, photons have no padding, so that the
-// ports bring a line in three beats or one; shallow memories of more than 32 words are block RAM
-// too: it costs none of the wires that LUT RAM does. With k = 8 and 16 there are more and narrower
-// gatherers, since a leaf matters less to them than a node. With k = 8 their smaller memories are
-// LUT RAM. With k = 50 a beat is 8 photons: of 4 the photon memory would be pairs of block RAMs,
-// which nextpnr's static placer does not get off each other (docs/headline.md). The rows of its
-// leaf caches are LUT RAM then, 16 of them, and the pool has the block RAM. Before an SDRAM the
+// wires and block RAM for. Where the map lies in block RAM, photons of k = 8 and 16 have no
+// padding, so that the ports bring a line in three beats; shallow memories of more than 32 words
+// are block RAM too: it costs none of the wires that LUT RAM does. With k = 8 and 16 there are more
+// and narrower gatherers, since a leaf matters less to them than a node. With k = 8 their smaller
+// memories are LUT RAM. With k = 50 a beat is 8 photons: of 4 the photon memory would be pairs of
+// block RAMs, which nextpnr's static placer does not get off each other (docs/headline.md). The
+// rows of its leaf caches are LUT RAM then, and the pool has the block RAM. Before an SDRAM the
 // pool is what block RAM is best spent on: each sweep over it takes every line once or twice,
 // however many queries it serves. A pool of 16 places less than its memories have words wastes none
 // of them. sdram_k8's pool reads so few lines that 16 contexts would make it wait for the
@@ -129,7 +129,7 @@ constexpr PlanOfBoard kPlans[] = {
      64, 1024, 100000},
     {"block_ram_k16", PhotonMemory::kBlockRam, 16384, 16, 4, 16, 1, 8, 12, 2, 256, 256, 512, 512,
      48, 32, 1024, 100000},
-    {"block_ram_k50", PhotonMemory::kBlockRam, 16384, 50, 3, 16, 1, 8, 12, 4, 768, 128, 2032, 512,
+    {"block_ram_k50", PhotonMemory::kBlockRam, 16384, 50, 2, 16, 1, 8, 16, 4, 1024, 256, 2032, 512,
      48, 32, 512, 100000},
     {"sdram_k8", PhotonMemory::kSdram, 65536, 8, 3, 20, 1, 8, 12, 4, 384, 256, 11248, 1024, 48, 64,
      512, 110000},
