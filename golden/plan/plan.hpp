@@ -159,7 +159,7 @@ struct Plan {
   int index_bits() const { return line_bits() + slot_bits(); }
   int count_bits() const { return clog2(static_cast<uint64_t>(k) + 1); }
   // Of many places, of all lists of a gatherer, codes of keys are compared, and whole keys are in
-  // block RAM. 0: keys are compared whole, since codes would save less than 1,000 LUTs.
+  // block RAM. 0: keys are compared whole, since of few places codes save little for a block RAM.
   int list_code_bits() const { return k * candidates_per_cycle > 24 ? 20 : 0; }
   int power_bits() const {
     return mantissa_bits + static_cast<int>(ones(exponent_bits));

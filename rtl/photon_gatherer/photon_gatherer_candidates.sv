@@ -167,7 +167,8 @@ module photon_gatherer_candidates #(
   logic [2*CandidateBits-1:0] hand_candidates_q;
   /* verilator lint_off UNDRIVEN */
   /* verilator lint_off UNUSEDSIGNAL */
-  logic list_ready, list_waits_q;  // where Coded; the other list is always ready
+  // Only where Coded: the other list is always ready. Each use says so itself, so that nothing of it is left there.
+  logic list_ready, list_waits_q;
   logic rows_left_q;  // where Coded: a beat may be taken
   /* verilator lint_on UNUSEDSIGNAL */
   /* verilator lint_on UNDRIVEN */

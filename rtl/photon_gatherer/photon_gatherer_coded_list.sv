@@ -6,7 +6,7 @@
 //   stage a   read all codes of the context, compare with the new one; whole keys of the two tokens ahead are compared
 //   stage b   rank = how many go before it by their codes; doubt: does a code equal its own?
 //   stage c   in doubt it stays here: the entry at its rank in the order is read and compared whole, the rank is one more while
-//             that is smaller. Then it enters iff rank < K: order, key, code, count and the copy of d2 are written
+//             that is smaller. Then it enters iff rank < K: order, code, whole key and count are written
 //   stage d   d2 of the entry that is now the last (block RAM), or its own; its load arrives
 //   stage e   the new bound is written
 //
