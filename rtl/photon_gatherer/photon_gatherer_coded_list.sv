@@ -4,7 +4,7 @@
 //
 //   stage 0   the code of the new key
 //   stage a   read all codes of the context, compare with the new one; whole keys of the two tokens ahead are compared
-//   stage b   rank = how many go before it by their codes; doubt: does a code equal its own?
+//   stage b   rank = how many go before it by their codes; doubt: does a code equal its own, wherever it is in the order?
 //   stage c   in doubt it stays here: the entry at its rank in the order is read and compared whole, the rank is one more while
 //             that is smaller. Then it enters iff rank < K: order, code, whole key and count are written
 //   stage d   d2 of the entry that is now the last (block RAM), or its own; its load arrives
@@ -83,7 +83,7 @@ module photon_gatherer_coded_list #(
   logic [CodeBits-1:0] b_code_q, c_code_q;
   logic [K-1:0] smaller_b_q, equal_b_q;  // the code at a place, beside the token's; smaller only where an entry is
   logic less_b, less_c, ahead_b, ahead_c, ahead_b_q, ahead_c_q;
-  logic b_candidate_q, c_candidate_q, c_enters_q, b_start_q, c_start_q, b_snapshot_q, c_snapshot_q;
+  logic b_candidate_q, c_candidate_q, b_start_q, c_start_q, b_snapshot_q, c_snapshot_q;
   logic [ContextBits-1:0] b_context_q, c_context_q;
   logic [StateBits-1:0] a_state, c_state, c_state_next, read_state;
   logic [CountBits-1:0] a_count, c_count;
@@ -92,7 +92,7 @@ module photon_gatherer_coded_list #(
   logic [RankBits-1:0] rank, c_rank_q;
   logic [K*PlaceBits-1:0] order;
   logic [PlaceBits-1:0] place;
-  logic c_full, doubt, c_doubt_q, resolved, enters;
+  logic c_full, doubt, c_doubt_q, resolved, settled, enters;
 
   photon_gatherer_key_code #(
       .KeyBits(KeyBits - Low),
@@ -135,7 +135,7 @@ module photon_gatherer_coded_list #(
         .Depth(Contexts)
     ) codes (
         .clk_i(clk_i),
-        .write_i(c_enters_q && place == PlaceBits'(j)),
+        .write_i(enters && place == PlaceBits'(j)),
         .write_address_i(c_context_q),
         .write_data_i(c_code_q),
         .read_address_i(a_context_q),
@@ -155,8 +155,7 @@ module photon_gatherer_coded_list #(
     rank = RankBits'(ahead_b_q) + RankBits'(ahead_c_q);
     for (int unsigned j = 0; j < K; j++) rank = rank + RankBits'(smaller_b_q[j]);
   end
-  assign enters = b_candidate_q && rank < RankBits'(K);
-  assign doubt = equal_b_q != '0;
+  assign doubt = b_candidate_q && equal_b_q != '0;
 
   // ---- stage c in doubt: the entry at its rank: place | key, from block RAM | register | compare, and the next one ----
   logic [3:0] step_q;
@@ -175,7 +174,9 @@ module photon_gatherer_coded_list #(
       .b_i(c_key_q),
       .less_o(probe_less)
   );
-  assign resolved = (step_q[0] && c_rank_q == RankBits'(c_count)) || (step_q[3] && !probe_less);
+  assign resolved = (step_q[0] && c_rank_q >= RankBits'(c_count)) || (step_q[3] && !probe_less);
+  assign settled = c_candidate_q && !c_doubt_q;
+  assign enters = settled && c_rank_q < RankBits'(K);
 
   always_ff @(posedge clk_i) begin
     probe_place_q <= probe_place;
@@ -184,7 +185,6 @@ module photon_gatherer_coded_list #(
       step_q <= {step_q[2:0], step_q[3]};
       if (step_q[3] && probe_less) c_rank_q <= c_rank_q + 1'b1;
       c_doubt_q <= !resolved;
-      c_enters_q <= resolved && c_rank_q < RankBits'(K);
     end else begin
       a_candidate_q <= in_valid_i && in_candidate_i;
       a_start_q <= in_valid_i && in_start_i;
@@ -209,8 +209,7 @@ module photon_gatherer_coded_list #(
       c_key_q <= b_key_q;
       c_code_q <= b_code_q;
       c_rank_q <= rank;
-      c_enters_q <= enters && !doubt;
-      c_doubt_q <= enters && doubt;
+      c_doubt_q <= doubt;
       step_q <= 4'd1;
     end
     if (rst_i) begin
@@ -223,7 +222,6 @@ module photon_gatherer_coded_list #(
       c_candidate_q <= 1'b0;
       c_start_q <= 1'b0;
       c_snapshot_q <= 1'b0;
-      c_enters_q <= 1'b0;
       c_doubt_q <= 1'b0;
     end
   end
@@ -245,7 +243,7 @@ module photon_gatherer_coded_list #(
         .Depth(Contexts)
     ) entry (
         .clk_i(clk_i),
-        .write_i(c_enters_q && c_rank_q <= RankBits'(j)),
+        .write_i(settled && c_rank_q <= RankBits'(j)),
         .write_address_i(c_context_q),
         .write_data_i(left),
         .read_address_i(c_context_q),
@@ -268,7 +266,7 @@ module photon_gatherer_coded_list #(
         .Depth(Contexts)
     ) state (
         .clk_i(clk_i),
-        .write_i(c_enters_q || c_start_q),
+        .write_i(enters || c_start_q),
         .write_address_i(c_context_q),
         .write_data_i(state_data),
         .read_address_i(address),
@@ -283,7 +281,7 @@ module photon_gatherer_coded_list #(
   assign read_state = gen_state[2].data;
   assign count_o = count_of(read_state);
   assign insertions_o = read_state[IndexBits:0];
-  assign insert_o = c_enters_q;
+  assign insert_o = enters;
   assign snapshot_o = c_snapshot_q;
   assign snapshot_count_o = c_count;
   assign snapshot_places_o = order;
@@ -306,7 +304,7 @@ module photon_gatherer_coded_list #(
       .Depth(1 << (ContextBits + PlaceBits))
   ) key_by_place (
       .clk_i(clk_i),
-      .write_i(c_enters_q),
+      .write_i(enters),
       .write_address_i({c_context_q, place}),
       .write_data_i(c_key_q),
       .read_i(1'b1),
@@ -315,7 +313,7 @@ module photon_gatherer_coded_list #(
   );
 
   always_ff @(posedge clk_i) begin
-    d_bound_q <= c_start_q || (c_enters_q && c_state_next[StateBits-1]);
+    d_bound_q <= c_start_q || (enters && c_state_next[StateBits-1]);
     d_start_q <= c_start_q;
     d_own_q <= c_start_q || c_rank_q == RankBits'(K - 1);
     d_context_q <= c_context_q;
@@ -346,7 +344,7 @@ module photon_gatherer_coded_list #(
   logic [KeyBits-1:0] d_key_q;
 
   always_ff @(posedge clk_i) begin
-    store_q <= c_enters_q;
+    store_q <= enters;
     store_context_q <= c_context_q;
     store_place_q <= place;
     d_key_q <= c_key_q;

@@ -19,7 +19,7 @@ module photon_gatherer_coded_list_cover #(
     input logic [ContextBits-1:0] c_context_q,
     input logic [KeyBits-1:0] c_key_q,
     input logic [KeyBits-1:0] probe_key_q,
-    input logic c_enters_q,
+    input logic enters,
     input logic c_full,
     input logic [CountBits-1:0] c_count,
     input logic [RankBits-1:0] c_rank_q,
@@ -38,7 +38,7 @@ module photon_gatherer_coded_list_cover #(
   // It becomes the last of a list that is not full: no further entry to compare with.
   doubt_to_end: cover property (@(posedge clk_i) disable iff (rst_i) c_doubt_q && step_q[0] && c_rank_q == RankBits'(c_count) && !c_full);
   // It goes behind all of a full list, and does not enter.
-  doubt_turned_down: cover property (@(posedge clk_i) disable iff (rst_i) c_doubt_q && step_q[0] && c_rank_q == RankBits'(K));
+  doubt_turned_down: cover property (@(posedge clk_i) disable iff (rst_i) c_doubt_q && step_q[0] && c_rank_q >= RankBits'(K));
   // The distances are the same: the index decides.
   doubt_tie: cover property (@(posedge clk_i) disable iff (rst_i) c_doubt_q && step_q[3] && probe_key_q[KeyBits-1:IndexBits] == c_key_q[KeyBits-1:IndexBits]);
   // Several places have its code.
@@ -52,13 +52,13 @@ module photon_gatherer_coded_list_cover #(
   // A snapshot waits for one in doubt.
   snapshot_waits: cover property (@(posedge clk_i) disable iff (rst_i) c_doubt_q && in_valid_i && in_snapshot_i);
   // A candidate enters a full list in place of the last.
-  replaces_last: cover property (@(posedge clk_i) disable iff (rst_i) c_enters_q && c_full);
+  replaces_last: cover property (@(posedge clk_i) disable iff (rst_i) enters && c_full);
   // A full list turns a candidate down.
-  turned_down: cover property (@(posedge clk_i) disable iff (rst_i) c_candidate_q && !c_enters_q && !c_doubt_q);
+  turned_down: cover property (@(posedge clk_i) disable iff (rst_i) c_candidate_q && !enters && !c_doubt_q);
   // The list becomes full: from now on the k-th distance is the bound.
-  becomes_full: cover property (@(posedge clk_i) disable iff (rst_i) c_enters_q && c_count == CountBits'(K - 1));
+  becomes_full: cover property (@(posedge clk_i) disable iff (rst_i) enters && c_count == CountBits'(K - 1));
   // It becomes the last of a full list: the bound is its own distance, not one of the list's.
-  last_of_full: cover property (@(posedge clk_i) disable iff (rst_i) c_enters_q && c_full && c_rank_q == RankBits'(K - 1));
+  last_of_full: cover property (@(posedge clk_i) disable iff (rst_i) enters && c_full && c_rank_q == RankBits'(K - 1));
   // A snapshot of a list that is full.
   snapshot_of_full: cover property (@(posedge clk_i) disable iff (rst_i) c_snapshot_q && c_full);
   // A snapshot of a list in which nothing is.
