@@ -107,9 +107,12 @@ Clocks clocks_of(const fs::path& file, const Plan& plan, const nlohmann::json& r
 // padding, so that the ports bring a line in three beats; shallow memories of more than 32 words
 // are block RAM too: it costs none of the wires that LUT RAM does. With k = 8 and 16 there are more
 // and narrower gatherers, since a leaf matters less to them than a node. With k = 8 their smaller
-// memories are LUT RAM. With k = 50 a beat is 8 photons: of 4 the photon memory would be pairs of
-// block RAMs, which nextpnr's static placer does not get off each other (docs/headline.md). The
-// rows of its leaf caches are LUT RAM then, and the pool has the block RAM. Before an SDRAM the
+// memories are LUT RAM. With k = 50 no port is busier than that of candidates, so two of them and
+// two powers a cycle; leaves are large and few. A beat is half of what the lanes take then: that
+// many bits of the photon memory are four block RAMs behind one another, of all of what they take
+// they would be pairs, which nextpnr's static placer does not get off each other
+// (docs/headline.md), and the ports bring more than what misses the leaf caches. These are as wide
+// as the lanes, block RAM of 512 words, of which they use half. Before an SDRAM the
 // pool is what block RAM is best spent on: each sweep over it takes every line once or twice,
 // however many queries it serves. A pool of 16 places less than its memories have words wastes none
 // of them. sdram_k8's pool reads so few lines that 16 contexts would make it wait for the
@@ -121,22 +124,22 @@ struct PlanOfBoard {
   const char* name;
   PhotonMemory memory;
   uint64_t photons;
-  int k, gatherers, contexts, candidates, bucket, photon_bytes, lanes, beat_bits, leaf_photons,
-      pool, bins, cache_kb, lut_ram_words, replay, sdram_khz;
+  int k, gatherers, contexts, candidates, powers, bucket, photon_bytes, lanes, beat_bits,
+      leaf_photons, pool, bins, cache_kb, lut_ram_words, replay, sdram_khz;
 };
 constexpr PlanOfBoard kPlans[] = {
-    {"block_ram_k8", PhotonMemory::kBlockRam, 16384, 8, 4, 16, 1, 8, 12, 2, 256, 256, 512, 512, 48,
-     64, 1024, 100000},
-    {"block_ram_k16", PhotonMemory::kBlockRam, 16384, 16, 4, 16, 1, 8, 12, 2, 256, 256, 512, 512,
+    {"block_ram_k8", PhotonMemory::kBlockRam, 16384, 8, 4, 16, 1, 1, 8, 12, 2, 256, 256, 512, 512,
+     48, 64, 1024, 100000},
+    {"block_ram_k16", PhotonMemory::kBlockRam, 16384, 16, 4, 16, 1, 1, 8, 12, 2, 256, 256, 512, 512,
      48, 32, 1024, 100000},
-    {"block_ram_k50", PhotonMemory::kBlockRam, 16384, 50, 2, 16, 1, 8, 16, 4, 1024, 256, 2032, 512,
-     48, 32, 512, 100000},
-    {"sdram_k8", PhotonMemory::kSdram, 65536, 8, 3, 20, 1, 8, 12, 4, 384, 256, 11248, 1024, 48, 64,
-     512, 110000},
-    {"sdram_k16", PhotonMemory::kSdram, 65536, 16, 3, 16, 1, 8, 12, 4, 384, 256, 10224, 512, 48, 64,
-     1024, 87500},
-    {"sdram_k50", PhotonMemory::kSdram, 65536, 50, 2, 16, 2, 16, 12, 4, 384, 2048, 10224, 512, 24,
-     32, 512, 93750},
+    {"block_ram_k50", PhotonMemory::kBlockRam, 16384, 50, 2, 16, 2, 2, 16, 12, 4, 192, 1024, 2032,
+     512, 48, 32, 512, 100000},
+    {"sdram_k8", PhotonMemory::kSdram, 65536, 8, 3, 20, 1, 1, 8, 12, 4, 384, 256, 11248, 1024, 48,
+     64, 512, 110000},
+    {"sdram_k16", PhotonMemory::kSdram, 65536, 16, 3, 16, 1, 1, 8, 12, 4, 384, 256, 10224, 512, 48,
+     64, 1024, 87500},
+    {"sdram_k50", PhotonMemory::kSdram, 65536, 50, 2, 16, 2, 1, 16, 12, 4, 384, 2048, 10224, 512,
+     24, 32, 512, 93750},
 };
 
 // The photons of a plan; a path that would overfill the map is cut.
@@ -152,6 +155,7 @@ Plan make_plan(const PlanOfBoard& p, const GatherLoad& load) {
   plan.k = p.k;
   plan.contexts = p.contexts;
   plan.candidates_per_cycle = p.candidates;
+  plan.powers_per_cycle = p.powers;
   plan.bucket = p.bucket;
   plan.reorder_packets = p.pool;
   plan.reorder_bins = p.bins;
