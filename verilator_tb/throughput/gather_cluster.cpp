@@ -103,23 +103,21 @@ Clocks clocks_of(const fs::path& file, const Plan& plan, const nlohmann::json& r
 }
 
 // What the command line's plans are: a memory and a k each, with as many gatherers as nextpnr finds
-// wires and block RAM for. Where the map lies in block RAM, photons of k = 8 and 16 have no
-// padding, so that the ports bring a line in three beats; shallow memories of more than 32 words
-// are block RAM too: it costs none of the wires that LUT RAM does. With k = 8 and 16 there are more
-// and narrower gatherers, since a leaf matters less to them than a node. With k = 8 their smaller
-// memories are LUT RAM. With k = 50 no port is busier than that of candidates, so two of them and
-// two powers a cycle; leaves are large and few. A beat is half of what the lanes take then: that
-// many bits of the photon memory are four block RAMs behind one another, of all of what they take
-// they would be pairs, which nextpnr's static placer does not get off each other
-// (docs/headline.md), and the ports bring more than what misses the leaf caches. These are as wide
-// as the lanes, block RAM of 512 words, of which they use half. Before an SDRAM the
-// pool is what block RAM is best spent on: each sweep over it takes every line once or twice,
-// however many queries it serves. A pool of 16 places less than its memories have words wastes none
-// of them. sdram_k8's pool reads so few lines that 16 contexts would make it wait for the
-// gatherers. Where a query visits many leaves, 16 contexts hide what a leaf takes from there if
-// leaves are few and large, and if the gatherer's own cache, in block RAM, has most of them.
-// sdram_k50's gatherers take two candidates a cycle, for no port of theirs is busier than that of
-// candidates. The clock of the SDRAM is one that the routed top reaches.
+// wires and block RAM for. Photons have no padding. Where the map lies in block RAM, shallow
+// memories of more than 32 words are block RAM too: it costs none of the wires that LUT RAM does.
+// With k = 8 and 16 there are more and narrower gatherers, since a leaf matters less to them than a
+// node. With k = 8 their smaller memories are LUT RAM. With k = 50 no port is busier than that of
+// candidates, so they take two a cycle. From block RAM a beat of k = 50 is half of what the lanes
+// take: that many bits of the photon memory are four block RAMs behind one another; all that the
+// lanes take would be pairs, which nextpnr's static placer does not get off each other
+// (docs/headline.md). The ports bring more than what misses the leaf caches even so. These are as
+// wide as the lanes, block RAM of 512 words, of which they use half. Before an SDRAM the pool is
+// what block RAM is best spent on: each sweep over it takes every line once or twice, however many
+// queries it serves. A pool of 16 places less than its memories have words wastes none of them.
+// sdram_k8's pool reads so few lines that 16 contexts would make it wait for the gatherers. Where a
+// query visits many leaves, 16 contexts hide what a leaf takes from there if leaves are few and
+// large, and if the gatherer's own cache, in block RAM, has most of them. The clock of the SDRAM is
+// one that the routed top reaches.
 struct PlanOfBoard {
   const char* name;
   PhotonMemory memory;
