@@ -71,6 +71,7 @@ module photon_gatherer_coded_list #(
   localparam int unsigned Low = IndexBits > 8 ? IndexBits - 8 : 0;  // of the index, in no code: what differs in these alone is rare
   localparam int unsigned DoubtBits = CodeBits > 16 ? 16 : CodeBits;
   localparam int unsigned StateBits = IndexBits + 2;  // full, insertions
+  localparam int unsigned Groups = (K + 2) / 3;  // of three places, which are counted before stage b
 
   // ---- stage 0 ----
   logic [CodeBits-1:0] in_code, a_code_q;
@@ -81,12 +82,14 @@ module photon_gatherer_coded_list #(
   // ---- stage a ----
   logic [KeyBits-1:0] b_key_q, c_key_q;
   logic [CodeBits-1:0] b_code_q, c_code_q;
-  logic [K-1:0] smaller_b_q, equal_b_q;  // the code at a place, beside the token's; smaller only where an entry is
+  logic [3*Groups-1:0] smaller;  // the code at a place, beside the token's; only where an entry is
+  logic [K-1:0] equal_b_q;
+  logic [2*Groups-1:0] smaller_b_q;  // how many of a group
   logic less_b, less_c, ahead_b, ahead_c, ahead_b_q, ahead_c_q;
   logic b_candidate_q, c_candidate_q, b_start_q, c_start_q, b_snapshot_q, c_snapshot_q;
   logic [ContextBits-1:0] b_context_q, c_context_q;
   logic [StateBits-1:0] a_state, c_state, c_state_next, read_state;
-  logic [CountBits-1:0] a_count, c_count;
+  logic [CountBits-1:0] c_count;
 
   // ---- stage c, where everything is written ----
   logic [RankBits-1:0] rank, c_rank_q;
@@ -104,7 +107,6 @@ module photon_gatherer_coded_list #(
   );
   assign ready_o = !c_doubt_q;
 
-  assign a_count = count_of(a_state);
   less_than #(
       .Width(KeyBits)
   ) compare_b (
@@ -121,6 +123,13 @@ module photon_gatherer_coded_list #(
   );
   assign ahead_b = b_candidate_q && b_context_q == a_context_q && less_b;
   assign ahead_c = c_candidate_q && c_context_q == a_context_q && less_c;
+
+  // value < limit, a constant: of LUTs, where a comparison becomes a carry chain.
+  function automatic logic below(input logic [RankBits-1:0] value, input int unsigned limit);
+    below = 1'b0;
+    for (int unsigned digit = 0; digit < RankBits; digit++)
+      below = ((limit >> digit) & 1) != 0 ? below || !value[digit] : below && !value[digit];
+  endfunction
 
   function automatic logic [CountBits-1:0] count_of(input logic [StateBits-1:0] state);
     count_of = state[StateBits-1] ? CountBits'(K) : CountBits'(state[StateBits-2:0]);
@@ -142,18 +151,41 @@ module photon_gatherer_coded_list #(
         .read_data_o(word)
     );
     assign difference = {1'b0, word} - {1'b0, a_code_q};
+    assign smaller[j] = difference[CodeBits] && (a_state[StateBits-1] || !below(RankBits'(a_state[IndexBits:0]), j + 1));
     always_ff @(posedge clk_i) begin
-      if (!c_doubt_q) begin
-        smaller_b_q[j] <= difference[CodeBits] && a_count > CountBits'(j);
-        equal_b_q[j] <= difference[DoubtBits-1:0] == '0;
-      end
+      if (!c_doubt_q) equal_b_q[j] <= difference[DoubtBits-1:0] == '0;
+    end
+  end
+
+  for (genvar j = K; j < 3 * Groups; j++) begin : gen_no_place
+    assign smaller[j] = 1'b0;
+  end
+  for (genvar g = 0; g < Groups; g++) begin : gen_group
+    always_ff @(posedge clk_i) begin
+      if (!c_doubt_q) smaller_b_q[2*g+:2] <= 2'(smaller[3*g]) + 2'(smaller[3*g+1]) + 2'(smaller[3*g+2]);
     end
   end
 
   // ---- stage b ----
+  // A tree of LUTs: of a sum of many bits the synthesizer makes a deeper one, which ends in a carry chain.
+  function automatic logic [RankBits-1:0] sum(input logic [RankBits-1:0] a, input logic [RankBits-1:0] b);
+    logic carry;
+    carry = 1'b0;
+    for (int unsigned digit = 0; digit < RankBits; digit++) begin
+      sum[digit] = a[digit] ^ b[digit] ^ carry;
+      carry = (a[digit] & b[digit]) | (carry & (a[digit] | b[digit]));
+    end
+  endfunction
+
+  logic [RankBits-1:0] part[Groups+1];
   always_comb begin
-    rank = RankBits'(ahead_b_q) + RankBits'(ahead_c_q);
-    for (int unsigned j = 0; j < K; j++) rank = rank + RankBits'(smaller_b_q[j]);
+    for (int unsigned g = 0; g < Groups; g++) part[g] = RankBits'(smaller_b_q[2*g+:2]);
+    part[Groups] = sum(RankBits'(ahead_b_q), RankBits'(ahead_c_q));
+    for (int unsigned n = Groups + 1; n > 1; n = (n + 1) / 2) begin
+      for (int unsigned i = 0; i < n / 2; i++) part[i] = sum(part[2*i], part[2*i+1]);
+      if (n % 2 != 0) part[n/2] = part[n-1];
+    end
+    rank = part[0];
   end
   assign doubt = b_candidate_q && equal_b_q != '0;
 
@@ -176,7 +208,7 @@ module photon_gatherer_coded_list #(
   );
   assign resolved = (step_q[0] && c_rank_q >= RankBits'(c_count)) || (step_q[3] && !probe_less);
   assign settled = c_candidate_q && !c_doubt_q;
-  assign enters = settled && c_rank_q < RankBits'(K);
+  assign enters = settled && below(c_rank_q, K);
 
   always_ff @(posedge clk_i) begin
     probe_place_q <= probe_place;
@@ -236,14 +268,14 @@ module photon_gatherer_coded_list #(
     if (j == 0) begin : gen_first
       assign left = place;
     end else begin : gen_other
-      assign left = c_rank_q < RankBits'(j) ? order[PlaceBits*(j-1)+:PlaceBits] : place;
+      assign left = below(c_rank_q, j) ? order[PlaceBits*(j-1)+:PlaceBits] : place;
     end
     lut_ram #(
         .Width(PlaceBits),
         .Depth(Contexts)
     ) entry (
         .clk_i(clk_i),
-        .write_i(settled && c_rank_q <= RankBits'(j)),
+        .write_i(settled && below(c_rank_q, j + 1)),
         .write_address_i(c_context_q),
         .write_data_i(left),
         .read_address_i(c_context_q),
@@ -281,7 +313,7 @@ module photon_gatherer_coded_list #(
   assign read_state = gen_state[2].data;
   assign count_o = count_of(read_state);
   assign insertions_o = read_state[IndexBits:0];
-  assign insert_o = enters;
+  assign insert_o = store_q;
   assign snapshot_o = c_snapshot_q;
   assign snapshot_count_o = c_count;
   assign snapshot_places_o = order;
