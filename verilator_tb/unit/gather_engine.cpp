@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <cstring>
 
 #include "verilator_tb/chip/sdram_socket.hpp"
@@ -43,23 +44,41 @@ class RtlGatherEngine final : public GathererUnit {
           poke(first_line, at, word);
           continue;
         }
-        rig_.set("write_valid_i", 1);
-        rig_.set("write_address_i",
-                 (first_line * static_cast<uint64_t>(plan_.line_bytes()) + at) / 4);
-        rig_.set("write_data_i", word);
-        bool taken = false;
-        while (!taken) {
-          taken = rig_.get("write_ready_o") != 0;
-          rig_.cycle();
-        }
-        rig_.set("write_valid_i", 0);
+        write_word((first_line * static_cast<uint64_t>(plan_.line_bytes()) + at) / 4, word);
       }
       first_line = plan_.memory_lines(plan_.global);
     }
+    if (plan_.photon_memory == PhotonMemory::kBlockRam) write_behind_the_lines();
     configure(image.cfg);
     // The last word is on its way into the memory for a while.
     for (int i = 0; i < 100; ++i) rig_.cycle();
   }
+
+  void write_word(uint64_t address, uint32_t word) {
+    rig_.set("write_valid_i", 1);
+    rig_.set("write_address_i", address);
+    rig_.set("write_data_i", word);
+    bool taken = false;
+    while (!taken) {
+      taken = rig_.get("write_ready_o") != 0;
+      rig_.cycle();
+    }
+    rig_.set("write_valid_i", 0);
+  }
+
+  // Words that are to be dropped: the one whose address is that of the memory's first word in the
+  // bits that the memory looks at, right behind one that was not, and the first behind the last
+  // line.
+  void write_behind_the_lines() {
+    const uint64_t lines =
+        std::max<uint64_t>(1, plan_.memory_lines(plan_.global) + plan_.memory_lines(plan_.caustic));
+    const auto line_bytes = static_cast<uint64_t>(plan_.line_bytes());
+    const auto beat_bytes = static_cast<uint64_t>(plan_.beat_bits) / 8;
+    const uint64_t beats = lines * (line_bytes / beat_bytes);
+    write_word((uint64_t{1} << clog2(beats)) * beat_bytes / 4, ~uint32_t{0});
+    write_word(lines * line_bytes / 4, ~uint32_t{0});
+  }
+
   std::vector<GatherQuery> take_due(std::span<const GatherQuery> in) override {
     if (!order_) return GathererUnit::take_due(in);
     std::vector<GatherQuery> due;
