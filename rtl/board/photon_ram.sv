@@ -58,7 +58,6 @@ module photon_ram #(
   localparam int unsigned WriteBeats = ByLines ? Beats : 1;
   localparam int unsigned WriteWords = ByLines ? LineWords : BeatWords;
   localparam int unsigned WordBits = $clog2(WriteWords);
-  localparam bit Divided = (WriteWords & (WriteWords - 1)) != 0;
 
   // A stored beat: what a slot has beside padding, it holds whole slots, else all of it.
   localparam bit Whole = BeatBits % StrideBits == 0;
@@ -76,9 +75,6 @@ module photon_ram #(
 
   // ---- a word to write: its beat is read through port a, changed, and written back ----
   logic write_valid, write_back, write_inside;
-  /* verilator lint_off UNDRIVEN */
-  logic write_inside_q;  // only where Divided
-  /* verilator lint_on UNDRIVEN */
   logic [1:0] write_wait_q;
   logic [27:0] write_line;
   logic [WordBits-1:0] write_word;
@@ -113,10 +109,6 @@ module photon_ram #(
   // Address in cycle 0, word in the memory's output in 1, in the port's register in 2, written back then.
   assign write_inside = 32'(write_line) < Depth / WriteBeats;
   assign write_back = write_valid && write_wait_q == 2'd2;
-  // A quotient is there two cycles before its word is written, so the memory's write enable need not be near it.
-  if (Divided) begin : gen_inside
-    always_ff @(posedge clk_i) write_inside_q <= write_inside;
-  end
   // Comparisons, since a division by BeatWords would be a divider.
   always_comb begin
     write_beat = '0;
@@ -160,7 +152,7 @@ module photon_ram #(
       .Depth(Depth)
   ) store (
       .clk_i(clk_i),
-      .a_write_i(write_back && (Divided ? write_inside_q : write_inside)),
+      .a_write_i(write_back && write_inside),
       .a_write_data_i(write_stored),
       .a_read_i(!write_back),
       .a_address_i(write_valid ? write_address : read_address[0+:AddressBits]),
