@@ -63,7 +63,7 @@ module photon_gatherer_coded_list #(
     output logic                           snapshot_o,
     output logic [          CountBits-1:0] snapshot_count_o,
     output logic [        K*PlaceBits-1:0] snapshot_places_o,
-    // counted event
+    // counted event, a cycle after a candidate enters
     output logic                           insert_o
 );
   localparam int unsigned KeyBits = R2Bits + IndexBits;
@@ -82,7 +82,8 @@ module photon_gatherer_coded_list #(
   // ---- stage a ----
   logic [KeyBits-1:0] b_key_q, c_key_q;
   logic [CodeBits-1:0] b_code_q, c_code_q;
-  logic [3*Groups-1:0] smaller;  // the code at a place, beside the token's; only where an entry is
+  // the code at a place, beside the token's; smaller only where an entry is
+  logic [3*Groups-1:0] smaller;
   logic [K-1:0] equal_b_q;
   logic [2*Groups-1:0] smaller_b_q;  // how many of a group
   logic less_b, less_c, ahead_b, ahead_c, ahead_b_q, ahead_c_q;
