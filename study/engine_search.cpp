@@ -169,27 +169,27 @@ std::string too_many_wires(const Plan& p) {
                      p.gatherers * p.beat_bits, kEngineWires);
 }
 
-// Words of a block RAM of 9 bits a word, the shape that wide memories are made of.
+// Words of a block RAM of 9 bits a word, the shape that wide memories are made of; of up to twice
+// as many they are banks (rtl/board/photon_ram.sv).
 constexpr uint64_t kBlockWords = 2048;
 
-std::string in_pairs(const Plan& p) {
+std::string in_banks(const Plan& p) {
   if (p.photon_memory != PhotonMemory::kBlockRam) return "";
   const uint64_t lines = p.memory_lines(p.global) + p.memory_lines(p.caustic);
   const uint64_t words = lines * static_cast<uint64_t>(8 * p.line_bytes() / p.beat_bits);
   if (words <= kBlockWords || words > 2 * kBlockWords) return "";
   return fmt::format(
-      "needs {} beats of {} bits, in pairs of block RAMs behind one another, and no top with such "
-      "pairs was placed",
+      "needs {} beats of {} bits, in banks of block RAM, and no engine with such banks was routed",
       words, p.beat_bits);
 }
 
 // The widest beat of at most 1,024 bits that the wires leave each gatherer: whole words of 32 bits
-// that divide a line, as rtl/board/photon_ram.sv takes them, photons may be cut; none in pairs.
+// that divide a line, as rtl/board/photon_ram.sv takes them, photons may be cut; none in banks.
 int widest_beat(Plan p) {
   const int line = 8 * p.line_bytes();
   for (p.beat_bits = std::min({1024, kEngineWires / p.gatherers, line}) / 32 * 32; p.beat_bits > 32;
        p.beat_bits -= 32)
-    if (line % p.beat_bits == 0 && in_pairs(p).empty()) break;
+    if (line % p.beat_bits == 0 && in_banks(p).empty()) break;
   return p.beat_bits;
 }
 
@@ -268,7 +268,7 @@ std::string engine_misfit(const Plan& plan, const BoardDescription& board) {
   const std::string why = misfit(plan, board, kEngineShare);
   if (!why.empty()) return why;
   const std::string wires = too_many_wires(plan);
-  return wires.empty() ? in_pairs(plan) : wires;
+  return wires.empty() ? in_banks(plan) : wires;
 }
 
 EngineCycles engine_cycles(const Plan& plan, const PhotonMap& global, const PhotonMap& caustic,
@@ -380,7 +380,7 @@ EngineSearch fastest_engine(const Plan& given, const PhotonMap& global, const Ph
     if (!why.empty()) return why;
     const Plan p = plan_of(c);
     why = too_many_wires(p);
-    if (why.empty()) why = in_pairs(p);
+    if (why.empty()) why = in_banks(p);
     if (!why.empty()) return why;
     if (const auto problem = find_problem(p)) return problem->line + ": " + problem->what;
     return "";

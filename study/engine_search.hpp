@@ -60,8 +60,8 @@ inline constexpr BoardShare kEngineShare = {.logic = 0.55, .blocks = 0.95};
 inline constexpr int kEngineWires = 1152;
 
 // Why a plan's engine is not one for this board: it has no top with the plan's memory, it does not
-// fit in kEngineShare, is wider than kEngineWires, or stores its photons in pairs of block RAMs,
-// which nextpnr's static placer does not make legal (docs/headline.md); empty: it is.
+// fit in kEngineShare, is wider than kEngineWires, or stores its photons in banks of block RAM
+// (rtl/board/photon_ram.sv), with which no engine has been routed; empty: it is.
 std::string engine_misfit(const Plan& plan, const BoardDescription& board);
 
 // Lines of a plan that the search decides on this board, whatever they were.

@@ -67,6 +67,11 @@ module photon_ram #(
   localparam int unsigned Width = Items * ItemBits;
   localparam int unsigned StoredBits = Width + Parity;
 
+  // 2,049 to 4,096 beats would be pairs of block RAMs of 2,048 words of 9 bits behind one another, of which nextpnr's static placer
+  // makes none legal (docs/headline.md). They are three or four times as many words of 18 bits instead.
+  localparam int unsigned BankWords = 1024;
+  localparam int unsigned Banks = Depth > 2 * BankWords && Depth <= 4 * BankWords ? (Depth + BankWords - 1) / BankWords : 1;
+
   if (Beats * BeatBits != Bucket * StrideBits || BeatBits % 32 != 0) begin : gen_bad_beat
     gatherer_beat_bits_must_be_words_of_32_bits_and_divide_the_line bad_beat ();
   end
@@ -147,20 +152,52 @@ module photon_ram #(
   logic [2*BeatBits-1:0] raw;
   /* verilator lint_on UNUSEDSIGNAL */
 
-  block_ram_two_reads #(
-      .Width(StoredBits),
-      .Depth(Depth)
-  ) store (
-      .clk_i(clk_i),
-      .a_write_i(write_back && write_inside),
-      .a_write_data_i(write_stored),
-      .a_read_i(!write_back),
-      .a_address_i(write_valid ? write_address : read_address[0+:AddressBits]),
-      .a_read_data_o(read_data[0+:StoredBits]),
-      .b_read_i(1'b1),
-      .b_address_i(read_address[AddressBits+:AddressBits]),
-      .b_read_data_o(read_data[StoredBits+:StoredBits])
-  );
+  if (Banks == 1) begin : gen_one
+    block_ram_two_reads #(
+        .Width(StoredBits),
+        .Depth(Depth)
+    ) store (
+        .clk_i(clk_i),
+        .a_write_i(write_back && write_inside),
+        .a_write_data_i(write_stored),
+        .a_read_i(!write_back),
+        .a_address_i(write_valid ? write_address : read_address[0+:AddressBits]),
+        .a_read_data_o(read_data[0+:StoredBits]),
+        .b_read_i(1'b1),
+        .b_address_i(read_address[AddressBits+:AddressBits]),
+        .b_read_data_o(read_data[StoredBits+:StoredBits])
+    );
+  end else begin : gen_banks
+    localparam int unsigned WithinBits = $clog2(BankWords);
+    localparam int unsigned BankBits = AddressBits - WithinBits;
+    logic [AddressBits-1:0] a_address, b_address;
+    logic [BankBits-1:0] a_bank_q, b_bank_q;
+    logic [StoredBits-1:0] a_words[0:Banks-1], b_words[0:Banks-1];
+
+    assign a_address = write_valid ? write_address : read_address[0+:AddressBits];
+    assign b_address = read_address[AddressBits+:AddressBits];
+    always_ff @(posedge clk_i) begin
+      if (!write_back) a_bank_q <= a_address[WithinBits+:BankBits];
+      b_bank_q <= b_address[WithinBits+:BankBits];
+    end
+    for (genvar bank = 0; bank < Banks; bank++) begin : gen_bank
+      block_ram_two_reads #(
+          .Width(StoredBits),
+          .Depth(BankWords)
+      ) store (
+          .clk_i(clk_i),
+          .a_write_i(write_back && write_inside && a_address[WithinBits+:BankBits] == BankBits'(bank)),
+          .a_write_data_i(write_stored),
+          .a_read_i(!write_back),
+          .a_address_i(a_address[0+:WithinBits]),
+          .a_read_data_o(a_words[bank]),
+          .b_read_i(1'b1),
+          .b_address_i(b_address[0+:WithinBits]),
+          .b_read_data_o(b_words[bank])
+      );
+    end
+    assign read_data = {b_words[b_bank_q], a_words[a_bank_q]};
+  end
   assign read_raw = raw[0+:BeatBits];
 
   for (genvar port = 0; port < 2; port++) begin : gen_port

@@ -61,6 +61,23 @@ std::vector<BenchPlan> plans() {
     p.beat_bits = 256;
     p.parity = true;
   });
+  // Lines of 96 bytes in 24 beats: 2,049 to 4,096 beats, in banks of block RAM.
+  add("banks", [](Plan& p) {
+    p.gatherers = 2;
+    p.photon_bytes = 12;
+    p.cache_bytes = 4 * p.line_bytes();
+    p.beat_bits = 32;
+    p.parity = true;
+  });
+  // A beat a line of 24 words, queries as they come: most lines come from the photon memory.
+  add("whole_lines", [](Plan& p) {
+    p.gatherers = 4;
+    p.photon_bytes = 12;
+    p.cache_bytes = 2 * p.line_bytes();
+    p.cache_misses = 4;
+    p.beat_bits = 8 * p.line_bytes();
+    p.reorder_key = ReorderKey::kNone;
+  });
   add("sdram", [](Plan& p) {
     p.photon_memory = PhotonMemory::kSdram;
     p.sdram_khz = kSdramMostKHz;
