@@ -340,8 +340,13 @@ int photon_memory_blocks(const Plan& p) {
     const int stride = 8 * p.photon_bytes;
     const int width = p.beat_bits % stride == 0 ? p.beat_bits / stride * kept_bits(p) : p.beat_bits;
     const uint64_t lines = p.memory_lines(p.global) + p.memory_lines(p.caustic);
-    return fewest(kTwoReads, width + parity_bits(p),
-                  std::max<uint64_t>(1, lines) * static_cast<uint64_t>(beats));
+    const uint64_t depth = std::max<uint64_t>(1, lines) * static_cast<uint64_t>(beats);
+    constexpr uint64_t kBankWords = 1024;  // of 2,049 to 4,096 beats
+    const bool banks = depth > 2 * kBankWords && depth <= 4 * kBankWords;
+    if (banks)
+      return static_cast<int>((depth + kBankWords - 1) / kBankWords) *
+             fewest(kTwoReads, width + parity_bits(p), kBankWords);
+    return fewest(kTwoReads, width + parity_bits(p), depth);
   }
   constexpr int kWays = 4;
   const uint64_t sets =

@@ -96,21 +96,25 @@ TEST_CASE("block RAMs of a board's top") {
   plan.photon_bytes = 16;
   plan.beat_bits = 512;
   plan.gatherers = 1;
-  // Four photons of 96 bits a beat, 4,096 beats: twice 43 blocks of 9 bits x 2,048.
+  // Four photons of 96 bits a beat, 4,096 beats: four banks of 22 blocks of 18 bits x 1,024.
   REQUIRE(plan.photon_bits() == 96);
   const BoardMemories one = board_memories(plan);
-  CHECK(one.photons == 86);
+  CHECK(one.photons == 88);
   const double gatherer = estimate_resources(plan, "photon_gatherer").ebr;
   const double buffer = estimate_resources(plan, "reorder_buffer").ebr;
   // 5 of the link, one of 36 bits x 512 for each word of a query in the replayer.
   plan.replay_queries = 512;
   const int words = (PacketLayout::of<GatherQuery>(plan).bits() + 31) / 32;
-  CHECK(board_memories(plan).total() == 86 + 5 + words + gatherer + buffer);
+  CHECK(board_memories(plan).total() == 88 + 5 + words + gatherer + buffer);
   plan.gatherers = 2;
   CHECK(board_memories(plan).units - one.units == gatherer);
   CHECK(board_memories(plan).photons == one.photons);
   plan.reorder_key = ReorderKey::kNone;
   CHECK(board_memories(plan).units == 2 * gatherer);
+  // A beat a line, 2,048 beats: 86 blocks of 9 bits x 2,048.
+  plan.beat_bits = 1024;
+  CHECK(board_memories(plan).photons == 86);
+  plan.beat_bits = 512;
   plan.photon_memory = PhotonMemory::kSdram;
   plan.board_cache_bytes = 65536;
   const int cache = board_memories(plan).photons;
