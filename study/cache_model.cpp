@@ -129,6 +129,7 @@ class CacheInTime {
 CacheShape leaf_cache_shape(const Plan& plan) { return cache_shape(plan, plan.line_bytes()); }
 
 CacheShape cache_shape(const Plan& plan, int line_bytes) {
+  if (plan.cache_bytes == 0) return {0, static_cast<uint32_t>(plan.cache_ways)};
   return {static_cast<uint32_t>(std::max(1, plan.cache_bytes / (line_bytes * plan.cache_ways))),
           static_cast<uint32_t>(plan.cache_ways)};
 }
@@ -151,6 +152,7 @@ CacheModel::CacheModel(const CacheShape& shape)
       tags_(size_t{shape.sets} * shape.ways, ~0u) {}
 
 bool CacheModel::read(uint32_t line) {
+  if (sets_ == 0) return false;
   const uint32_t number = line % sets_;
   uint32_t* const set = &tags_[size_t{number} * ways_];
   for (uint32_t way = 0; way < ways_; ++way)
@@ -184,7 +186,7 @@ uint64_t lines_fetched(const CacheShape& shape, const LineVisits& visits,
 
 uint64_t lines_fetched(const CacheShape& shape, const LineVisits& visits,
                        std::span<const uint32_t> order, int contexts, const LookupTimes& times) {
-  if (contexts == 1) return lines_fetched(shape, visits, order);
+  if (contexts == 1 || shape.sets == 0) return lines_fetched(shape, visits, order);
   CacheInTime cache(shape, times, static_cast<size_t>(contexts));
   struct Flight {
     std::span<const uint32_t> lines;

@@ -29,7 +29,7 @@ class LineVisits {
 };
 
 struct CacheShape {
-  uint32_t sets = 1;  // in the RTL a power of two
+  uint32_t sets = 1;  // in the RTL a power of two; 0: no cache, every line is fetched
   uint32_t ways = 1;
 };
 CacheShape leaf_cache_shape(const Plan& plan);

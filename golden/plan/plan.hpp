@@ -213,8 +213,26 @@ struct Plan {
     const uint64_t percent = compressed() ? static_cast<uint64_t>(further_percent) : 0;
     return lines(m) + (lines(m) * percent + 99) / 100;
   }
+  // Beats of photon lines in a board's block RAM, and how many of them one address reads: 2,049 to
+  // 4,096 beats have those of a line side by side where they are four or fewer
+  // (rtl/board/photon_ram.sv).
+  int line_beats() const { return 8 * line_bytes() / beat_bits; }
+  uint64_t photon_ram_beats() const {
+    return std::max<uint64_t>(1, memory_lines(global) + memory_lines(caustic)) *
+           static_cast<uint64_t>(line_beats());
+  }
+  bool photon_ram_is_divided() const {
+    return photon_ram_beats() > 2048 && photon_ram_beats() <= 4096;
+  }
+  int photon_ram_row() const {
+    return photon_ram_is_divided() && line_beats() <= 4 ? line_beats() : 1;
+  }
   int line_address_bits() const {
     return std::max(1, clog2(std::max(memory_lines(global), memory_lines(caustic))));
+  }
+  // Of a line request: a miss of the leaf cache, or where there is none the context that asks.
+  int line_tag_bits() const {
+    return std::max(1, clog2(static_cast<uint64_t>(cache_bytes ? cache_misses : contexts)));
   }
   int cache_record_bits() const { return std::max(1, clog2(static_cast<uint64_t>(cache_records))); }
   int cache_hit_bits() const { return clog2(static_cast<uint64_t>(cache_hits) + 1); }

@@ -342,19 +342,31 @@ std::optional<PlanProblem> find_problem(const Plan& plan) {
                 fmt::format("is {}, expected at most candidates_per_cycle = {}: a sum reads what "
                             "one list or more have kept",
                             plan.powers_per_cycle, plan.candidates_per_cycle));
-  {
+  if (plan.cache_bytes != 0) {
     const int way = plan.line_bytes() * plan.cache_ways;
     if (plan.cache_bytes % way != 0 || !power_of_two(plan.cache_bytes / way))
       return fail(
           "gatherer.cache_bytes",
           fmt::format("is {}, expected {} ways of {}-byte lines times a power of two: {}, "
-                      "{}, {}, ...",
+                      "{}, {}, ..., or 0 for none",
                       plan.cache_bytes, plan.cache_ways, plan.line_bytes(), way, 2 * way, 4 * way));
   }
   if (plan.beat_bits % 8 != 0 || (8 * plan.line_bytes()) % plan.beat_bits != 0)
     return fail("gatherer.beat_bits",
                 fmt::format("is {}, expected whole bytes of which a line of {} bits is a multiple",
                             plan.beat_bits, 8 * plan.line_bytes()));
+  if (plan.cache_bytes == 0) {
+    if (plan.compressed())
+      return fail("gatherer.cache_bytes",
+                  "is 0, expected a leaf cache where photon.lines is compressed: it puts a line's "
+                  "header together");
+    const int lanes_bits = 8 * plan.photon_bytes * plan.lanes;
+    if (lanes_bits % plan.beat_bits != 0)
+      return fail("gatherer.beat_bits",
+                  fmt::format("is {}, expected a divisor of the {} bits that {} lanes take a "
+                              "cycle, as there is no leaf cache between",
+                              plan.beat_bits, lanes_bits, plan.lanes));
+  }
   if (plan.photon_memory == PhotonMemory::kSdram) {
     if (plan.beat_bits % (8 * plan.photon_bytes) != 0)
       return fail("gatherer.beat_bits",

@@ -119,9 +119,11 @@ Memories gatherer_memories(const Plan& p) {
   const auto sets = static_cast<uint64_t>(p.cache_bytes / (p.line_bytes() * p.cache_ways));
   const uint64_t lines = sets * power_of_two(p.cache_ways);
   const auto parts = static_cast<uint64_t>(p.bucket / p.lanes);  // a line is read in as many cycles
-  add_cached_lines(m, p, p.record_bits(), lines, parts, p.beat_bits);
-  if (p.compressed()) m.add(p.bucket * p.slot_header_bits() + parity_bits(p), lines);
-  m.add(p.line_address_bits() + 2 + parity_bits(p), sets, p.cache_ways);
+  if (p.cache_bytes != 0) {
+    add_cached_lines(m, p, p.record_bits(), lines, parts, p.beat_bits);
+    if (p.compressed()) m.add(p.bucket * p.slot_header_bits() + parity_bits(p), lines);
+    m.add(p.line_address_bits() + 2 + parity_bits(p), sets, p.cache_ways);
+  }
 
   // Nodes are in slices as deep as they all are.
   const uint64_t nodes = std::max<uint64_t>(2, p.lines(p.global) + p.lines(p.caustic));
@@ -339,11 +341,11 @@ int photon_memory_blocks(const Plan& p) {
   if (p.photon_memory == PhotonMemory::kBlockRam) {
     const int stride = 8 * p.photon_bytes;
     const int width = p.beat_bits % stride == 0 ? p.beat_bits / stride * kept_bits(p) : p.beat_bits;
-    const uint64_t lines = p.memory_lines(p.global) + p.memory_lines(p.caustic);
-    const uint64_t depth = std::max<uint64_t>(1, lines) * static_cast<uint64_t>(beats);
-    constexpr uint64_t kBankWords = 1024;  // of 2,049 to 4,096 beats
-    const bool banks = depth > 2 * kBankWords && depth <= 4 * kBankWords;
-    if (banks)
+    const uint64_t depth = p.photon_ram_beats();
+    constexpr uint64_t kBankWords = 1024;
+    if (const int row = p.photon_ram_row(); row > 1)
+      return row * fewest(kTwoReads, width + parity_bits(p), depth / static_cast<uint64_t>(row));
+    if (p.photon_ram_is_divided())
       return static_cast<int>((depth + kBankWords - 1) / kBankWords) *
              fewest(kTwoReads, width + parity_bits(p), kBankWords);
     return fewest(kTwoReads, width + parity_bits(p), depth);

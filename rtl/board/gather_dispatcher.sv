@@ -216,6 +216,8 @@ module gather_dispatcher #(
   /* verilator lint_off UNUSEDSIGNAL */  // has room for every query whose photons can wait
   logic turns_ready;
   /* verilator lint_on UNUSEDSIGNAL */
+  logic waiting_valid, waiting_taken;
+  logic [SourceBits-1:0] waiting_source;
 
   fifo #(
       .Width(SourceBits),
@@ -226,10 +228,30 @@ module gather_dispatcher #(
       .in_valid_i(fetched_o && wants_q && !no_photons_o),
       .in_ready_o(turns_ready),
       .in_i(source_q),
-      .out_valid_o(turn_valid),
-      .out_ready_i(turn_taken),
-      .out_o(turn_source)
+      .out_valid_o(waiting_valid),
+      .out_ready_i(waiting_taken),
+      .out_o(waiting_source)
   );
+  // The choice among so many words of LUT RAM, whose photons are next, and which gatherer's that makes, would be too much for a
+  // cycle.
+  if (PhotonDepth > 128) begin : gen_turn_register
+    skid_buffer #(
+        .Width(SourceBits)
+    ) turn_next (
+        .clk_i(clk_i),
+        .rst_i(rst_i),
+        .in_valid_i(waiting_valid),
+        .in_ready_o(waiting_taken),
+        .in_i(waiting_source),
+        .out_valid_o(turn_valid),
+        .out_ready_i(turn_taken),
+        .out_o(turn_source)
+    );
+  end else begin : gen_no_register
+    assign turn_valid = waiting_valid;
+    assign waiting_taken = turn_taken;
+    assign turn_source = waiting_source;
+  end
 
   logic [PhotonBits-1:0] photon_bits;
   assign photon_word = photon_bits;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Photon lines in block RAM, shared by Gatherers gatherers: both maps behind one another (docs/photon_memory.md). The memory
-// has two read ports, a beat a cycle each; gatherers of even number share one, those of odd number the other, in turn.
+// has two read ports, a beat a cycle each; gatherers of even number share one, those of odd number the other, in turn. Where
+// the beats of a line are stored side by side, a port reads a line a cycle, and each gatherer's beats leave by themselves.
 // Where beats hold whole photons, a plain one takes only its PhotonBits.
 //
 // Line ports are those of photon_gatherer, side by side, gatherer 0 lowest: a reply is the line's beats in order, one a
@@ -50,14 +51,7 @@ module photon_ram #(
   localparam int unsigned CausticLines = photonloom_pkg::CausticMemoryLines;
   localparam int unsigned Lines = GlobalLines + CausticLines > 1 ? GlobalLines + CausticLines : 1;
   localparam int unsigned Depth = Lines * Beats;
-  localparam int unsigned AddressBits = Depth > 1 ? $clog2(Depth) : 1;
   localparam int unsigned Ports = Gatherers > 1 ? 2 : 1;
-
-  // Words are written by lines where the address of a line's first beat is only wires, else by beats, whose number is their address.
-  localparam bit ByLines = (Beats & (Beats - 1)) == 0 || BeatWords == 1;
-  localparam int unsigned WriteBeats = ByLines ? Beats : 1;
-  localparam int unsigned WriteWords = ByLines ? LineWords : BeatWords;
-  localparam int unsigned WordBits = $clog2(WriteWords);
 
   // A stored beat: what a slot has beside padding, it holds whole slots, else all of it.
   localparam bit Whole = BeatBits % StrideBits == 0;
@@ -68,9 +62,24 @@ module photon_ram #(
   localparam int unsigned StoredBits = Width + Parity;
 
   // 2,049 to 4,096 beats would be pairs of block RAMs of 2,048 words of 9 bits behind one another, of which nextpnr's static placer
-  // makes none legal (docs/headline.md). They are three or four times as many words of 18 bits instead.
+  // makes none legal (docs/headline.md). Few beats a line stand side by side instead, a line a row; others are three or four
+  // times as many words of 18 bits.
   localparam int unsigned BankWords = 1024;
-  localparam int unsigned Banks = Depth > 2 * BankWords && Depth <= 4 * BankWords ? (Depth + BankWords - 1) / BankWords : 1;
+  localparam bit Pairs = Depth > 2 * BankWords && Depth <= 4 * BankWords;
+  localparam bit Rows = Pairs && Beats > 1 && Beats <= 4;
+  localparam int unsigned Banks = Pairs && !Rows ? (Depth + BankWords - 1) / BankWords : 1;
+  localparam int unsigned RowBeats = Rows ? Beats : 1;
+  localparam int unsigned RowBits = RowBeats * StoredBits;
+  localparam int unsigned Senders = Rows ? Gatherers : 2;
+  localparam int unsigned RowsALine = Beats / RowBeats;
+  localparam int unsigned AddressBits = Depth / RowBeats > 1 ? $clog2(Depth / RowBeats) : 1;
+
+  // Words are written by lines where the address of a line's first beat is only wires, else by beats, whose number is their address.
+  localparam bit ByLines = (RowsALine & (RowsALine - 1)) == 0 || BeatWords == 1;
+  localparam int unsigned WriteBeats = ByLines ? Beats : 1;
+  localparam int unsigned WriteWords = ByLines ? LineWords : BeatWords;
+  localparam int unsigned WordBits = $clog2(WriteWords);
+  localparam int unsigned WaitBits = Rows ? 3 : 2;
 
   if (Beats * BeatBits != Bucket * StrideBits || BeatBits % 32 != 0) begin : gen_bad_beat
     gatherer_beat_bits_must_be_words_of_32_bits_and_divide_the_line bad_beat ();
@@ -80,7 +89,7 @@ module photon_ram #(
 
   // ---- a word to write: its beat is read through port a, changed, and written back ----
   logic write_valid, write_back, write_inside;
-  logic [1:0] write_wait_q;
+  logic [WaitBits-1:0] write_wait_q;
   logic [27:0] write_line;
   logic [WordBits-1:0] write_word;
   logic [31:0] write_data;
@@ -93,6 +102,11 @@ module photon_ram #(
   /* verilator lint_on UNUSEDSIGNAL */
   logic [Width-1:0] write_packed;
   logic [StoredBits-1:0] write_stored;
+  /* verilator lint_off UNUSEDSIGNAL */  // only rows have it
+  /* verilator lint_off UNDRIVEN */
+  logic [RowBeats-1:0] row_write_q;
+  /* verilator lint_on UNDRIVEN */
+  /* verilator lint_on UNUSEDSIGNAL */
 
   photon_word_address #(
       .AddressBits(28),
@@ -111,9 +125,26 @@ module photon_ram #(
       .out_data_o(write_data)
   );
 
-  // Address in cycle 0, word in the memory's output in 1, in the port's register in 2, written back then.
+  // Address in cycle 0, word in the memory's output in 1, in the port's register in 2, written back then; of a row beat n as
+  // many cycles later.
   assign write_inside = 32'(write_line) < Depth / WriteBeats;
-  assign write_back = write_valid && write_wait_q == 2'd2;
+  if (Rows) begin : gen_row_write
+    // Known a cycle ahead: to which beat's memory, and that a word goes back, also to none.
+    logic write_soon, write_back_q;
+    assign write_soon = write_valid && write_wait_q == WaitBits'(1) + WaitBits'(write_beat);
+    always_ff @(posedge clk_i) begin
+      write_back_q <= write_soon;
+      for (int unsigned beat = 0; beat < RowBeats; beat++)
+        row_write_q[beat] <= write_soon && write_inside && write_beat == BeatNumberBits'(beat);
+      if (rst_i) begin
+        write_back_q <= 1'b0;
+        row_write_q  <= '0;
+      end
+    end
+    assign write_back = write_back_q;
+  end else begin : gen_beat_write
+    assign write_back = write_valid && write_wait_q == 2'd2;
+  end
   // Comparisons, since a division by BeatWords would be a divider.
   always_comb begin
     write_beat = '0;
@@ -125,7 +156,7 @@ module photon_ram #(
           write_here[word] = 1'b1;
         end
   end
-  assign write_address = AddressBits'(32'(write_line) * WriteBeats + 32'(write_beat));
+  assign write_address = AddressBits'(Rows ? 32'(write_line) : 32'(write_line) * WriteBeats + 32'(write_beat));
   always_ff @(posedge clk_i) begin
     write_wait_q <= write_back ? '0 : write_valid ? write_wait_q + 1'b1 : '0;
     if (rst_i) write_wait_q <= '0;
@@ -146,13 +177,39 @@ module photon_ram #(
   // ---- read ports ----
   logic [2*AddressBits-1:0] read_address;
   logic [1:0] reading, last_beat;
-  logic [2*StoredBits-1:0] read_data;
-  logic [1:0] faulty;  // a beat on its way out
+  logic [2*RowBits-1:0] read_data;
+  logic [Senders-1:0] faulty;  // a beat on its way out
   /* verilator lint_off UNUSEDSIGNAL */  // nobody is at the second port of one gatherer
-  logic [2*BeatBits-1:0] raw;
+  logic [Senders*BeatBits-1:0] raw;
   /* verilator lint_on UNUSEDSIGNAL */
 
-  if (Banks == 1) begin : gen_one
+  if (Rows) begin : gen_rows
+    // Beat n of a row is read n cycles after its first, so that it comes when the one ahead of it has left.
+    logic [AddressBits-1:0] a_address, b_address;
+    logic [(RowBeats-1)*AddressBits-1:0] a_later_q, b_later_q;
+    assign a_address = write_valid ? write_address : read_address[0+:AddressBits];
+    assign b_address = read_address[AddressBits+:AddressBits];
+    always_ff @(posedge clk_i) begin
+      a_later_q <= ((RowBeats - 1) * AddressBits)'({a_later_q, a_address});
+      b_later_q <= ((RowBeats - 1) * AddressBits)'({b_later_q, b_address});
+    end
+    for (genvar beat = 0; beat < RowBeats; beat++) begin : gen_beat
+      block_ram_two_reads #(
+          .Width(StoredBits),
+          .Depth(Depth / RowBeats)
+      ) store (
+          .clk_i(clk_i),
+          .a_write_i(row_write_q[beat]),
+          .a_write_data_i(write_stored),
+          .a_read_i(!write_back),
+          .a_address_i(AddressBits'({a_later_q, a_address} >> AddressBits * beat)),
+          .a_read_data_o(read_data[StoredBits*beat+:StoredBits]),
+          .b_read_i(1'b1),
+          .b_address_i(AddressBits'({b_later_q, b_address} >> AddressBits * beat)),
+          .b_read_data_o(read_data[RowBits+StoredBits*beat+:StoredBits])
+      );
+    end
+  end else if (Banks == 1) begin : gen_one
     block_ram_two_reads #(
         .Width(StoredBits),
         .Depth(Depth)
@@ -177,7 +234,7 @@ module photon_ram #(
     assign a_address = write_valid ? write_address : read_address[0+:AddressBits];
     assign b_address = read_address[AddressBits+:AddressBits];
     always_ff @(posedge clk_i) begin
-      if (!write_back) a_bank_q <= a_address[WithinBits+:BankBits];
+      a_bank_q <= a_address[WithinBits+:BankBits];
       b_bank_q <= b_address[WithinBits+:BankBits];
     end
     for (genvar bank = 0; bank < Banks; bank++) begin : gen_bank
@@ -201,118 +258,249 @@ module photon_ram #(
   assign read_raw = raw[0+:BeatBits];
 
   for (genvar port = 0; port < 2; port++) begin : gen_port
-    if (port < Ports) begin : gen_used
-      localparam int unsigned Group = (Gatherers - port + Ports - 1) / Ports;
-      localparam int unsigned SourceBits = Group > 1 ? $clog2(Group) : 1;
-      logic [Group-1:0] req_valid, req_ready;
-      logic [Group*(LineBits+1+TagBits)-1:0] req;
-      logic ask_valid, ask_ready;
-      logic [LineBits+TagBits:0] ask;
-      logic [SourceBits-1:0] ask_source;
-      logic [TagBits-1:0] ask_tag, tag_q, read_tag_q, out_tag_q;
-      logic [LineBits:0] ask_line;
-      logic [Group-1:0] target_q, read_target_q, out_target_q;
-      logic [AddressBits-1:0] address_q;
-      logic [BeatNumberBits-1:0] beat_q;
-      logic busy_q;
-      logic [StoredBits-1:0] data_q;
-      logic wrong;
+    case (port >= Ports ? 0 : Rows ? 2 : 1)
+      1: begin : gen_used  // reads a beat a cycle
+        localparam int unsigned Group = (Gatherers - port + Ports - 1) / Ports;
+        localparam int unsigned SourceBits = Group > 1 ? $clog2(Group) : 1;
+        logic [Group-1:0] req_valid, req_ready;
+        logic [Group*(LineBits+1+TagBits)-1:0] req;
+        logic ask_valid, ask_ready;
+        logic [LineBits+TagBits:0] ask;
+        logic [SourceBits-1:0] ask_source;
+        logic [TagBits-1:0] ask_tag, tag_q, read_tag_q, out_tag_q;
+        logic [LineBits:0] ask_line;
+        logic [Group-1:0] target_q, read_target_q, out_target_q;
+        logic [AddressBits-1:0] address_q;
+        logic [BeatNumberBits-1:0] beat_q;
+        logic busy_q;
+        logic [StoredBits-1:0] data_q;
+        logic wrong;
 
-      for (genvar g = 0; g < Group; g++) begin : gen_gatherer
-        localparam int unsigned I = port + Ports * g;
-        assign req_valid[g] = line_req_valid_i[I];
-        assign line_req_ready_o[I] = req_ready[g];
-        assign req[(LineBits+1+TagBits)*g+:LineBits+1+TagBits] = {
-          line_req_addr_i[(LineBits+1)*I+:LineBits+1], line_req_tag_i[TagBits*I+:TagBits]
-        };
-        assign line_rsp_valid_o[I] = out_target_q[g];
-        assign line_rsp_tag_o[TagBits*I+:TagBits] = out_tag_q;
-        assign line_rsp_data_o[ReplyBits*I+:BeatBits] = raw[BeatBits*port+:BeatBits];
-        if (Parity != 0) begin : gen_wrong
-          assign line_rsp_data_o[ReplyBits*I+ReplyBits-1] = wrong;
+        for (genvar g = 0; g < Group; g++) begin : gen_gatherer
+          localparam int unsigned I = port + Ports * g;
+          assign req_valid[g] = line_req_valid_i[I];
+          assign line_req_ready_o[I] = req_ready[g];
+          assign req[(LineBits+1+TagBits)*g+:LineBits+1+TagBits] = {
+            line_req_addr_i[(LineBits+1)*I+:LineBits+1], line_req_tag_i[TagBits*I+:TagBits]
+          };
         end
-      end
 
-      arbiter #(
-          .Inputs(Group),
-          .Width(LineBits + 1 + TagBits)
-      ) turns (
-          .clk_i(clk_i),
-          .rst_i(rst_i),
-          .in_valid_i(req_valid),
-          .in_ready_o(req_ready),
-          .in_i(req),
-          .out_valid_o(ask_valid),
-          .out_ready_i(ask_ready),
-          .out_o(ask),
-          .out_source_o(ask_source)
-      );
-      assign {ask_line, ask_tag} = ask;
+        arbiter #(
+            .Inputs(Group),
+            .Width(LineBits + 1 + TagBits)
+        ) turns (
+            .clk_i(clk_i),
+            .rst_i(rst_i),
+            .in_valid_i(req_valid),
+            .in_ready_o(req_ready),
+            .in_i(req),
+            .out_valid_o(ask_valid),
+            .out_ready_i(ask_ready),
+            .out_o(ask),
+            .out_source_o(ask_source)
+        );
+        assign {ask_line, ask_tag} = ask;
 
-      // A word to write takes port a, which then starts no line; one that it was reading is not needed by anybody, since
-      // lines change only while no query is in flight.
-      assign last_beat[port] = beat_q == BeatNumberBits'(Beats - 1);
-      assign ask_ready = (!busy_q || last_beat[port]) && !(port == 0 && write_valid);
-      assign reading[port] = busy_q;
-      assign read_address[AddressBits*port+:AddressBits] = address_q;
-      always_ff @(posedge clk_i) begin
-        if (busy_q) begin
-          address_q <= address_q + 1'b1;
-          beat_q <= beat_q + 1'b1;
-        end
-        if (!busy_q || last_beat[port]) begin
-          busy_q <= ask_valid && ask_ready;
-          beat_q <= '0;
-          address_q <= AddressBits'((32'(ask_line[LineBits-1:0]) + (ask_line[LineBits] ? GlobalLines : 0)) * Beats);
-          tag_q <= ask_tag;
-          for (int unsigned g = 0; g < Group; g++) target_q[g] <= ask_source == SourceBits'(g);
-        end
-        read_target_q <= busy_q ? target_q : '0;
-        read_tag_q <= tag_q;
-        out_target_q <= read_target_q;
-        out_tag_q <= read_tag_q;
-        data_q <= read_data[StoredBits*port+:StoredBits];
-        if (rst_i) begin
-          busy_q <= 1'b0;
-          read_target_q <= '0;
-          out_target_q <= '0;
-        end
-      end
-      if (Parity != 0) begin : gen_check
-        logic beyond_q, read_beyond_q, out_beyond_q;
+        // A word to write takes port a, which then starts no line; one that it was reading is not needed by anybody, since
+        // lines change only while no query is in flight.
+        assign read_address[AddressBits*port+:AddressBits] = address_q;
+        assign last_beat[port] = beat_q == BeatNumberBits'(Beats - 1);
+        assign ask_ready = (!busy_q || last_beat[port]) && !(port == 0 && write_valid);
+        assign reading[port] = busy_q;
         always_ff @(posedge clk_i) begin
-          if (!busy_q || last_beat[port])
-            beyond_q <= 32'(ask_line[LineBits-1:0]) >= (ask_line[LineBits] ? CausticLines : GlobalLines);
-          read_beyond_q <= beyond_q;
-          out_beyond_q <= read_beyond_q;
+          if (busy_q) begin
+            address_q <= address_q + 1'b1;
+            beat_q <= beat_q + 1'b1;
+          end
+          if (!busy_q || last_beat[port]) begin
+            busy_q <= ask_valid && ask_ready;
+            beat_q <= '0;
+            address_q <= AddressBits'((32'(ask_line[LineBits-1:0]) + (ask_line[LineBits] ? GlobalLines : 0)) * Beats);
+            tag_q <= ask_tag;
+            for (int unsigned g = 0; g < Group; g++) target_q[g] <= ask_source == SourceBits'(g);
+          end
+          read_target_q <= busy_q ? target_q : '0;
+          read_tag_q <= tag_q;
+          out_target_q <= read_target_q;
+          out_tag_q <= read_tag_q;
+          data_q <= read_data[StoredBits*port+:StoredBits];
+          if (rst_i) begin
+            busy_q <= 1'b0;
+            read_target_q <= '0;
+            out_target_q <= '0;
+          end
         end
-        assign wrong = ^data_q || out_beyond_q;
-        assign faulty[port] = wrong && out_target_q != '0;
-      end else begin : gen_no_check
-        assign wrong = 1'b0;
-        assign faulty[port] = wrong;
+        if (Parity != 0) begin : gen_check
+          logic beyond_q, read_beyond_q, out_beyond_q;
+          always_ff @(posedge clk_i) begin
+            if (!busy_q || last_beat[port])
+              beyond_q <= 32'(ask_line[LineBits-1:0]) >= (ask_line[LineBits] ? CausticLines : GlobalLines);
+            read_beyond_q <= beyond_q;
+            out_beyond_q <= read_beyond_q;
+          end
+          assign wrong = ^data_q || out_beyond_q;
+          assign faulty[port] = wrong && out_target_q != '0;
+        end else begin : gen_no_check
+          assign wrong = 1'b0;
+          assign faulty[port] = wrong;
+        end
+        for (genvar item = 0; item < Items; item++) begin : gen_unpack
+          assign raw[BeatBits*port+ItemStride*item+:ItemStride] = ItemStride'(data_q[ItemBits*item+:ItemBits]);
+        end
+        for (genvar g = 0; g < Group; g++) begin : gen_reply
+          localparam int unsigned I = port + Ports * g;
+          assign line_rsp_valid_o[I] = out_target_q[g];
+          assign line_rsp_tag_o[TagBits*I+:TagBits] = out_tag_q;
+          assign line_rsp_data_o[ReplyBits*I+:BeatBits] = raw[BeatBits*port+:BeatBits];
+          if (Parity != 0) begin : gen_wrong
+            assign line_rsp_data_o[ReplyBits*I+ReplyBits-1] = wrong;
+          end
+        end
       end
-      for (genvar item = 0; item < Items; item++) begin : gen_unpack
-        assign raw[BeatBits*port+ItemStride*item+:ItemStride] = ItemStride'(data_q[ItemBits*item+:ItemBits]);
+      2: begin : gen_used  // reads a row a cycle
+        localparam int unsigned Group = (Gatherers - port + Ports - 1) / Ports;
+        localparam int unsigned SourceBits = Group > 1 ? $clog2(Group) : 1;
+        logic [Group-1:0] req_valid, req_ready;
+        logic [Group*(LineBits+1+TagBits)-1:0] req;
+        logic ask_valid, ask_ready;
+        logic [LineBits+TagBits:0] ask;
+        logic [SourceBits-1:0] ask_source;
+        logic [TagBits-1:0] ask_tag, tag_q, read_tag_q;
+        logic [LineBits:0] ask_line;
+        logic [Group-1:0] target_q, read_target_q;
+        logic [AddressBits-1:0] address_q;
+
+        for (genvar g = 0; g < Group; g++) begin : gen_gatherer
+          localparam int unsigned I = port + Ports * g;
+          assign req_valid[g] = line_req_valid_i[I];
+          assign line_req_ready_o[I] = req_ready[g];
+          assign req[(LineBits+1+TagBits)*g+:LineBits+1+TagBits] = {
+            line_req_addr_i[(LineBits+1)*I+:LineBits+1], line_req_tag_i[TagBits*I+:TagBits]
+          };
+        end
+
+        arbiter #(
+            .Inputs(Group),
+            .Width(LineBits + 1 + TagBits)
+        ) turns (
+            .clk_i(clk_i),
+            .rst_i(rst_i),
+            .in_valid_i(req_valid),
+            .in_ready_o(req_ready),
+            .in_i(req),
+            .out_valid_o(ask_valid),
+            .out_ready_i(ask_ready),
+            .out_o(ask),
+            .out_source_o(ask_source)
+        );
+        assign {ask_line, ask_tag} = ask;
+
+        // A word to write takes port a, which then starts no line; one that it was reading is not needed by anybody, since
+        // lines change only while no query is in flight.
+        assign read_address[AddressBits*port+:AddressBits] = address_q;
+        if (Rows) begin : gen_row_port
+          // A line a cycle, each gatherer's only when the beats of its last one have been read.
+          logic [Beats-2:0] started_q[0:Group-1];  // of each gatherer, in the last cycles, the latest lowest
+          logic [Group-1:0] sending;
+          logic [StoredBits-1:0] row[0:Beats-1];
+          logic asked_beyond_q, read_beyond_q;
+
+          assign ask_ready = !sending[ask_source] && !(port == 0 && write_valid);
+          always_comb begin
+            for (int unsigned g = 0; g < Group; g++) begin
+              sending[g]  = started_q[g] != '0;
+              target_q[g] = started_q[g][0];
+            end
+            for (int unsigned beat = 0; beat < Beats; beat++) row[beat] = read_data[RowBits*port+StoredBits*beat+:StoredBits];
+          end
+          assign reading[port] = target_q != '0;
+          assign last_beat[port] = 1'b1;
+          always_ff @(posedge clk_i) begin
+            for (int unsigned g = 0; g < Group; g++)
+              started_q[g] <= (Beats - 1)'({started_q[g], ask_valid && ask_ready && ask_source == SourceBits'(g)});
+            address_q <= AddressBits'(32'(ask_line[LineBits-1:0]) + (ask_line[LineBits] ? GlobalLines : 0));
+            tag_q <= ask_tag;
+            read_target_q <= target_q;
+            read_tag_q <= tag_q;
+            if (rst_i) begin
+              for (int unsigned g = 0; g < Group; g++) started_q[g] <= '0;
+              read_target_q <= '0;
+            end
+          end
+          if (Parity != 0) begin : gen_beyond
+            always_ff @(posedge clk_i) begin
+              asked_beyond_q <= 32'(ask_line[LineBits-1:0]) >= (ask_line[LineBits] ? CausticLines : GlobalLines);
+              read_beyond_q <= asked_beyond_q;
+            end
+          end else begin : gen_no_beyond
+            assign asked_beyond_q = 1'b0;
+            assign read_beyond_q  = asked_beyond_q;
+          end
+          for (genvar g = 0; g < Group; g++) begin : gen_sender
+            localparam int unsigned I = port + Ports * g;
+            logic [BeatNumberBits-1:0] beat_q;  // the next one to leave; 0 where none is under way
+            logic [StoredBits-1:0] data_q;
+            logic [TagBits-1:0] out_tag_q;
+            logic valid_q, beyond_q;
+
+            always_ff @(posedge clk_i) begin
+              if (read_target_q[g] || beat_q != '0) beat_q <= beat_q == BeatNumberBits'(Beats - 1) ? '0 : beat_q + 1'b1;
+              valid_q <= read_target_q[g] || beat_q != '0;
+              if (read_target_q[g]) begin
+                out_tag_q <= read_tag_q;
+                beyond_q  <= read_beyond_q;
+              end
+              data_q <= row[beat_q];
+              if (I == 0 && write_valid) begin
+                beat_q  <= write_back ? '0 : write_beat;
+                valid_q <= 1'b0;
+              end
+              if (rst_i) begin
+                beat_q  <= '0;
+                valid_q <= 1'b0;
+              end
+            end
+            assign line_rsp_valid_o[I] = valid_q;
+            assign line_rsp_tag_o[TagBits*I+:TagBits] = out_tag_q;
+            assign line_rsp_data_o[ReplyBits*I+:BeatBits] = raw[BeatBits*I+:BeatBits];
+            if (Parity != 0) begin : gen_wrong
+              assign line_rsp_data_o[ReplyBits*I+ReplyBits-1] = ^data_q || beyond_q;
+              assign faulty[I] = valid_q && (^data_q || beyond_q);
+            end else begin : gen_no_wrong
+              assign faulty[I] = beyond_q;
+            end
+            for (genvar item = 0; item < Items; item++) begin : gen_unpack
+              assign raw[BeatBits*I+ItemStride*item+:ItemStride] = ItemStride'(data_q[ItemBits*item+:ItemBits]);
+            end
+          end
+        end
       end
-    end else begin : gen_unused
-      /* verilator lint_off UNUSEDSIGNAL */
-      logic [StoredBits-1:0] unused;
-      /* verilator lint_on UNUSEDSIGNAL */
-      assign unused = read_data[StoredBits*port+:StoredBits];
-      assign faulty[port] = 1'b0;
-      assign raw[BeatBits*port+:BeatBits] = '0;
-      assign reading[port] = 1'b0;
-      assign last_beat[port] = 1'b0;
-      assign read_address[AddressBits*port+:AddressBits] = '0;
-    end
+      default: begin : gen_unused
+        /* verilator lint_off UNUSEDSIGNAL */
+        logic [RowBits-1:0] unused;
+        /* verilator lint_on UNUSEDSIGNAL */
+        assign unused = read_data[RowBits*port+:RowBits];
+        if (!Rows) begin : gen_no_sender
+          assign faulty[port] = 1'b0;
+          assign raw[BeatBits*port+:BeatBits] = '0;
+        end
+        assign reading[port] = 1'b0;
+        assign last_beat[port] = 1'b0;
+        assign read_address[AddressBits*port+:AddressBits] = '0;
+      end
+    endcase
   end
 
   if (Parity != 0) begin : gen_faults
-    logic [1:0] faulty_q;
+    logic [Senders-1:0] faulty_q;
+    logic [31:0] faulty_beats;
+    always_comb begin
+      faulty_beats = '0;
+      for (int unsigned sender = 0; sender < Senders; sender++) faulty_beats = faulty_beats + 32'(faulty_q[sender]);
+    end
     always_ff @(posedge clk_i) begin
       faulty_q <= faulty;
-      count_faults_o <= count_faults_o + 32'(faulty_q[0]) + 32'(faulty_q[1]);
+      count_faults_o <= count_faults_o + faulty_beats;
       if (rst_i) begin
         faulty_q <= '0;
         count_faults_o <= '0;

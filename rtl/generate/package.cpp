@@ -89,9 +89,7 @@ std::vector<PackageConstant> package_constants(const Plan& plan) {
   LINE(replay_queries, "queries that a board's replayer holds");
   LINE(lut_ram_words, "memories of so many words at most are made of LUTs");
   number("parity", plan.parity, "1: words of photons, nodes and cached lines have a parity bit");
-  number("line_tag_bits",
-         static_cast<uint64_t>(std::max(1, clog2(static_cast<uint64_t>(plan.cache_misses)))),
-         "tag of a line request");
+  number("line_tag_bits", static_cast<uint64_t>(plan.line_tag_bits()), "tag of a line request");
   WIDTH(r2_bits, "squared distance");
   WIDTH(line_bits, "line number");
   WIDTH(slot_bits, "slot in a line");

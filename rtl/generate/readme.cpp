@@ -39,7 +39,9 @@ std::string budget_table(const Plan& plan, const std::vector<std::string>& units
     row("external line memory", fmt::format("{} lines of {} bytes = {} bytes", lines, line,
                                             lines * static_cast<uint64_t>(line)));
     row("node memory", fmt::format("{} x {} bits", nodes, plan.position_bits + 2));
-    row("leaf cache", fmt::format("{} bytes, {} ways", plan.cache_bytes, plan.cache_ways));
+    row("leaf cache", plan.cache_bytes == 0
+                          ? std::string("none")
+                          : fmt::format("{} bytes, {} ways", plan.cache_bytes, plan.cache_ways));
     row("candidate lists", fmt::format("{} contexts x {} entries x {} bits of (d2, index)",
                                        plan.contexts, plan.k, plan.r2_bits() + plan.index_bits()));
     row("distance lanes",

@@ -24,7 +24,8 @@ module photon_gatherer #(
     parameter int unsigned CacheWays = photonloom_pkg::CacheWays,
     parameter int unsigned CacheMisses = photonloom_pkg::CacheMisses,
     parameter int unsigned LineBeatBits = photonloom_pkg::LineBeatBits,
-    localparam int unsigned TagBits = CacheMisses > 1 ? $clog2(CacheMisses) : 1,
+    localparam int unsigned TagBits = CacheBytes == 0 ? (Contexts > 1 ? $clog2(Contexts) : 1) :
+        CacheMisses > 1 ? $clog2(CacheMisses) : 1,
     localparam int unsigned LineBits = photonloom_pkg::LineBits,
     localparam int unsigned Parity = photonloom_pkg::Parity
 ) (
@@ -89,7 +90,7 @@ module photon_gatherer #(
   localparam int unsigned Sets = SetsThatFit == 0 ? 0 : 1 << ($clog2(SetsThatFit + 1) - 1);
   localparam int unsigned SetBits = Sets > 1 ? $clog2(Sets) : 1;
 
-  if (Sets == 0) begin : gen_bad_cache
+  if (Sets == 0 && CacheBytes != 0) begin : gen_bad_cache
     cache_bytes_must_hold_one_line_in_each_way bad_cache ();
   end
 

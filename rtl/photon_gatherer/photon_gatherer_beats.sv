@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// From a leaf to beats of candidates: its line comes through the cache, Lanes photons a cycle, the lanes keep what
+// From a leaf to beats of candidates: its line comes through the cache, or where Sets is 0 straight from memory, Lanes photons a cycle, the lanes keep what
 // lies within the bound of the query, and it waits for the query's list, each of which has a queue. Wires the cache, the
 // lanes, the queues, and the positions and bounds of queries that the lanes read. List l has the contexts c with
 // c % Lists = l, as c / Lists. A line is read when each queue has room for it. Compressed lines pass a decoder; a leaf's
@@ -32,7 +32,7 @@ module photon_gatherer_beats #(
     localparam int unsigned BeatBits = Beats > 1 ? $clog2(Beats) : 1,
     localparam int unsigned RowBits = $clog2((2 * Beats > 16 ? 1 << $clog2(2 * Beats) : 16) + Behind),
     localparam int unsigned SetBits = Sets > 1 ? $clog2(Sets) : 1,
-    localparam int unsigned TagBits = CacheMisses > 1 ? $clog2(CacheMisses) : 1,
+    localparam int unsigned TagBits = Sets == 0 ? ContextBits : CacheMisses > 1 ? $clog2(CacheMisses) : 1,
     localparam int unsigned Parity = photonloom_pkg::Parity
 ) (
     input  logic                                   clk_i,
@@ -121,47 +121,90 @@ module photon_gatherer_beats #(
   logic [HeaderBits-1:0] read_header;
   logic [R2Bits-1:0] lane_bound;
 
-  cache #(
-      .AddressBits(AddressBits + 1),
-      .Clients(Contexts),
-      .Items(Bucket),
-      .ItemBytes(photonloom_pkg::PhotonBytes),
-      .ItemBits(RecordBits),
-      .HeaderBits(SlotHeaderBits),
-      .Parts(Beats),
-      .BeatBits(LineBeatBits),
-      .Parity(Parity),
-      .Sets(Sets),
-      .Ways(CacheWays),
-      .Misses(CacheMisses)
-  ) leaf_cache (
-      .clk_i(clk_i),
-      .rst_i(rst_i),
-      .invalidate_i(forget_i),
-      .set_mask_i(set_mask_i),
-      .bypass_i(bypass_i),
-      .in_valid_i(leaf_valid_i || next_valid_i),
-      .in_client_i(leaf_valid_i ? leaf_context_i : next_context_i),
-      .in_address_i(leaf_valid_i ? leaf_address_i : next_address_i),
-      .ready_i(queue_ready == '1),
-      .issue_o(line_issue),
-      .out_valid_o(read_valid),
-      .out_client_o(read_context),
-      .out_part_o(read_beat),
-      .out_data_o(read_records),
-      .out_header_o(read_header),
-      .out_wrong_o(line_wrong_o),
-      .line_req_valid_o(line_req_valid_o),
-      .line_req_ready_i(line_req_ready_i),
-      .line_req_addr_o(line_req_addr_o),
-      .line_req_tag_o(line_req_tag_o),
-      .line_rsp_valid_i(line_rsp_valid_i),
-      .line_rsp_tag_i(line_rsp_tag_i),
-      .line_rsp_data_i(line_rsp_data_i),
-      .hit_o(hit_o),
-      .miss_o(miss_o),
-      .tag_wrong_o(tag_wrong_o)
-  );
+  if (Sets != 0) begin : gen_cache
+    cache #(
+        .AddressBits(AddressBits + 1),
+        .Clients(Contexts),
+        .Items(Bucket),
+        .ItemBytes(photonloom_pkg::PhotonBytes),
+        .ItemBits(RecordBits),
+        .HeaderBits(SlotHeaderBits),
+        .Parts(Beats),
+        .BeatBits(LineBeatBits),
+        .Parity(Parity),
+        .Sets(Sets),
+        .Ways(CacheWays),
+        .Misses(CacheMisses)
+    ) leaf_cache (
+        .clk_i(clk_i),
+        .rst_i(rst_i),
+        .invalidate_i(forget_i),
+        .set_mask_i(set_mask_i),
+        .bypass_i(bypass_i),
+        .in_valid_i(leaf_valid_i || next_valid_i),
+        .in_client_i(leaf_valid_i ? leaf_context_i : next_context_i),
+        .in_address_i(leaf_valid_i ? leaf_address_i : next_address_i),
+        .ready_i(queue_ready == '1),
+        .issue_o(line_issue),
+        .out_valid_o(read_valid),
+        .out_client_o(read_context),
+        .out_part_o(read_beat),
+        .out_data_o(read_records),
+        .out_header_o(read_header),
+        .out_wrong_o(line_wrong_o),
+        .line_req_valid_o(line_req_valid_o),
+        .line_req_ready_i(line_req_ready_i),
+        .line_req_addr_o(line_req_addr_o),
+        .line_req_tag_o(line_req_tag_o),
+        .line_rsp_valid_i(line_rsp_valid_i),
+        .line_rsp_tag_i(line_rsp_tag_i),
+        .line_rsp_data_i(line_rsp_data_i),
+        .hit_o(hit_o),
+        .miss_o(miss_o),
+        .tag_wrong_o(tag_wrong_o)
+    );
+  end else begin : gen_uncached
+    photon_gatherer_uncached #(
+        .Contexts(Contexts),
+        .AddressBits(AddressBits + 1),
+        .Items(Bucket),
+        .ItemBytes(photonloom_pkg::PhotonBytes),
+        .ItemBits(RecordBits),
+        .Parts(Beats),
+        .BeatBits(LineBeatBits),
+        .Parity(Parity)
+    ) lines (
+        .clk_i(clk_i),
+        .rst_i(rst_i),
+        .in_valid_i(leaf_valid_i),
+        .in_context_i(leaf_context_i),
+        .in_address_i(leaf_address_i),
+        .ready_i(queue_ready == '1),
+        .issue_o(line_issue),
+        .out_valid_o(read_valid),
+        .out_context_o(read_context),
+        .out_part_o(read_beat),
+        .out_data_o(read_records),
+        .out_wrong_o(line_wrong_o),
+        .line_req_valid_o(line_req_valid_o),
+        .line_req_ready_i(line_req_ready_i),
+        .line_req_addr_o(line_req_addr_o),
+        .line_req_tag_o(line_req_tag_o),
+        .line_rsp_valid_i(line_rsp_valid_i),
+        .line_rsp_tag_i(line_rsp_tag_i),
+        .line_rsp_data_i(line_rsp_data_i)
+    );
+    /* verilator lint_off UNUSEDSIGNAL */
+    logic unused;
+    /* verilator lint_on UNUSEDSIGNAL */
+    assign unused = &{1'b0, forget_i, set_mask_i, bypass_i, next_valid_i, next_context_i, next_address_i};
+    assign read_header = '0;
+    assign miss_o = line_issue;
+    assign {hit_o, tag_wrong_o} = '0;
+    if (Compressed) begin : gen_bad_lines
+      compressed_lines_need_a_leaf_cache bad_lines ();
+    end
+  end
   if (Parity != 0) begin : gen_parity
     always_ff @(posedge clk_i) line_wrong_context_o <= read_context;
   end else begin : gen_no_parity

@@ -41,7 +41,7 @@ module photon_gatherer_leaves #(
         photonloom_pkg::ExponentBits,
     localparam int unsigned StoreBits = LoadBits + R2Bits + IndexBits,
     localparam int unsigned SetBits = Sets > 1 ? $clog2(Sets) : 1,
-    localparam int unsigned TagBits = CacheMisses > 1 ? $clog2(CacheMisses) : 1,
+    localparam int unsigned TagBits = Sets == 0 ? ContextBits : CacheMisses > 1 ? $clog2(CacheMisses) : 1,
     localparam int unsigned StepBits = $clog2(2 * Lists + 1),
     localparam int unsigned Parity = photonloom_pkg::Parity
 ) (

@@ -82,7 +82,11 @@ def draw_plan(random: Random, base: Plan) -> Plan:
     ways = line("gatherer.cache_ways", random.randint(1, 8))
     line("gatherer.cache_bytes", ways * bucket * stride << random.randint(0, 5))
     line("gatherer.cache_misses", random.randint(1, 32))
-    line("gatherer.beat_bits", random.choice([bits for bits in range(32, 4097, 8) if 8 * bucket * stride % bits == 0]))
+    taken = 8 * bucket * stride  # a beat divides it
+    if plan["photon.lines"] == "plain" and random.random() < 0.25:
+        line("gatherer.cache_bytes", 0)
+        taken = 8 * plan["gatherer.lanes"] * stride
+    line("gatherer.beat_bits", random.choice([bits for bits in range(32, 4097, 8) if taken % bits == 0]))
 
     line("reorder.key", random.choice(("none", "hilbert", "hilbert", "hash", "hash")))
     line("reorder.drain", random.choice(("sweep", "fullest")))

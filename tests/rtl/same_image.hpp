@@ -88,7 +88,7 @@ class LawFrame {
     plan.reorder_bins = draw.of({1, 16, 256});
     const int line = plan.line_bytes();
     plan.cache_ways = draw.of({1, 2});
-    plan.cache_bytes = line * plan.cache_ways * draw.of({1, 8, 64});
+    plan.cache_bytes = line * plan.cache_ways * draw.of({0, 1, 8, 64});
     plan.cache_misses = draw.of({1, 8});
     plan.contexts = draw.of({1, 4, 16});
     plan.lanes = draw.of({1, 4, 8});

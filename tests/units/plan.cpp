@@ -204,6 +204,15 @@ TEST_CASE("each fault is one sentence with file, line, key and what was expected
   has(error_of(edited(plan, "gatherer", "powers_per_cycle", "2")),
       {"gatherer.powers_per_cycle is 2", "candidates_per_cycle = 1"});
   has(error_of(edited(plan, "gatherer", "cache_bytes", "5000")), {"gatherer.cache_bytes", "256"});
+  {
+    Plan uncached = plan;
+    uncached.cache_bytes = 0;
+    CHECK(!find_problem(uncached));
+    has(error_of(edited(uncached, "gatherer", "beat_bits", "1024")),
+        {"gatherer.beat_bits is 1024", "512 bits that 4 lanes take"});
+    has(error_of(edited(compressed, "gatherer", "cache_bytes", "0")),
+        {"gatherer.cache_bytes is 0", "photon.lines is compressed"});
+  }
   has(error_of(edited(plan, "reorder", "bins", "1000")), {"reorder.bins", "power of two"});
   has(error_of(edited(plan, "reorder", "bins", "1024")), {"reorder.bins", "512 bins"});
   has(error_of(edited(plan, "sampler", "u_bits", "30")), {"sampler.u_bits", "which has 24"});

@@ -96,16 +96,16 @@ TEST_CASE("block RAMs of a board's top") {
   plan.photon_bytes = 16;
   plan.beat_bits = 512;
   plan.gatherers = 1;
-  // Four photons of 96 bits a beat, 4,096 beats: four banks of 22 blocks of 18 bits x 1,024.
+  // Four photons of 96 bits a beat, two beats a row: twice 43 blocks of 9 bits x 2,048.
   REQUIRE(plan.photon_bits() == 96);
   const BoardMemories one = board_memories(plan);
-  CHECK(one.photons == 88);
+  CHECK(one.photons == 86);
   const double gatherer = estimate_resources(plan, "photon_gatherer").ebr;
   const double buffer = estimate_resources(plan, "reorder_buffer").ebr;
   // 5 of the link, one of 36 bits x 512 for each word of a query in the replayer.
   plan.replay_queries = 512;
   const int words = (PacketLayout::of<GatherQuery>(plan).bits() + 31) / 32;
-  CHECK(board_memories(plan).total() == 88 + 5 + words + gatherer + buffer);
+  CHECK(board_memories(plan).total() == 86 + 5 + words + gatherer + buffer);
   plan.gatherers = 2;
   CHECK(board_memories(plan).units - one.units == gatherer);
   CHECK(board_memories(plan).photons == one.photons);
@@ -115,6 +115,14 @@ TEST_CASE("block RAMs of a board's top") {
   plan.beat_bits = 1024;
   CHECK(board_memories(plan).photons == 86);
   plan.beat_bits = 512;
+  // 4,096 lines of a beat: four banks of 22 blocks of 18 bits x 1,024.
+  plan.bucket = 4;
+  CHECK(board_memories(plan).photons == 88);
+  plan.bucket = 8;
+  // A gatherer without a leaf cache has neither its lines nor its tags.
+  const int cached = board_memories(plan).units;
+  plan.cache_bytes = 0;
+  CHECK(board_memories(plan).units < cached);
   plan.photon_memory = PhotonMemory::kSdram;
   plan.board_cache_bytes = 65536;
   const int cache = board_memories(plan).photons;

@@ -69,6 +69,39 @@ std::vector<BenchPlan> plans() {
     p.beat_bits = 32;
     p.parity = true;
   });
+  // 1,536 lines of two beats, which stand side by side in a row; three gatherers, so that one port
+  // has two of them.
+  add("rows", [](Plan& p) {
+    p.bucket = p.lanes = 2;
+    p.global.photons = 2048;
+    p.caustic.photons = 1024;
+    p.cache_bytes = 4 * p.line_bytes();
+    p.cache_misses = 4;
+    p.beat_bits = 4 * p.line_bytes();
+    p.reorder_key = ReorderKey::kNone;
+    p.parity = true;
+  });
+  // 1,024 lines of 12 words in rows of three beats, which cut photons.
+  add("rows_of_three", [](Plan& p) {
+    p.bucket = 4;
+    p.gatherers = 2;
+    p.global.photons = 4096;
+    p.caustic = {};
+    p.photon_bytes = 12;
+    p.cache_bytes = 4 * p.line_bytes();
+    p.beat_bits = 128;
+  });
+  // Rows of two beats, straight to the lanes of five gatherers without leaf caches.
+  add("uncached", [](Plan& p) {
+    p.bucket = 4;
+    p.lanes = 2;
+    p.global.photons = 4096;
+    p.caustic = {};
+    p.cache_bytes = 0;
+    p.beat_bits = 4 * p.line_bytes();
+    p.gatherers = 5;
+    p.reorder_key = ReorderKey::kNone;
+  });
   // A beat a line of 24 words, queries as they come: most lines come from the photon memory.
   add("whole_lines", [](Plan& p) {
     p.gatherers = 4;

@@ -125,6 +125,24 @@ std::vector<BenchPlan> plans() {
     p.cache_bytes = 5 * p.line_bytes() * 4;
     p.cache_misses = 8;
   });
+  // No leaf cache: two beats of the line port are a part of a line.
+  add("uncached", [](Plan& p) {
+    p.contexts = 12;
+    p.cache_bytes = 0;
+    p.lanes = 2;
+    p.photon_bytes = 14;
+    p.beat_bits = 8 * p.photon_bytes;
+    p.parity = true;
+  });
+  // A line in one beat, straight to as many lanes, two of each part; more contexts than places
+  // behind the lanes.
+  add("uncached_wide", [](Plan& p) {
+    p.contexts = 48;
+    p.cache_bytes = 0;
+    p.lanes = p.bucket;
+    p.beat_bits = 8 * p.line_bytes();
+    p.nodes_per_cycle = p.candidates_per_cycle = p.powers_per_cycle = 2;
+  });
   return list;
 }
 

@@ -103,7 +103,7 @@ Plan draw(RoleRandom& random) {
 }
 
 // What few plans have: a leaf in one beat of lanes, ways that are no power of two, memories of
-// LUTs.
+// LUTs, no leaf cache.
 Plan rarer(const Plan& drawn, RoleRandom& random) {
   Plan plan = drawn;
   const auto change = [&](auto&& line) {
@@ -122,6 +122,10 @@ Plan rarer(const Plan& drawn, RoleRandom& random) {
   change([&](Plan& p) {
     p.sdram_khz =
         kSdramLeastKHz + static_cast<int>(random.below(kSdramMostKHz - kSdramLeastKHz + 1));
+  });
+  change([](Plan& p) {
+    p.cache_bytes = 0;
+    p.beat_bits = std::min(p.beat_bits, 8 * p.photon_bytes * p.lanes);
   });
   return plan;
 }
