@@ -137,7 +137,10 @@ EngineCycles predict(const Plan& plan, const Load& of, double lines, double sdra
     const double data = sdram_lines * plan.line_bytes() / 2 / kRefreshLeaves;
     e.memory = std::max(data * core_khz / plan.sdram_khz, kCycleFit.memory * beats * lines);
   } else {
-    e.memory = kCycleFit.memory * beats * lines / std::min(2, plan.gatherers);
+    // A port reads a row a cycle; a row's beats go to each gatherer one after the other.
+    const double row = plan.photon_ram_row(), ports = std::min(2, plan.gatherers);
+    e.memory = kCycleFit.memory * beats * lines *
+               std::max(1 / (row * ports), row > 1 ? 1.0 / plan.gatherers : 0);
   }
   e.cycles = joined(e.gatherers, e.memory);
   return e;
@@ -164,23 +167,22 @@ const char* name_of(ReorderKey key) {
 }
 
 std::string too_many_wires(const Plan& p) {
-  if (p.gatherers * p.beat_bits <= kEngineWires) return "";
-  return fmt::format("needs beats of {} bits together, and no top with more than {} was routed",
-                     p.gatherers * p.beat_bits, kEngineWires);
+  const bool cached = p.cache_bytes != 0;
+  const int most = cached ? kEngineWires : kUncachedWires;
+  if (p.gatherers * p.beat_bits <= most) return "";
+  return fmt::format(
+      "needs beats of {} bits together, and no top {} leaf caches with more than {} was routed",
+      p.gatherers * p.beat_bits, cached ? "with" : "without", most);
 }
 
-// Words of a block RAM of 9 bits a word, the shape that wide memories are made of; of up to twice
-// as many they are banks (rtl/board/photon_ram.sv).
-constexpr uint64_t kBlockWords = 2048;
-
-std::string in_banks(const Plan& p) {
+std::string divided(const Plan& p) {
   if (p.photon_memory != PhotonMemory::kBlockRam) return "";
-  const uint64_t lines = p.memory_lines(p.global) + p.memory_lines(p.caustic);
-  const uint64_t words = lines * static_cast<uint64_t>(8 * p.line_bytes() / p.beat_bits);
-  if (words <= kBlockWords || words > 2 * kBlockWords) return "";
+  const bool rows = p.photon_ram_row() > 1;
+  if (!p.photon_ram_is_divided() || (rows && p.cache_bytes == 0)) return "";
   return fmt::format(
-      "needs {} beats of {} bits, in banks of block RAM, and no engine with such banks was routed",
-      words, p.beat_bits);
+      "needs {} beats of {} bits, in {} of block RAM, and no engine with such {} was routed",
+      p.photon_ram_beats(), p.beat_bits, rows ? "rows" : "banks",
+      rows ? "rows and leaf caches" : "banks");
 }
 
 // The widest beat of at most 1,024 bits that the wires leave each gatherer: whole words of 32 bits
@@ -189,7 +191,7 @@ int widest_beat(Plan p) {
   const int line = 8 * p.line_bytes();
   for (p.beat_bits = std::min({1024, kEngineWires / p.gatherers, line}) / 32 * 32; p.beat_bits > 32;
        p.beat_bits -= 32)
-    if (line % p.beat_bits == 0 && in_banks(p).empty()) break;
+    if (line % p.beat_bits == 0 && divided(p).empty()) break;
   return p.beat_bits;
 }
 
@@ -268,7 +270,7 @@ std::string engine_misfit(const Plan& plan, const BoardDescription& board) {
   const std::string why = misfit(plan, board, kEngineShare);
   if (!why.empty()) return why;
   const std::string wires = too_many_wires(plan);
-  return wires.empty() ? in_banks(plan) : wires;
+  return wires.empty() ? divided(plan) : wires;
 }
 
 EngineCycles engine_cycles(const Plan& plan, const PhotonMap& global, const PhotonMap& caustic,
@@ -380,7 +382,7 @@ EngineSearch fastest_engine(const Plan& given, const PhotonMap& global, const Ph
     if (!why.empty()) return why;
     const Plan p = plan_of(c);
     why = too_many_wires(p);
-    if (why.empty()) why = in_banks(p);
+    if (why.empty()) why = divided(p);
     if (!why.empty()) return why;
     if (const auto problem = find_problem(p)) return problem->line + ": " + problem->what;
     return "";

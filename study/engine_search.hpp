@@ -55,13 +55,15 @@ struct EngineSearch {
 // (docs/planner.md).
 inline constexpr BoardShare kEngineShare = {.logic = 0.55, .blocks = 0.95};
 // Most bits of a beat of all gatherers together: those of the widest tops of fpga/headline that
-// have three or more, of 384 bits each. Two of 1,024 bits were routed too, but are slower than four
-// of 256; the tools' end was not waited for with 3,072 and 4,096 (docs/headline.md).
-inline constexpr int kEngineWires = 1152;
+// have three or more, of 384 bits each; without leaf caches, which the search does not try, five.
+// Two of 1,024 bits were routed too, but are slower than four of 256; the tools' end was not waited
+// for with 3,072 and 4,096 (docs/headline.md).
+inline constexpr int kEngineWires = 1152, kUncachedWires = 1920;
 
 // Why a plan's engine is not one for this board: it has no top with the plan's memory, it does not
-// fit in kEngineShare, is wider than kEngineWires, or stores its photons in banks of block RAM
-// (rtl/board/photon_ram.sv), with which no engine has been routed; empty: it is.
+// fit in kEngineShare, is wider than those, or stores its photons in banks of block RAM, or with
+// leaf caches in rows (rtl/board/photon_ram.sv), with which no engine has been routed; empty: it
+// is.
 std::string engine_misfit(const Plan& plan, const BoardDescription& board);
 
 // Lines of a plan that the search decides on this board, whatever they were.

@@ -128,8 +128,10 @@ double modelled_cycles(const Plan& plan, const GatherLoad& load, int latency) {
   const CycleFit& f = kCycleFit;
   const double parts = static_cast<double>(plan.bucket) / plan.lanes;
   const double beats = 8.0 * plan.line_bytes() / plan.beat_bits;
-  // What one query waits for when it is alone.
-  const double alone = 3 * load.nodes + 1.5 * (load.nodes + 1) + 27 * load.leaves +
+  // What one query waits for when it is alone. Without a leaf cache a leaf is not looked up, 5
+  // cycles, nor is its line written there first, 2.
+  const double leaf = plan.cache_bytes == 0 ? 20 : 27;
+  const double alone = 3 * load.nodes + 1.5 * (load.nodes + 1) + leaf * load.leaves +
                        load.insertions + load.misses * (latency + beats) + plan.k;
   const double bounds[] = {f.nodes * load.nodes / plan.nodes_per_cycle,
                            f.lanes * parts * load.leaves,

@@ -653,7 +653,7 @@ class Page(MadeUp):
         played: Replay = {"plan": "p", "digest": "d" * 64, "queries": 100, "passes": 2, "cycles": 2500, "lines_per_gather": 0.5}
         self.data["replay"] = played
         self.assertIn("replays 100 queries 2 times, in the order of the pixels: 12.50 cycles and 0.50 lines a gather, 8.00 Mquery/s "
-                      "at its 100.0 MHz. The engine's row has 10.00 cycles, on a whole frame through the reorder buffer.\n", self.text())
+                      "at its 100.0 MHz. The engine's row has 10.00 cycles, on a whole frame.\n", self.text())
         played["digest"] = "e" * 64
         self.assertIn("The replay is of netlist `eeeeeeeeeeee`, the row's is another.", self.text())
 

@@ -147,17 +147,26 @@ TEST_CASE("beats wider together than in any routed top are no engine for a board
   plan.cache_bytes = 2048;
   plan.lut_ram_words = 64;
   CHECK(engine_misfit(plan, board) ==
-        "needs beats of 1536 bits together, and no top with more than 1152 was routed");
+        "needs beats of 1536 bits together, and no top with leaf caches with more than 1152 was "
+        "routed");
+  plan.cache_bytes = 0;
+  CHECK(engine_misfit(plan, board) == "");
+  plan.gatherers = 4;
+  CHECK(engine_misfit(plan, board) ==
+        "needs beats of 2048 bits together, and no top without leaf caches with more than 1920 was "
+        "routed");
 }
 
-TEST_CASE("the limit of an engine's wires is that of the headline's widest top of three or more") {
-  int widest = 0;
+TEST_CASE("the limits of an engine's wires are those of the headline's widest of three or more") {
+  int widest = 0, widest_uncached = 0;
   for (const char* name :
        {"block_ram_k8", "block_ram_k16", "block_ram_k50", "sdram_k8", "sdram_k16", "sdram_k50"}) {
     const Plan plan = read_plan(test::source(std::string("fpga/headline/") + name + ".toml"));
-    if (plan.gatherers > 2) widest = std::max(widest, plan.gatherers * plan.beat_bits);
+    int& of = plan.cache_bytes == 0 ? widest_uncached : widest;
+    if (plan.gatherers > 2) of = std::max(of, plan.gatherers * plan.beat_bits);
   }
   CHECK(widest == kEngineWires);
+  CHECK(widest_uncached == kUncachedWires);
 }
 
 TEST_CASE("the limit of an engine's block RAM is that of the headline's fullest top") {

@@ -105,19 +105,17 @@ Clocks clocks_of(const fs::path& file, const Plan& plan, const nlohmann::json& r
 // What the command line's plans are: a memory and a k each, with as many gatherers as nextpnr finds
 // wires and block RAM for. Photons have no padding. Where the map lies in block RAM, shallow
 // memories of more than 32 words are block RAM too: it costs none of the wires that LUT RAM does.
-// With k = 8 and 16 there are more and narrower gatherers, since a leaf matters less to them than a
-// node. With k = 8 their smaller memories are LUT RAM. With k = 50 no port is busier than that of
-// candidates, so they take two a cycle. From block RAM a beat of k = 50 is half of what the lanes
-// take: that many bits of the photon memory are four block RAMs behind one another; all that the
-// lanes take would be pairs, which nextpnr's static placer does not get off each other
-// (docs/headline.md). The ports bring more than what misses the leaf caches even so. These are as
-// wide as the lanes, block RAM of 512 words, of which they use half. Before an SDRAM the pool is
-// what block RAM is best spent on: each sweep over it takes every line once or twice, however many
-// queries it serves. A pool of 16 places less than its memories have words wastes none of them.
-// sdram_k8's pool reads so few lines that 16 contexts would make it wait for the gatherers. Where a
-// query visits many leaves, 16 contexts hide what a leaf takes from there if leaves are few and
-// large, and if the gatherer's own cache, in block RAM, has most of them. The clock of the SDRAM is
-// one that the routed top reaches.
+// There the beats of a line stand side by side, so that two ports bring all lines that are visited:
+// neither leaf caches nor a reorder buffer save a cycle, and without them there is room for more
+// gatherers, each of one node and one candidate a cycle and as many lanes as a beat has photons.
+// block_ram_k16 has both still: its top without them has not been routed (docs/headline.md).
+// Before an SDRAM gatherers of k = 50, of which no port is busier than that of candidates, take two
+// a cycle. The pool is what block RAM is best spent on: each sweep over it takes every line once or
+// twice, however many queries it serves. A pool of 16 places less than its memories have words
+// wastes none of them. sdram_k8's pool reads so few lines that 16 contexts would make it wait for
+// the gatherers. Where a query visits many leaves, 16 contexts hide what a leaf takes from there if
+// leaves are few and large, and if the gatherer's own cache, in block RAM, has most of them. The
+// clock of the SDRAM is one that the routed top reaches. Bins of 0: no reorder buffer.
 struct PlanOfBoard {
   const char* name;
   PhotonMemory memory;
@@ -126,12 +124,12 @@ struct PlanOfBoard {
       leaf_photons, pool, bins, cache_kb, lut_ram_words, replay, sdram_khz;
 };
 constexpr PlanOfBoard kPlans[] = {
-    {"block_ram_k8", PhotonMemory::kBlockRam, 16384, 8, 4, 16, 1, 1, 8, 12, 2, 256, 256, 512, 512,
-     48, 64, 1024, 100000},
+    {"block_ram_k8", PhotonMemory::kBlockRam, 16384, 8, 5, 16, 1, 1, 8, 12, 4, 384, 0, 512, 0, 48,
+     32, 1024, 100000},
     {"block_ram_k16", PhotonMemory::kBlockRam, 16384, 16, 4, 16, 1, 1, 8, 12, 2, 256, 256, 512, 512,
      48, 32, 1024, 100000},
-    {"block_ram_k50", PhotonMemory::kBlockRam, 16384, 50, 2, 16, 2, 2, 16, 12, 4, 192, 1024, 2032,
-     512, 48, 32, 512, 100000},
+    {"block_ram_k50", PhotonMemory::kBlockRam, 16384, 50, 4, 16, 1, 1, 16, 12, 4, 384, 0, 2032, 0,
+     48, 32, 512, 100000},
     {"sdram_k8", PhotonMemory::kSdram, 65536, 8, 3, 20, 1, 1, 8, 12, 4, 384, 256, 11248, 1024, 48,
      64, 512, 110000},
     {"sdram_k16", PhotonMemory::kSdram, 65536, 16, 3, 16, 1, 1, 8, 12, 4, 384, 256, 10224, 512, 48,
@@ -156,7 +154,8 @@ Plan make_plan(const PlanOfBoard& p, const GatherLoad& load) {
   plan.powers_per_cycle = p.powers;
   plan.bucket = p.bucket;
   plan.reorder_packets = p.pool;
-  plan.reorder_bins = p.bins;
+  if (p.bins == 0) plan.reorder_key = ReorderKey::kNone;
+  plan.reorder_bins = p.bins == 0 ? 512 : p.bins;
   plan.reorder_cell_bits = p.bins > 512 ? 4 : 3;
   plan.photon_memory = p.memory;
   plan.gatherers = p.gatherers;
@@ -172,11 +171,13 @@ Plan make_plan(const PlanOfBoard& p, const GatherLoad& load) {
   return plan;
 }
 
-// Cycles per gather in which the ports of a photon memory in block RAM (rtl/board/photon_ram.sv)
-// bring so many lines, each port a beat a cycle.
+// Cycles per gather in which a photon memory in block RAM (rtl/board/photon_ram.sv) brings so many
+// lines: each port reads a row a cycle, a beat or all of a line's, which then go to each gatherer
+// one after the other.
 double ports_cycles(const Plan& plan, double lines) {
-  const int ports = plan.gatherers > 1 ? 2 : 1;
-  return lines * plan.line_bytes() * 8 / plan.beat_bits / ports;
+  const int ports = plan.gatherers > 1 ? 2 : 1, row = plan.photon_ram_row();
+  const double beats = lines * plan.line_beats();
+  return std::max(beats / row / ports, row > 1 ? beats / plan.gatherers : 0);
 }
 
 GatherRun measure(const Plan& plan, const PhotonMap& map, const std::vector<GatherQuery>& queries,

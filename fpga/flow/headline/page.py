@@ -187,7 +187,7 @@ def replay_text(replay: Replay | None, judged: Judged) -> str:
     if own:
         fmax = own["fmax_mhz"]["median"]
         text += (f", {fmax / cycles:.2f} Mquery/s at its {fmax:.1f} MHz. The engine's row has {own['cycles_per_gather']:.2f} "
-                 "cycles, on a whole frame through the reorder buffer")
+                 "cycles, on a whole frame")
     if own and own["digest"] != replay["digest"]:
         text += f". The replay is of netlist `{replay['digest'][:SHORT]}`, the row's is another"
     return text + ".\n"
