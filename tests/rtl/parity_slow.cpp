@@ -245,9 +245,13 @@ TEST_CASE("faults: flipped bits of memories with parity") {
 }
 
 TEST_CASE("faults: errors at the line port") {
-  const Plan plans[] = {parity_plan(), compressed_plan()};
-  const char* const where[] = {"memory port", "memory port, compressed lines"};
-  for (const size_t i : {0, 1}) {
+  // Four beats are what the lanes take a cycle.
+  Plan uncached = parity_plan();
+  uncached.cache_bytes = 0;
+  const Plan plans[] = {parity_plan(), compressed_plan(), uncached};
+  const char* const where[] = {"memory port", "memory port, compressed lines",
+                               "memory port, no leaf cache"};
+  for (const size_t i : {0, 1, 2}) {
     harm_replies(plans[i], "error in a beat of a reply", where[i], false);
     harm_replies(plans[i], "line beyond memory", where[i], true);
   }
