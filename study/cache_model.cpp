@@ -165,7 +165,7 @@ bool CacheModel::read(uint32_t line) {
 }
 
 LookupTimes lookup_times(const Plan& plan, int latency) {
-  const uint32_t beats = static_cast<uint32_t>(8 * plan.line_bytes() / plan.beat_bits);
+  const uint32_t beats = static_cast<uint32_t>(plan.line_beats());
   LookupTimes t;
   t.read = static_cast<uint32_t>(plan.bucket / plan.lanes);
   t.beats = beats;

@@ -130,7 +130,7 @@ EngineCycles predict(const Plan& plan, const Load& of, double lines, double sdra
   e.gatherers =
       std::max(modelled_cycles(plan, load, latency), of.reciprocal / plan.powers_per_cycle) /
       plan.gatherers;
-  const double beats = 8.0 * plan.line_bytes() / plan.beat_bits;
+  const double beats = plan.line_beats();
   if (sdram) {
     e.memory_lines = sdram_lines;
     // A halfword a cycle of its clock.

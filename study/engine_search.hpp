@@ -50,7 +50,7 @@ struct EngineSearch {
   size_t tried = 0;
 };
 
-// Largest share of a part that is planned for: that of the fullest tops that were routed, 51,175
+// Largest share of a part that is planned for: that of the fullest tops of fpga/headline, 51,070
 // LUT-equivalents and 197 of 208 block RAMs (docs/headline.md). One of 207 was not
 // (docs/planner.md).
 inline constexpr BoardShare kEngineShare = {.logic = 0.55, .blocks = 0.95};

@@ -127,7 +127,7 @@ GatherCost gather_cost_model(const Plan& plan, const PhotonMap& global, const Ph
 double modelled_cycles(const Plan& plan, const GatherLoad& load, int latency) {
   const CycleFit& f = kCycleFit;
   const double parts = static_cast<double>(plan.bucket) / plan.lanes;
-  const double beats = 8.0 * plan.line_bytes() / plan.beat_bits;
+  const double beats = plan.line_beats();
   // What one query waits for when it is alone. Without a leaf cache a leaf is not looked up, 5
   // cycles, nor is its line written there first, 2.
   const double leaf = plan.cache_bytes == 0 ? 20 : 27;

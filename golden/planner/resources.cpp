@@ -337,7 +337,7 @@ int kept_bits(const Plan& p) { return p.record_bits() + p.slot_header_bits(); }
 
 // As photon_ram and photon_sdram keep them.
 int photon_memory_blocks(const Plan& p) {
-  const int beats = 8 * p.line_bytes() / p.beat_bits;
+  const int beats = p.line_beats();
   if (p.photon_memory == PhotonMemory::kBlockRam) {
     const int stride = 8 * p.photon_bytes;
     const int width = p.beat_bits % stride == 0 ? p.beat_bits / stride * kept_bits(p) : p.beat_bits;

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// From a leaf to beats of candidates: its line comes through the cache, or where Sets is 0 straight from memory, Lanes photons a cycle, the lanes keep what
-// lies within the bound of the query, and it waits for the query's list, each of which has a queue. Wires the cache, the
-// lanes, the queues, and the positions and bounds of queries that the lanes read. List l has the contexts c with
-// c % Lists = l, as c / Lists. A line is read when each queue has room for it. Compressed lines pass a decoder; a leaf's
-// further lines are looked up when no leaf is reached.
+// From a leaf to beats of candidates: its line comes through the cache, or where Sets is 0 straight from memory, Lanes
+// photons a cycle, the lanes keep what lies within the bound of the query, and it waits for the query's list, each of which
+// has a queue. Wires the cache, the lanes, the queues, and the positions and bounds of queries that the lanes read. List l
+// has the contexts c with c % Lists = l, as c / Lists. A line is read when each queue has room for it. Compressed lines pass
+// a decoder; a leaf's further lines are looked up when no leaf is reached.
 //
 // One leaf lookup and one beat a cycle, leaves in any order. Latency of a leaf in the cache 5 cycles to its first beat
 // and 6 to the lanes' FIFO, 7 where lines are compressed.

@@ -216,6 +216,12 @@ TEST_CASE("faults: flipped bits of memories with parity") {
   sdram.cache_bytes = 4 * sdram.line_bytes();
   sdram.cache_ways = 2;
   const Plan compressed = compressed_plan();
+  // More than 2,048 beats, the two of a line side by side.
+  Plan rows = board;
+  rows.bucket = rows.lanes = 2;
+  rows.global.photons = 2048;
+  rows.cache_bytes = 4 * rows.line_bytes();
+  REQUIRE(rows.photon_ram_row() == 2);
   const FlipKind kinds[] = {
       {"`photon_gatherer`, nodes", board, make_rtl_photon_gatherer, {"node_memory"}, false, 400},
       {"`photon_gatherer`, cached lines",
@@ -237,6 +243,7 @@ TEST_CASE("faults: flipped bits of memories with parity") {
        true,
        400},
       {"`photon_ram`", board, make_engine, {"memory.store"}, false, 60},
+      {"`photon_ram`, rows", rows, make_engine, {"memory.gen_rows"}, false, 150},
       {"`photon_sdram`, cache", sdram, make_engine, {"memory.lines"}, true, 250},
   };
   for (const FlipKind& kind : kinds) {
