@@ -139,6 +139,10 @@ double modelled_cycles(const Plan& plan, const GatherLoad& load, int latency) {
                            f.memory * beats * load.misses, f.latency * alone / plan.contexts};
   double sum = 0;
   for (const double b : bounds) sum += std::pow(b, f.power);
+  // Each miss has an entry of the cache until its line is there. Where one node and one candidate a
+  // cycle are taken they are seldom all in use, so no fit can have it.
+  if (plan.cache_bytes != 0 && plan.nodes_per_cycle * plan.candidates_per_cycle > 1)
+    sum += std::pow(load.misses * (latency + beats) / plan.cache_misses, f.power);
   // Where one candidate a cycle enters a list this never binds, so no fit can have it: the sum
   // reads its photons one after the other, beside everything else.
   const double powers = (std::min<double>(plan.k, load.insertions) + 1) / plan.powers_per_cycle;
@@ -148,7 +152,7 @@ double modelled_cycles(const Plan& plan, const GatherLoad& load, int latency) {
 std::string cycle_fit_signature() {
   const CycleFit& f = kCycleFit;
   Sha256 sum;
-  sum.add(fmt::format("{} {} {} {} {} {} {} {} powers", f.power, f.fixed, f.nodes, f.lanes,
+  sum.add(fmt::format("{} {} {} {} {} {} {} {} powers entries", f.power, f.fixed, f.nodes, f.lanes,
                       f.insertions, f.memory, f.latency, kCyclesBetweenLines));
   return sum.hex().substr(0, 16);
 }

@@ -227,6 +227,10 @@ struct Plan {
   int photon_ram_row() const {
     return photon_ram_is_divided() && line_beats() <= 4 ? line_beats() : 1;
   }
+  // Five and more gatherers whose lists have more than 8 places fill so much of a board's part that
+  // they lie far from its dispatcher: what goes to them and comes from them has a register more on
+  // its way.
+  bool far_gatherers() const { return gatherers > 4 && k > 8; }
   int line_address_bits() const {
     return std::max(1, clog2(std::max(memory_lines(global), memory_lines(caustic))));
   }

@@ -10,9 +10,10 @@
 // the oldest of its gatherer: so there is always one that can go on (docs/gather_cluster.md).
 //
 // Each stream from and to a gatherer passes a skid buffer here, so no path leads from one gatherer through the dispatcher
-// to another, nor back to the same one; up to two queries wait for a gatherer that is full.
+// to another, nor back to the same one; up to two queries wait for a gatherer that is full. Where gatherers lie far away
+// (photonloom_pkg::FarGatherers) results and photons pass two, and the gatherer that gets the next query is chosen a cycle ahead.
 //
-// One query, one result and one photon a cycle; latency of each 2 to 4 cycles.
+// One query, one result and one photon a cycle; latency of each 2 to 4 cycles, of results and photons that come from far 3 to 5.
 module gather_dispatcher #(
     parameter int unsigned Gatherers = photonloom_pkg::Gatherers,
     parameter int unsigned Pending = 64 * Gatherers,
@@ -52,15 +53,23 @@ module gather_dispatcher #(
   localparam int unsigned SourceBits = Gatherers > 1 ? $clog2(Gatherers) : 1;
   localparam int unsigned OrderDepth = Pending > 2 ? 1 << $clog2(Pending) : 2;
   // Photons of so many queries wait in a gatherer at most: of those that keep a context for them, and of a few that gave it
-  // back but whose last photons are still at its port or in the skid buffer behind it.
-  localparam int unsigned HoldersOfPhotons = Gatherers * (photonloom_pkg::Contexts + 10);
+  // back but whose last photons are still at its port or in the skid buffers behind it.
+  localparam int unsigned HoldersOfPhotons =
+      Gatherers * (photonloom_pkg::Contexts + (photonloom_pkg::FarGatherers != 0 ? 12 : 10));
   localparam int unsigned PhotonDepth = HoldersOfPhotons > 2 ? 1 << $clog2(HoldersOfPhotons) : 2;
+
+  localparam int Far = photonloom_pkg::FarGatherers != 0 ? Gatherers : 0;
 
   // ---- deal ----
   logic query_valid, query_taken, order_ready;
   photonloom_pkg::gather_query_t query;
   logic [Gatherers-1:0] above_q, room, first, any, grant, deal;
   logic [SourceBits-1:0] grant_source;
+  /* verilator lint_off UNDRIVEN */
+  /* verilator lint_off UNUSEDSIGNAL */
+  logic [Gatherers-1:0] grant_q;  // of far gatherers
+  /* verilator lint_on UNUSEDSIGNAL */
+  /* verilator lint_on UNDRIVEN */
 
   skid_buffer #(
       .Width(QueryBits)
@@ -78,7 +87,7 @@ module gather_dispatcher #(
   // Gatherers above the last one served come before the others.
   assign first = room & above_q;
   assign any = first != '0 ? first : room;
-  assign grant = any & (~any + 1'b1);
+  assign grant = Far != 0 ? grant_q : any & (~any + 1'b1);
   assign deal = query_valid && order_ready ? grant : '0;
   assign query_taken = deal != '0;
   always_comb begin
@@ -90,10 +99,20 @@ module gather_dispatcher #(
     if (rst_i) above_q <= '1;
   end
 
-  // ---- what lies between a gatherer and the rest ----
-  logic [Gatherers-1:0] result_valid, result_ready, photon_valid, photon_ready;
-  logic [Gatherers*ResultBits-1:0] result_words;
-  logic [Gatherers*PhotonBits-1:0] photon_words;
+  // Of far gatherers which one is next is known a cycle ahead. Only a deal takes room away, so the one that it went to is left out.
+  if (Far != 0) begin : gen_grant_ahead
+    logic [Gatherers-1:0] left, above, first_left, any_left;
+    assign left = room & ~deal;
+    assign above = query_taken ? ~(grant | (grant - 1'b1)) : above_q;
+    assign first_left = left & above;
+    assign any_left = first_left != '0 ? first_left : left;
+    always_ff @(posedge clk_i) grant_q <= rst_i ? '0 : any_left & (~any_left + 1'b1);
+  end
+
+  // ---- what lies between a gatherer and the rest. Far: beside the gatherer, and once more here, which has the lower numbers. ----
+  logic [Far+Gatherers-1:0] result_valid, result_ready, photon_valid, photon_ready;
+  logic [(Far+Gatherers)*ResultBits-1:0] result_words;
+  logic [(Far+Gatherers)*PhotonBits-1:0] photon_words;
 
   for (genvar g = 0; g < Gatherers; g++) begin : gen_gatherer
     skid_buffer #(
@@ -116,9 +135,9 @@ module gather_dispatcher #(
         .in_valid_i(result_valid_i[g]),
         .in_ready_o(result_ready_o[g]),
         .in_i(result_i[ResultBits*g+:ResultBits]),
-        .out_valid_o(result_valid[g]),
-        .out_ready_i(result_ready[g]),
-        .out_o(result_words[ResultBits*g+:ResultBits])
+        .out_valid_o(result_valid[Far+g]),
+        .out_ready_i(result_ready[Far+g]),
+        .out_o(result_words[ResultBits*(Far+g)+:ResultBits])
     );
     skid_buffer #(
         .Width(PhotonBits)
@@ -128,10 +147,36 @@ module gather_dispatcher #(
         .in_valid_i(photon_valid_i[g]),
         .in_ready_o(photon_ready_o[g]),
         .in_i(photon_i[PhotonBits*g+:PhotonBits]),
-        .out_valid_o(photon_valid[g]),
-        .out_ready_i(photon_ready[g]),
-        .out_o(photon_words[PhotonBits*g+:PhotonBits])
+        .out_valid_o(photon_valid[Far+g]),
+        .out_ready_i(photon_ready[Far+g]),
+        .out_o(photon_words[PhotonBits*(Far+g)+:PhotonBits])
     );
+    if (Far != 0) begin : gen_far
+      skid_buffer #(
+          .Width(ResultBits)
+      ) result_near (
+          .clk_i(clk_i),
+          .rst_i(rst_i),
+          .in_valid_i(result_valid[Far+g]),
+          .in_ready_o(result_ready[Far+g]),
+          .in_i(result_words[ResultBits*(Far+g)+:ResultBits]),
+          .out_valid_o(result_valid[g]),
+          .out_ready_i(result_ready[g]),
+          .out_o(result_words[ResultBits*g+:ResultBits])
+      );
+      skid_buffer #(
+          .Width(PhotonBits)
+      ) photon_near (
+          .clk_i(clk_i),
+          .rst_i(rst_i),
+          .in_valid_i(photon_valid[Far+g]),
+          .in_ready_o(photon_ready[Far+g]),
+          .in_i(photon_words[PhotonBits*(Far+g)+:PhotonBits]),
+          .out_valid_o(photon_valid[g]),
+          .out_ready_i(photon_ready[g]),
+          .out_o(photon_words[PhotonBits*g+:PhotonBits])
+      );
+    end
   end
 
   logic order_valid, order_taken, next_valid, next_taken, next_wants;
@@ -178,8 +223,8 @@ module gather_dispatcher #(
         result_word = result_word | result_words[ResultBits*g+:ResultBits];
       end
   end
-  assign result_ready = next_valid && results_ready ? result_turn : '0;
-  assign next_taken = (result_ready & result_valid) != '0;
+  assign result_ready[Gatherers-1:0] = next_valid && results_ready ? result_turn : '0;
+  assign next_taken = (result_ready[Gatherers-1:0] & result_valid[Gatherers-1:0]) != '0;
 
   fifo #(
       .Width(ResultBits),
@@ -264,8 +309,8 @@ module gather_dispatcher #(
         photon_bits = photon_bits | photon_words[PhotonBits*g+:PhotonBits];
       end
   end
-  assign photon_ready = turn_valid && photons_ready ? photon_turn : '0;
-  assign photon_offered = (photon_turn & photon_valid) != '0 && turn_valid;
+  assign photon_ready[Gatherers-1:0] = turn_valid && photons_ready ? photon_turn : '0;
+  assign photon_offered = (photon_turn & photon_valid[Gatherers-1:0]) != '0 && turn_valid;
   assign turn_taken = photon_offered && photons_ready && photon_word.last;
 
   skid_buffer #(

@@ -10,10 +10,11 @@
 // another is written; of several sums, where that is known late, its start does not wait, but that word and the next flush. After reset, which takes Slots cycles, all show the other lap. Starts are at least two cycles apart.
 //
 // Latency from finish to output 4 cycles, with a reciprocal 5 more than that takes; one result each 3 cycles at best, of several
-// sums a cycle more of each.
+// sums and where results come from far a cycle more of each.
 module photon_gatherer_results #(
     parameter int unsigned Slots = 64,
     parameter int unsigned Sums = 1,
+    parameter bit Far = photonloom_pkg::FarGatherers != 0,  // from block RAM
     localparam int unsigned SlotBits = $clog2(Slots)
 ) (
     input  logic                                                            clk_i,
@@ -324,8 +325,9 @@ module photon_gatherer_results #(
   assign result_valid_o = state_q == Out;
   assign complete = occupied_q && settled && lap_seen == head_q[SlotBits];
 
-  // Of several sums the lap, which comes from block RAM late, has a register and is looked at a cycle later.
-  if (Sums > 1) begin : gen_lap_register
+  // Of several sums, or of gatherers that lie far from their block RAM, the lap, which comes from there late, has a register and is
+  // looked at a cycle later.
+  if (Sums > 1 || Far) begin : gen_lap_register
     logic lap_q, settled_2_q, look_q;
     always_ff @(posedge clk_i) begin
       lap_q <= lap;

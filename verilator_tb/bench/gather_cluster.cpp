@@ -102,6 +102,13 @@ std::vector<BenchPlan> plans() {
     p.gatherers = 5;
     p.reorder_key = ReorderKey::kNone;
   });
+  // Five gatherers of lists of 12 places: results and photons come from far.
+  add("far", [](Plan& p) {
+    p.k = 12;
+    p.gatherers = 5;
+    p.contexts = 4;
+    p.parity = true;
+  });
   // A beat a line of 24 words, queries as they come: most lines come from the photon memory.
   add("whole_lines", [](Plan& p) {
     p.gatherers = 4;

@@ -103,7 +103,7 @@ Plan draw(RoleRandom& random) {
 }
 
 // What few plans have: a leaf in one beat of lanes, ways that are no power of two, memories of
-// LUTs, no leaf cache.
+// LUTs, no leaf cache, more than four gatherers.
 Plan rarer(const Plan& drawn, RoleRandom& random) {
   Plan plan = drawn;
   const auto change = [&](auto&& line) {
@@ -127,6 +127,7 @@ Plan rarer(const Plan& drawn, RoleRandom& random) {
     p.cache_bytes = 0;
     p.beat_bits = std::min(p.beat_bits, 8 * p.photon_bytes * p.lanes);
   });
+  change([&](Plan& p) { p.gatherers = 5 + static_cast<int>(random.below(4)); });
   return plan;
 }
 

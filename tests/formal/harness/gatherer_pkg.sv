@@ -2,6 +2,7 @@
 // Packets of the proofs of photon_gatherer and cdf_sampler and of what lies in them: all fields, each as narrow as it may be.
 package photonloom_pkg;
   localparam int unsigned LutRamWords = 64;
+  localparam int unsigned FarGatherers = 0;
   localparam int unsigned Parity = 0;
   localparam int unsigned PositionBits = 2;
   localparam int unsigned DirectionBits = 2;

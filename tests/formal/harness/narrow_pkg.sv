@@ -2,6 +2,7 @@
 // Packets of the proofs: the fields that control reads, and a bit or two for all that it only carries.
 package photonloom_pkg;
   localparam int unsigned LutRamWords = 64;
+  localparam int unsigned FarGatherers = 0;
   localparam int unsigned Gatherers = 2;
   localparam int unsigned Contexts = 0;
   localparam int unsigned PositionBits = 1;

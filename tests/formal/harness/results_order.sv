@@ -5,13 +5,14 @@
 // photon_gatherer_results, a unit of reciprocals for each sum that takes any time: one slot, any, is followed, through all queries and
 // flushes that take it. Its result is offered in its turn, once that query has finished and its reciprocal is done, or where it is a
 // flush; it holds the query's head, what the query finished with and the reciprocal of its own r2; and it is offered within 5
-// cycles of its turn and of that, of two sums within 9, since a flush waits there for the others' words. Slots are numbered in turn. Queries finish in any order.
+// cycles of its turn and of that, of gatherers that lie far from their block RAM within 7, of two sums within 9, since a flush waits there for the others' words. Slots are numbered in turn. Queries finish in any order.
 //
 // Of each block RAM the word of the slot is kept; what other slots hold, and when they are done, is any. At most four
 // queries wait for a unit, which is as many as there are slots.
 module results_order #(
     parameter  int unsigned Sums  = 2,
-    localparam int unsigned Limit = Sums > 1 ? 9 : 5
+    parameter  bit          Far   = 1'b0,
+    localparam int unsigned Limit = Sums > 1 ? 9 : Far ? 7 : 5
 ) (
     input logic clk_i,
     input logic rst_i,
@@ -32,7 +33,8 @@ module results_order #(
 
   photon_gatherer_results #(
       .Slots(4),
-      .Sums(Sums)
+      .Sums(Sums),
+      .Far(Far)
   ) dut (
       .clk_i(clk_i),
       .rst_i(rst_i),
