@@ -5,8 +5,7 @@
 //
 // set_ahead_i is read; in the cycle after, set_i is what it was, held_i and the way of a hit belong to it, and victim_o is
 // there in that cycle. Uses of one set in cycles that follow on each other may lose one of their bits. clear_i clears the
-// bits of set_i. A choice a cycle. Of more than four ways the bits are written a cycle later, since the choice comes late.
-// Not recently used: Tanenbaum, Modern Operating Systems, of pages.
+// bits of set_i. A choice a cycle. Not recently used: Tanenbaum, Modern Operating Systems, of pages.
 module cache_victim #(
     parameter int unsigned Sets = 64,
     parameter int unsigned Ways = 2,
@@ -25,16 +24,8 @@ module cache_victim #(
     output logic [WayBits-1:0] victim_o
 );
   if (Ways > 1) begin : gen_ways
-    localparam bit Late = Ways > 4;
     logic [Ways-1:0] used_q, used_ahead, spared, now, used;
     logic [WayBits-1:0] turn_q;
-    /* verilator lint_off UNDRIVEN */
-    /* verilator lint_off UNUSEDSIGNAL */
-    logic write_q, clear_q;  // with Late
-    logic [SetBits-1:0] set_q;
-    logic [Ways-1:0] used_late_q, now_q;
-    /* verilator lint_on UNUSEDSIGNAL */
-    /* verilator lint_on UNDRIVEN */
 
     always_comb begin
       spared = (held_i | used_q) == '1 ? held_i : held_i | used_q;
@@ -44,24 +35,16 @@ module cache_victim #(
     end
 
     assign now = Ways'(1) << (miss_i ? victim_o : hit_way_i);
-    assign used = Late ? ((used_late_q | now_q) == '1 ? now_q : used_late_q | now_q) :
-        (used_q | now) == '1 ? now : used_q | now;
-
-    if (Late) begin : gen_late
-      always_ff @(posedge clk_i) begin
-        {write_q, clear_q, set_q} <= {clear_i || hit_i || miss_i, clear_i, set_i};
-        {used_late_q, now_q} <= {used_q, now};
-      end
-    end
+    assign used = (used_q | now) == '1 ? now : used_q | now;
 
     lut_ram #(
         .Width(Ways),
         .Depth(Sets > 1 ? Sets : 2)
     ) used_ways (
         .clk_i(clk_i),
-        .write_i(Late ? write_q : clear_i || hit_i || miss_i),
-        .write_address_i(Late ? set_q : set_i),
-        .write_data_i((Late ? clear_q : clear_i) ? '0 : used),
+        .write_i(clear_i || hit_i || miss_i),
+        .write_address_i(set_i),
+        .write_data_i(clear_i ? '0 : used),
         .read_address_i(set_ahead_i),
         .read_data_o(used_ahead)
     );
