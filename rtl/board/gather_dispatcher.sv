@@ -67,7 +67,7 @@ module gather_dispatcher #(
   logic [SourceBits-1:0] grant_source;
   /* verilator lint_off UNDRIVEN */
   /* verilator lint_off UNUSEDSIGNAL */
-  logic [Gatherers-1:0] grant_q;  // of far gatherers
+  logic [Gatherers-1:0] left, grant_q;  // of far gatherers
   /* verilator lint_on UNUSEDSIGNAL */
   /* verilator lint_on UNDRIVEN */
 
@@ -85,8 +85,8 @@ module gather_dispatcher #(
   );
 
   // Gatherers above the last one served come before the others.
-  assign first = room & above_q;
-  assign any = first != '0 ? first : room;
+  assign first = (Far != 0 ? left : room) & above_q;
+  assign any = first != '0 ? first : Far != 0 ? left : room;
   assign grant = Far != 0 ? grant_q : any & (~any + 1'b1);
   assign deal = query_valid && order_ready ? grant : '0;
   assign query_taken = deal != '0;
@@ -101,12 +101,8 @@ module gather_dispatcher #(
 
   // Of far gatherers which one is next is known a cycle ahead. Only a deal takes room away, so the one that it went to is left out.
   if (Far != 0) begin : gen_grant_ahead
-    logic [Gatherers-1:0] left, above, first_left, any_left;
     assign left = room & ~deal;
-    assign above = query_taken ? ~(grant | (grant - 1'b1)) : above_q;
-    assign first_left = left & above;
-    assign any_left = first_left != '0 ? first_left : left;
-    always_ff @(posedge clk_i) grant_q <= rst_i ? '0 : any_left & (~any_left + 1'b1);
+    always_ff @(posedge clk_i) grant_q <= rst_i ? '0 : any & (~any + 1'b1);
   end
 
   // ---- what lies between a gatherer and the rest. Far: beside the gatherer, and once more here, which has the lower numbers. ----

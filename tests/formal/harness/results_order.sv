@@ -5,7 +5,8 @@
 // photon_gatherer_results, a unit of reciprocals for each sum that takes any time: one slot, any, is followed, through all queries and
 // flushes that take it. Its result is offered in its turn, once that query has finished and its reciprocal is done, or where it is a
 // flush; it holds the query's head, what the query finished with and the reciprocal of its own r2; and it is offered within 5
-// cycles of its turn and of that, of gatherers that lie far from their block RAM within 7, of two sums within 9, since a flush waits there for the others' words. Slots are numbered in turn. Queries finish in any order.
+// cycles of its turn and of that, of gatherers that lie far from their block RAM within 7, of two sums within 9, since a flush waits
+// there for the others' words. Slots are numbered in turn. Queries finish in any order.
 //
 // Of each block RAM the word of the slot is kept; what other slots hold, and when they are done, is any. At most four
 // queries wait for a unit, which is as many as there are slots.
