@@ -168,7 +168,12 @@ Memories gatherer_memories(const Plan& p) {
   const int body = p.count_bits() + p.r2_bits() + p.channels * p.flux_bits() +
                    2 * (p.line_bits() + 1) + p.index_bits() + 3;
   m.add(p.pixel_bits() + p.sample_bits() + p.tag_bits() + 1, slots);
-  m.add(body + (p.reciprocal_bits == 0 ? 1 : 0), slots);
+  // Far ones keep a word of few in halves (photon_gatherer_results).
+  if (p.far_gatherers() && p.powers_per_cycle == 1 && p.reciprocal_bits != 0 && slots <= 256 &&
+      slots > static_cast<uint64_t>(p.lut_ram_words))
+    m.add((body + 1) / 2, 2 * slots);
+  else
+    m.add(body + (p.reciprocal_bits == 0 ? 1 : 0), slots);
   if (p.reciprocal_bits != 0) m.add(1 + p.reciprocal_bits + p.reciprocal_exponent_bits(), slots);
   return m;
 }

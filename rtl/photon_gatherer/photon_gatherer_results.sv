@@ -9,12 +9,17 @@
 // took it. A slot is complete iff it shows the lap of the head. A flush writes it when it starts, so it waits where
 // another is written; of several sums, where that is known late, its start does not wait, but that word and the next flush. After reset, which takes Slots cycles, all show the other lap. Starts are at least two cycles apart.
 //
+// Of one sum and far from block RAM (Far) what a query finished with is kept in halves (block_ram_halves): sums end at least two
+// cycles apart, and the head slot stands longer than it takes.
+//
 // Latency from finish to output 4 cycles, with a reciprocal 5 more than that takes; one result each 3 cycles at best, of several
-// sums and where results come from far a cycle more of each.
+// sums and where results come from far a cycle more of each, in halves two.
 module photon_gatherer_results #(
     parameter int unsigned Slots = 64,
     parameter int unsigned Sums = 1,
     parameter bit Far = photonloom_pkg::FarGatherers != 0,  // from block RAM
+    // A result's words in two halves, where that takes fewer block RAMs.
+    parameter bit Halves = Far && Sums == 1 && photonloom_pkg::ReciprocalBits != 0 && Slots > photonloom_pkg::LutRamWords && Slots <= 256,
     localparam int unsigned SlotBits = $clog2(Slots)
 ) (
     input  logic                                                            clk_i,
@@ -229,18 +234,33 @@ module photon_gatherer_results #(
       end
     end
 
-    block_ram #(
-        .Width(BodyBits),
-        .Depth(Slots)
-    ) bodies (
-        .clk_i(clk_i),
-        .write_i(finish_i),
-        .write_address_i(finish_slot_i[SlotBits-1:0]),
-        .write_data_i(finish_body),
-        .read_i(1'b1),
-        .read_address_i(head_q[SlotBits-1:0]),
-        .read_data_o(body_word)
-    );
+    if (Halves) begin : gen_halves
+      block_ram_halves #(
+          .Width(BodyBits),
+          .Depth(Slots)
+      ) bodies (
+          .clk_i(clk_i),
+          .rst_i(rst_i),
+          .write_i(finish_i),
+          .write_address_i(finish_slot_i[SlotBits-1:0]),
+          .write_data_i(finish_body),
+          .read_address_i(head_q[SlotBits-1:0]),
+          .read_data_o(body_word)
+      );
+    end else begin : gen_whole
+      block_ram #(
+          .Width(BodyBits),
+          .Depth(Slots)
+      ) bodies (
+          .clk_i(clk_i),
+          .write_i(finish_i),
+          .write_address_i(finish_slot_i[SlotBits-1:0]),
+          .write_data_i(finish_body),
+          .read_i(1'b1),
+          .read_address_i(head_q[SlotBits-1:0]),
+          .read_data_o(body_word)
+      );
+    end
 
     block_ram #(
         .Width(1 + MantissaBits + ExponentBits),
@@ -326,13 +346,22 @@ module photon_gatherer_results #(
   assign complete = occupied_q && settled && lap_seen == head_q[SlotBits];
 
   // Of several sums, or of gatherers that lie far from their block RAM, the lap, which comes from there late, has a register and is
-  // looked at a cycle later.
+  // looked at a cycle later; where there are halves one more, for both to come.
   if (Sums > 1 || Far) begin : gen_lap_register
     logic lap_q, settled_2_q, look_q;
+    /* verilator lint_off UNUSEDSIGNAL */  // of words that are whole
+    /* verilator lint_off UNDRIVEN */
+    logic halves_come, first_look_q;
+    /* verilator lint_on UNDRIVEN */
+    /* verilator lint_on UNUSEDSIGNAL */
+    if (Halves) begin : gen_halves_come
+      always_ff @(posedge clk_i) first_look_q <= state_q == Look;
+      assign halves_come = first_look_q;
+    end
     always_ff @(posedge clk_i) begin
       lap_q <= lap;
       settled_2_q <= settled_q;
-      look_q <= state_q == Look;
+      look_q <= state_q == Look && (!Halves || halves_come);
     end
     assign lap_seen = lap_q;
     assign settled = settled_2_q && look_q;

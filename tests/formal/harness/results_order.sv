@@ -1,19 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 // package: tests/formal/harness/gatherer_pkg.sv
-// sources: tests/formal/harness/stubs/block_ram.sv rtl/common/lut_ram.sv tests/formal/harness/stubs/fifo.sv
+// sources: tests/formal/harness/stubs/block_ram.sv tests/formal/harness/stubs/block_ram_halves.sv rtl/common/lut_ram.sv tests/formal/harness/stubs/fifo.sv
 // sources: tests/formal/harness/stubs/reciprocal.sv rtl/photon_gatherer/photon_gatherer_results.sv
 // photon_gatherer_results, a unit of reciprocals for each sum that takes any time: one slot, any, is followed, through all queries and
 // flushes that take it. Its result is offered in its turn, once that query has finished and its reciprocal is done, or where it is a
 // flush; it holds the query's head, what the query finished with and the reciprocal of its own r2; and it is offered within 5
-// cycles of its turn and of that, of gatherers that lie far from their block RAM within 7, of two sums within 9, since a flush waits
+// cycles of its turn and of that, of gatherers that lie far from their block RAM within 7, in halves 8, of two sums within 9, since a flush waits
 // there for the others' words. Slots are numbered in turn. Queries finish in any order.
 //
 // Of each block RAM the word of the slot is kept; what other slots hold, and when they are done, is any. At most four
-// queries wait for a unit, which is as many as there are slots.
+// queries wait for a unit, which is as many as there are slots. In halves queries finish at least two cycles apart.
 module results_order #(
-    parameter  int unsigned Sums  = 2,
-    parameter  bit          Far   = 1'b0,
-    localparam int unsigned Limit = Sums > 1 ? 9 : Far ? 7 : 5
+    parameter  int unsigned Sums   = 2,
+    parameter  bit          Far    = 1'b0,
+    parameter  bit          Halves = 1'b0,
+    localparam int unsigned Limit  = Sums > 1 ? 9 : Halves ? 8 : Far ? 7 : 5
 ) (
     input logic clk_i,
     input logic rst_i,
@@ -35,7 +36,8 @@ module results_order #(
   photon_gatherer_results #(
       .Slots(4),
       .Sums(Sums),
-      .Far(Far)
+      .Far(Far),
+      .Halves(Halves)
   ) dut (
       .clk_i(clk_i),
       .rst_i(rst_i),
@@ -72,6 +74,7 @@ module results_order #(
   logic started_q = 1'b0;
   logic [2:0] starts_q, results_q;  // modulo twice the slots
   logic rested_q;  // no start in the cycle before
+  logic finished_q;
   // The query of the slot: it is there, runs, waits for its reciprocal.
   logic there_q, runs_q, waits_q, flush_q, map_q, tag_q, count_q, lap_q;
   logic [1:0] r2_q;
@@ -84,6 +87,7 @@ module results_order #(
   always_ff @(posedge clk_i) begin
     started_q <= 1'b1;
     rested_q <= !start_i;
+    finished_q <= finish_i && !rst_i;
     starts_q <= starts_q + 3'(start_i);
     results_q <= results_q + 3'(result_valid && result_ready_i);
     if (starts) begin
@@ -119,7 +123,7 @@ module results_order #(
     assume (heads_watched == slot && bodies_watched == slot && reciprocals_watched == slot);
     if (!rst_i) begin
       if (start_i) assume (rested_q && (start_flush_i ? flush_ready : start_ready));
-      if (finish_i) assume (wait_ready);
+      if (finish_i) assume (wait_ready && (!Halves || !finished_q));
       if (finishes) assume (runs_q && finish_slot_i[2] == lap_q);
       if (start_i) assert (start_slot == starts_q);
     end
