@@ -11,7 +11,8 @@
 //
 // Each stream from and to a gatherer passes a skid buffer here, so no path leads from one gatherer through the dispatcher
 // to another, nor back to the same one; up to two queries wait for a gatherer that is full. Where gatherers lie far away
-// (photonloom_pkg::FarGatherers) results and photons pass two, and the gatherer that gets the next query is chosen a cycle ahead.
+// (photonloom_pkg::FarGatherers) results and photons pass two, and known a cycle ahead are the gatherer that gets the next
+// query and whether there is room for its number and for a result.
 //
 // One query, one result and one photon a cycle; latency of each 2 to 4 cycles, of results and photons that come from far 3 to 5.
 module gather_dispatcher #(
@@ -58,6 +59,8 @@ module gather_dispatcher #(
       Gatherers * (photonloom_pkg::Contexts + (photonloom_pkg::FarGatherers != 0 ? 12 : 10));
   localparam int unsigned PhotonDepth = HoldersOfPhotons > 2 ? 1 << $clog2(HoldersOfPhotons) : 2;
 
+  localparam int unsigned ResultDepth = 16;
+
   localparam int Far = photonloom_pkg::FarGatherers != 0 ? Gatherers : 0;
 
   // ---- deal ----
@@ -68,6 +71,7 @@ module gather_dispatcher #(
   /* verilator lint_off UNDRIVEN */
   /* verilator lint_off UNUSEDSIGNAL */
   logic [Gatherers-1:0] left, grant_q;  // of far gatherers
+  logic order_room, results_room;  // known ahead
   /* verilator lint_on UNUSEDSIGNAL */
   /* verilator lint_on UNDRIVEN */
 
@@ -88,7 +92,7 @@ module gather_dispatcher #(
   assign first = (Far != 0 ? left : room) & above_q;
   assign any = first != '0 ? first : Far != 0 ? left : room;
   assign grant = Far != 0 ? grant_q : any & (~any + 1'b1);
-  assign deal = query_valid && order_ready ? grant : '0;
+  assign deal = query_valid && (Far != 0 ? order_room : order_ready) ? grant : '0;
   assign query_taken = deal != '0;
   always_comb begin
     grant_source = '0;
@@ -99,10 +103,14 @@ module gather_dispatcher #(
     if (rst_i) above_q <= '1;
   end
 
-  // Of far gatherers which one is next is known a cycle ahead. Only a deal takes room away, so the one that it went to is left out.
+  // Of far gatherers which one is next is known a cycle ahead. Only a deal takes room away, so the one whose turn it is is left out, also
+  // where there is no query for it.
   if (Far != 0) begin : gen_grant_ahead
-    assign left = room & ~deal;
-    always_ff @(posedge clk_i) grant_q <= rst_i ? '0 : any & (~any + 1'b1);
+    assign left = room & ~grant_q;
+    always_ff @(posedge clk_i) begin
+      for (int unsigned g = 0; g < Gatherers; g++) grant_q[g] <= any[g] && (any & ((Gatherers'(1) << g) - 1'b1)) == '0;
+      if (rst_i) grant_q <= '0;
+    end
   end
 
   // ---- what lies between a gatherer and the rest. Far: beside the gatherer, and once more here, which has the lower numbers. ----
@@ -205,6 +213,27 @@ module gather_dispatcher #(
       .out_o({next_wants, next_source})
   );
 
+  if (Far != 0) begin : gen_room_ahead
+    room_ahead #(
+        .Depth(OrderDepth)
+    ) of_order (
+        .clk_i(clk_i),
+        .rst_i(rst_i),
+        .push_i(query_taken),
+        .pop_i(order_valid && order_taken),
+        .room_o(order_room)
+    );
+    room_ahead #(
+        .Depth(ResultDepth)
+    ) of_results (
+        .clk_i(clk_i),
+        .rst_i(rst_i),
+        .push_i(next_taken),
+        .pop_i(result_valid_o && result_ready_i),
+        .room_o(results_room)
+    );
+  end
+
   // ---- results ----
   logic [Gatherers-1:0] result_turn;
   logic [ResultBits-1:0] result_word;
@@ -219,12 +248,12 @@ module gather_dispatcher #(
         result_word = result_word | result_words[ResultBits*g+:ResultBits];
       end
   end
-  assign result_ready[Gatherers-1:0] = next_valid && results_ready ? result_turn : '0;
+  assign result_ready[Gatherers-1:0] = next_valid && (Far != 0 ? results_room : results_ready) ? result_turn : '0;
   assign next_taken = (result_ready[Gatherers-1:0] & result_valid[Gatherers-1:0]) != '0;
 
   fifo #(
       .Width(ResultBits),
-      .Depth(16)
+      .Depth(ResultDepth)
   ) results (
       .clk_i(clk_i),
       .rst_i(rst_i),
