@@ -108,7 +108,6 @@ Clocks clocks_of(const fs::path& file, const Plan& plan, const nlohmann::json& r
 // There the beats of a line stand side by side, so that two ports bring all lines that are visited:
 // neither leaf caches nor a reorder buffer save a cycle, and without them there is room for more
 // gatherers, each of one node and one candidate a cycle and as many lanes as a beat has photons.
-// block_ram_k16 has both still: its top without them has not been routed (docs/headline.md).
 // Before an SDRAM gatherers of k = 50, of which no port is busier than that of candidates, take two
 // a cycle. The pool is what block RAM is best spent on: each sweep over it takes every line once or
 // twice, however many queries it serves. A pool of 16 places less than its memories have words
@@ -126,8 +125,8 @@ struct PlanOfBoard {
 constexpr PlanOfBoard kPlans[] = {
     {"block_ram_k8", PhotonMemory::kBlockRam, 16384, 8, 5, 16, 1, 1, 8, 12, 4, 384, 0, 512, 0, 48,
      32, 1024, 100000},
-    {"block_ram_k16", PhotonMemory::kBlockRam, 16384, 16, 4, 16, 1, 1, 8, 12, 2, 256, 256, 512, 512,
-     48, 32, 1024, 100000},
+    {"block_ram_k16", PhotonMemory::kBlockRam, 16384, 16, 4, 16, 1, 1, 8, 12, 4, 384, 0, 512, 0, 48,
+     32, 1024, 100000},
     {"block_ram_k50", PhotonMemory::kBlockRam, 16384, 50, 4, 16, 1, 1, 16, 12, 4, 384, 0, 2032, 0,
      48, 32, 512, 100000},
     {"sdram_k8", PhotonMemory::kSdram, 65536, 8, 3, 20, 1, 1, 8, 12, 4, 384, 256, 11248, 1024, 48,
