@@ -229,7 +229,7 @@ struct Plan {
   }
   // Five and more gatherers whose lists have more than 8 places fill so much of a board's part that
   // they lie far from its dispatcher: what they give has a register more on its way, and which of
-  // them gets the next query is known a cycle ahead.
+  // them gets the next query, and whether there is room for it, is known a cycle ahead.
   bool far_gatherers() const { return gatherers > 4 && k > 8; }
   int line_address_bits() const {
     return std::max(1, clog2(std::max(memory_lines(global), memory_lines(caustic))));
