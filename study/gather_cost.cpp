@@ -128,13 +128,15 @@ double modelled_cycles(const Plan& plan, const GatherLoad& load, int latency) {
   const CycleFit& f = kCycleFit;
   const double parts = static_cast<double>(plan.bucket) / plan.lanes;
   const double beats = plan.line_beats();
+  // A step of two levels has one of them where a descent enters at a lower one, and where it ends
+  // at the upper one: 1.4 to 1.6 nodes a step are measured (docs/photon_gatherer.md).
+  const double steps = load.nodes / (plan.node_levels() > 1 ? 1.5 : 1);
   // What one query waits for when it is alone. Without a leaf cache a leaf is not looked up, 5
   // cycles, nor is its line written there first, 2.
   const double leaf = plan.cache_bytes == 0 ? 20 : 27;
-  const double alone = 3 * load.nodes + 1.5 * (load.nodes + 1) + leaf * load.leaves +
-                       load.insertions + load.misses * (latency + beats) + plan.k;
-  const double bounds[] = {f.nodes * load.nodes / plan.nodes_per_cycle,
-                           f.lanes * parts * load.leaves,
+  const double alone = 3 * steps + 1.5 * (load.nodes + 1) + leaf * load.leaves + load.insertions +
+                       load.misses * (latency + beats) + plan.k;
+  const double bounds[] = {f.nodes * steps / plan.trees(), f.lanes * parts * load.leaves,
                            f.insertions * load.insertions / plan.candidates_per_cycle,
                            f.memory * beats * load.misses, f.latency * alone / plan.contexts};
   double sum = 0;

@@ -160,7 +160,8 @@ struct Plan {
   int count_bits() const { return clog2(static_cast<uint64_t>(k) + 1); }
   // Of many places, of all lists of a gatherer, codes of keys are compared, and whole keys are in
   // block RAM. 0: keys are compared whole, since of few places codes save little for a block RAM.
-  int list_code_bits() const { return k * candidates_per_cycle > 24 ? 20 : 0; }
+  // Of far gatherers there are so many that it is LUTs that are short.
+  int list_code_bits() const { return k * candidates_per_cycle > 24 || far_gatherers() ? 20 : 0; }
   int power_bits() const {
     return mantissa_bits + static_cast<int>(ones(exponent_bits));
   }  // one channel, decoded
@@ -231,6 +232,9 @@ struct Plan {
   // they lie far from its dispatcher: what they give has a register more on its way, and which of
   // them gets the next query, and whether there is room for it, is known a cycle ahead.
   bool far_gatherers() const { return gatherers > 4 && k > 8; }
+  // Two nodes a cycle are those of two trees or, of far gatherers, two levels of one.
+  int trees() const { return far_gatherers() ? 1 : nodes_per_cycle; }
+  int node_levels() const { return nodes_per_cycle / trees(); }
   int line_address_bits() const {
     return std::max(1, clog2(std::max(memory_lines(global), memory_lines(caustic))));
   }

@@ -125,8 +125,13 @@ Memories gatherer_memories(const Plan& p) {
     m.add(p.line_address_bits() + 2 + parity_bits(p), sets, p.cache_ways);
   }
 
-  // Nodes are in slices as deep as they all are.
-  const uint64_t nodes = std::max<uint64_t>(2, p.lines(p.global) + p.lines(p.caustic));
+  // Nodes are in slices as deep as they all are. Of two levels there are three in a word, and words
+  // for half of the numbers that a map's nodes have.
+  const auto words = [&](const MapPlan& m) {
+    const uint64_t lines = p.lines(m);
+    return p.node_levels() == 1 ? lines : lines > 1 ? uint64_t{1} << (clog2(lines) - 1) : 0;
+  };
+  const uint64_t nodes = std::max<uint64_t>(2, words(p.global) + words(p.caustic));
   const int address = clog2(nodes);
   const int slice = address >= 14   ? 1
                     : address == 13 ? 2
@@ -135,13 +140,13 @@ Memories gatherer_memories(const Plan& p) {
                     : address == 10 ? 18
                                     : 36;
   // Two trees read on both ports of a block, which has 18 bits there at most.
-  const int two = std::min(slice, 18);
-  for (int left = p.position_bits + 2 + parity_bits(p); left > 0;
-       left -= p.nodes_per_cycle > 1 ? two : slice)
-    if (p.nodes_per_cycle > 1)
-      m.add_two_reads(std::min(left, two), nodes);
-    else
-      m.add(std::min(left, slice), nodes);
+  const int widest = p.trees() > 1 ? std::min(slice, 18) : slice;
+  for (int word = 0; word < (p.node_levels() > 1 ? 3 : 1); word++)
+    for (int left = p.position_bits + 2 + parity_bits(p); left > 0; left -= widest)
+      if (p.trees() > 1)
+        m.add_two_reads(std::min(left, widest), nodes);
+      else
+        m.add(std::min(left, widest), nodes);
 
   // Trees and lists have their contexts each.
   const auto contexts_of = [&](int parts) {
@@ -154,8 +159,7 @@ Memories gatherer_memories(const Plan& p) {
   m.add(p.r2_bits() + (p.list_code_bits() == 0 ? 0 : p.index_bits()), places, lists);
   m.add(2 + p.line_bits() + 3 * (p.position_bits + 1) + p.r2_bits() +
             clog2(static_cast<uint64_t>(p.epsilon_factor)),
-        contexts_of(p.nodes_per_cycle) * power_of_two(p.line_bits() + 1) / 2,
-        2 * p.nodes_per_cycle);
+        contexts_of(p.trees()) * power_of_two(p.line_bits() + 1) / 2, 2 * p.trees());
   const uint64_t rows = uint64_t{1} << clog2(std::max<uint64_t>(16, 2 * parts) + 16);
   m.add(p.lanes * load_bits(p), rows, lists);
   m.add(2 * p.lanes * p.direction_bits, rows, lists);
@@ -199,7 +203,8 @@ Terms terms_of(Gatherer, const Plan& p, const std::string& resource) {
                  {"flux", p.channels * p.flux_bits()},
                  {"contexts", p.contexts},
                  {"unit", 1},
-                 // Of more a cycle, beside the lists' keys: what each further part has.
+                 // Of more a cycle, beside the lists' keys: what each further part has. A second
+                 // level counts as a further tree, of which it is a part.
                  {"further trees", (p.nodes_per_cycle - 1) * p.position_bits},
                  {"further lists", lists - 1},
                  {"further sums", (p.powers_per_cycle - 1) * p.channels * p.flux_bits()},

@@ -11,10 +11,11 @@
 //
 // Each stream from and to a gatherer passes a skid buffer here, so no path leads from one gatherer through the dispatcher
 // to another, nor back to the same one; up to two queries wait for a gatherer that is full. Where gatherers lie far away
-// (photonloom_pkg::FarGatherers) results and photons pass two, and known a cycle ahead are the gatherer that gets the next
-// query and whether there is room for its number and for a result.
+// (photonloom_pkg::FarGatherers) photons pass two, results come in words, and known a cycle ahead are the gatherer that gets the
+// next query and whether there is room for its number and for a result.
 //
-// One query, one result and one photon a cycle; latency of each 2 to 4 cycles, of results and photons that come from far 3 to 5.
+// One query, one result and one photon a cycle; latency of each 2 to 4 cycles, of photons that come from far 3 to 5. From far one
+// result in 9 cycles of each gatherer, 12 to 14 cycles later.
 module gather_dispatcher #(
     parameter int unsigned Gatherers = photonloom_pkg::Gatherers,
     parameter int unsigned Pending = 64 * Gatherers,
@@ -60,6 +61,8 @@ module gather_dispatcher #(
   localparam int unsigned PhotonDepth = HoldersOfPhotons > 2 ? 1 << $clog2(HoldersOfPhotons) : 2;
 
   localparam int unsigned ResultDepth = 16;
+  localparam int unsigned ResultWords = 8;  // of far gatherers
+  localparam int unsigned ResultWordBits = (ResultBits + ResultWords - 1) / ResultWords;
 
   localparam int Far = photonloom_pkg::FarGatherers != 0 ? Gatherers : 0;
 
@@ -113,9 +116,11 @@ module gather_dispatcher #(
     end
   end
 
-  // ---- what lies between a gatherer and the rest. Far: beside the gatherer, and once more here, which has the lower numbers. ----
-  logic [Far+Gatherers-1:0] result_valid, result_ready, photon_valid, photon_ready;
-  logic [(Far+Gatherers)*ResultBits-1:0] result_words;
+  // ---- what lies between a gatherer and the rest. Photons from far: beside the gatherer, and once more here, which has the lower
+  // numbers. ----
+  logic [Gatherers-1:0] result_valid, result_ready;
+  logic [Gatherers*ResultBits-1:0] result_words;
+  logic [Far+Gatherers-1:0] photon_valid, photon_ready;
   logic [(Far+Gatherers)*PhotonBits-1:0] photon_words;
 
   for (genvar g = 0; g < Gatherers; g++) begin : gen_gatherer
@@ -132,18 +137,6 @@ module gather_dispatcher #(
         .out_o(query_o[QueryBits*g+:QueryBits])
     );
     skid_buffer #(
-        .Width(ResultBits)
-    ) result_in (
-        .clk_i(clk_i),
-        .rst_i(rst_i),
-        .in_valid_i(result_valid_i[g]),
-        .in_ready_o(result_ready_o[g]),
-        .in_i(result_i[ResultBits*g+:ResultBits]),
-        .out_valid_o(result_valid[Far+g]),
-        .out_ready_i(result_ready[Far+g]),
-        .out_o(result_words[ResultBits*(Far+g)+:ResultBits])
-    );
-    skid_buffer #(
         .Width(PhotonBits)
     ) photon_in (
         .clk_i(clk_i),
@@ -156,14 +149,43 @@ module gather_dispatcher #(
         .out_o(photon_words[PhotonBits*(Far+g)+:PhotonBits])
     );
     if (Far != 0) begin : gen_far
-      skid_buffer #(
-          .Width(ResultBits)
-      ) result_near (
+      // A result of a far gatherer comes in words, which are few wires: it needs many cycles for each.
+      logic sent_valid, sent_ready, word_valid, word_ready;
+      logic [ResultWordBits-1:0] sent, word;
+      word_sender #(
+          .Width(ResultBits),
+          .Words(ResultWords)
+      ) result_out (
           .clk_i(clk_i),
           .rst_i(rst_i),
-          .in_valid_i(result_valid[Far+g]),
-          .in_ready_o(result_ready[Far+g]),
-          .in_i(result_words[ResultBits*(Far+g)+:ResultBits]),
+          .in_valid_i(result_valid_i[g]),
+          .in_ready_o(result_ready_o[g]),
+          .in_i(result_i[ResultBits*g+:ResultBits]),
+          .out_valid_o(sent_valid),
+          .out_ready_i(sent_ready),
+          .out_o(sent)
+      );
+      skid_buffer #(
+          .Width(ResultWordBits)
+      ) result_between (
+          .clk_i(clk_i),
+          .rst_i(rst_i),
+          .in_valid_i(sent_valid),
+          .in_ready_o(sent_ready),
+          .in_i(sent),
+          .out_valid_o(word_valid),
+          .out_ready_i(word_ready),
+          .out_o(word)
+      );
+      word_receiver #(
+          .Width(ResultBits),
+          .Words(ResultWords)
+      ) result_in (
+          .clk_i(clk_i),
+          .rst_i(rst_i),
+          .in_valid_i(word_valid),
+          .in_ready_o(word_ready),
+          .in_i(word),
           .out_valid_o(result_valid[g]),
           .out_ready_i(result_ready[g]),
           .out_o(result_words[ResultBits*g+:ResultBits])
@@ -180,12 +202,30 @@ module gather_dispatcher #(
           .out_ready_i(photon_ready[g]),
           .out_o(photon_words[PhotonBits*g+:PhotonBits])
       );
+    end else begin : gen_near
+      skid_buffer #(
+          .Width(ResultBits)
+      ) result_in (
+          .clk_i(clk_i),
+          .rst_i(rst_i),
+          .in_valid_i(result_valid_i[g]),
+          .in_ready_o(result_ready_o[g]),
+          .in_i(result_i[ResultBits*g+:ResultBits]),
+          .out_valid_o(result_valid[g]),
+          .out_ready_i(result_ready[g]),
+          .out_o(result_words[ResultBits*g+:ResultBits])
+      );
     end
   end
 
   logic order_valid, order_taken, next_valid, next_taken, next_wants;
   logic [SourceBits:0] order_word;
   logic [SourceBits-1:0] next_source;
+  /* verilator lint_off UNDRIVEN */
+  /* verilator lint_off UNUSEDSIGNAL */
+  logic [Gatherers-1:0] next_turn;  // of far gatherers
+  /* verilator lint_on UNUSEDSIGNAL */
+  /* verilator lint_on UNDRIVEN */
 
   fifo #(
       .Width(SourceBits + 1),
@@ -200,18 +240,50 @@ module gather_dispatcher #(
       .out_ready_i(order_taken),
       .out_o(order_word)
   );
-  skid_buffer #(
-      .Width(SourceBits + 1)
-  ) order_next (
-      .clk_i(clk_i),
-      .rst_i(rst_i),
-      .in_valid_i(order_valid),
-      .in_ready_o(order_taken),
-      .in_i(order_word),
-      .out_valid_o(next_valid),
-      .out_ready_i(next_taken),
-      .out_o({next_wants, next_source})
-  );
+  if (Far != 0) begin : gen_turn_ahead
+    // Whose turn it is is known a cycle ahead.
+    logic near_valid, near_taken;
+    logic [SourceBits:0] near_word;
+    logic [Gatherers-1:0] near_turn;
+    skid_buffer #(
+        .Width(SourceBits + 1)
+    ) order_near (
+        .clk_i(clk_i),
+        .rst_i(rst_i),
+        .in_valid_i(order_valid),
+        .in_ready_o(order_taken),
+        .in_i(order_word),
+        .out_valid_o(near_valid),
+        .out_ready_i(near_taken),
+        .out_o(near_word)
+    );
+    always_comb for (int unsigned g = 0; g < Gatherers; g++) near_turn[g] = near_word[SourceBits-1:0] == SourceBits'(g);
+    skid_buffer #(
+        .Width(Gatherers + SourceBits + 1)
+    ) order_next (
+        .clk_i(clk_i),
+        .rst_i(rst_i),
+        .in_valid_i(near_valid),
+        .in_ready_o(near_taken),
+        .in_i({near_turn, near_word}),
+        .out_valid_o(next_valid),
+        .out_ready_i(next_taken),
+        .out_o({next_turn, next_wants, next_source})
+    );
+  end else begin : gen_turn
+    skid_buffer #(
+        .Width(SourceBits + 1)
+    ) order_next (
+        .clk_i(clk_i),
+        .rst_i(rst_i),
+        .in_valid_i(order_valid),
+        .in_ready_o(order_taken),
+        .in_i(order_word),
+        .out_valid_o(next_valid),
+        .out_ready_i(next_taken),
+        .out_o({next_wants, next_source})
+    );
+  end
 
   if (Far != 0) begin : gen_room_ahead
     room_ahead #(
@@ -243,13 +315,13 @@ module gather_dispatcher #(
     result_turn = '0;
     result_word = '0;
     for (int unsigned g = 0; g < Gatherers; g++)
-      if (next_source == SourceBits'(g)) begin
+      if (Far != 0 ? next_turn[g] : next_source == SourceBits'(g)) begin
         result_turn[g] = 1'b1;
         result_word = result_word | result_words[ResultBits*g+:ResultBits];
       end
   end
-  assign result_ready[Gatherers-1:0] = next_valid && (Far != 0 ? results_room : results_ready) ? result_turn : '0;
-  assign next_taken = (result_ready[Gatherers-1:0] & result_valid[Gatherers-1:0]) != '0;
+  assign result_ready = next_valid && (Far != 0 ? results_room : results_ready) ? result_turn : '0;
+  assign next_taken = (result_ready & result_valid) != '0;
 
   fifo #(
       .Width(ResultBits),

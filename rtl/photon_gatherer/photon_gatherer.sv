@@ -8,15 +8,17 @@
 // answers are made. Up to Contexts queries are in flight. Each is at any time in one place: descending through inner
 // nodes, waiting for its leaf line, in the lanes, entering its list, or taking subtrees off its stack; its next decision
 // waits for its last insertion. Nodes, dropped stack entries, leaf beats and insertions each have a port of their own
-// that takes one a cycle. Of trees, lists and sums there may be several: number n of N has the contexts c with c % N = n.
-// docs/photon_gatherer.md has the drawing, the modules, the address map of cfg_*, and the figures.
+// that takes one a cycle, of two Levels two nodes of one descent. Of trees, lists and sums there may be several: number n of
+// N has the contexts c with c % N = n. docs/photon_gatherer.md has the drawing, the modules, the address map of cfg_*, and the figures.
 //
 // Latency: about 3 cycles an inner node, 3 for one or two stack entries, 40 a leaf in the cache, 1 a candidate.
 // Throughput: cycles per query near max(inner nodes / Trees, Bucket / Lanes * leaves, insertions / Lists, (K + 1) / Sums).
 module photon_gatherer #(
     // These change when packets come, never which.
     parameter int unsigned Contexts = photonloom_pkg::Contexts,
-    parameter int unsigned Trees = photonloom_pkg::NodesPerCycle,
+    // Two nodes a cycle are those of two trees or, of far gatherers, which have no LUTs to spare, two levels of one.
+    parameter int unsigned Levels = photonloom_pkg::FarGatherers != 0 ? photonloom_pkg::NodesPerCycle : 1,
+    parameter int unsigned Trees = photonloom_pkg::FarGatherers != 0 ? 1 : photonloom_pkg::NodesPerCycle,
     parameter int unsigned Lists = photonloom_pkg::CandidatesPerCycle,
     parameter int unsigned Sums = photonloom_pkg::PowersPerCycle,
     parameter int unsigned Lanes = photonloom_pkg::Lanes,
@@ -115,6 +117,7 @@ module photon_gatherer #(
 
   photon_gatherer_descent #(
       .Contexts(Contexts),
+      .Levels(Levels),
       .Trees(Trees),
       .Lists(Lists),
       .Sums(Sums),

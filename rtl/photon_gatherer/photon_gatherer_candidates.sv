@@ -92,6 +92,9 @@ module photon_gatherer_candidates #(
   localparam int unsigned LaneBits = Lanes > 1 ? $clog2(Lanes) : 1;
   localparam int unsigned CandidateBits = SlotBits + R2Bits;
   localparam bit Coded = photonloom_pkg::ListCodeBits != 0;
+  // Of far gatherers the clock is what is short: the bounds of the pair that waits and of the next one are both read, before it is
+  // known which it will be.
+  localparam bit Far = photonloom_pkg::FarGatherers != 0;
 
   logic [ContextBits-1:0] normal_context, pair_context;
   logic [3*(NormalBits+2)-1:0] normal;
@@ -156,6 +159,11 @@ module photon_gatherer_candidates #(
   logic [RowBits-1:0] wait_row_q;
   logic [1:0] wait_mask_q, wait_near;
   logic [R2Bits-1:0] wait_bound, wait_bound_q;
+  /* verilator lint_off UNDRIVEN */
+  /* verilator lint_off UNUSEDSIGNAL */
+  logic [R2Bits-1:0] next_bound;  // where Far
+  /* verilator lint_on UNUSEDSIGNAL */
+  /* verilator lint_on UNDRIVEN */
   logic [2*CandidateBits-1:0] wait_candidates_q;
   logic hand_q, hand_last_q, hand_other_q, ask, hand_two, hand_free, hand_end;
   logic [LineBits-1:0] hand_line_q;
@@ -195,7 +203,7 @@ module photon_gatherer_candidates #(
   assign wait_bound_context = pair_taken ? pair_context : wait_context_q;
 
   always_ff @(posedge clk_i) begin
-    wait_bound_q <= wait_bound;
+    wait_bound_q <= Far && pair_taken ? next_bound : wait_bound;
     if (pair_taken) begin
       wait_valid_q <= pair_valid;
       {wait_context_q, wait_row_q, wait_last_q} <= {pair_context, pair_row, pair_last};
@@ -383,8 +391,21 @@ module photon_gatherer_candidates #(
       .write_i(bound_write_o),
       .write_address_i(bound_context_o),
       .write_data_i(bound_o),
-      .read_address_i(wait_bound_context),
+      .read_address_i(Far ? wait_context_q : wait_bound_context),
       .read_data_o(wait_bound)
   );
+  if (Far) begin : gen_next_bound
+    lut_ram #(
+        .Width(R2Bits),
+        .Depth(Contexts)
+    ) bounds_to_next (
+        .clk_i(clk_i),
+        .write_i(bound_write_o),
+        .write_address_i(bound_context_o),
+        .write_data_i(bound_o),
+        .read_address_i(pair_context),
+        .read_data_o(next_bound)
+    );
+  end
   assign candidates_o = hand_q && token_candidate && !(Coded && !list_ready);
 endmodule

@@ -6,6 +6,7 @@
 // Latency 1 from the query to its start; then that of photon_gatherer_trees.
 module photon_gatherer_descent #(
     parameter int unsigned Contexts = 16,
+    parameter int unsigned Levels = 1,  // of a descent at once: 2 of one tree
     parameter int unsigned Trees = 1,  // number n of N trees, lists and sums has the contexts c with c % N = n, as c / N
     parameter int unsigned Lists = 1,
     parameter int unsigned Sums = 1,
@@ -166,7 +167,8 @@ module photon_gatherer_descent #(
       .Lists(Lists),
       .GlobalLines(GlobalLines),
       .CausticLines(CausticLines),
-      .NodeWords(NodeWords)
+      .NodeWords(NodeWords),
+      .Levels(Levels)
   ) trees (
       .clk_i(clk_i),
       .rst_i(rst_i),

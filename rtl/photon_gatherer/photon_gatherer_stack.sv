@@ -12,9 +12,11 @@ module photon_gatherer_stack #(
     parameter int unsigned EpsilonShift = 0,
     parameter int unsigned StackBits = 5,
     parameter int unsigned DistanceBits = 34,
+    parameter int unsigned Pushes = 1,  // entries of a query at once; of 2 the one for the even bank is lowest
     localparam int unsigned ContextBits = Contexts > 1 ? $clog2(Contexts) : 1,
     localparam int unsigned NodeBits = LineBits + 1,
-    localparam int unsigned EntryBits = 1 + NodeBits + OffsetsBits + DistanceBits
+    localparam int unsigned EntryBits = 1 + NodeBits + OffsetsBits + DistanceBits,
+    localparam int unsigned PushBits = Pushes == 1 ? EntryBits : 1 + 2 * EntryBits
 ) (
     input  logic                   clk_i,
     input  logic                   rst_i,
@@ -22,7 +24,7 @@ module photon_gatherer_stack #(
     input  logic                   push_i,
     input  logic [ContextBits-1:0] push_context_i,
     input  logic [  StackBits-1:0] push_stack_i,    // entries below it
-    input  logic [  EntryBits-1:0] push_entry_i,
+    input  logic [   PushBits-1:0] push_entry_i,    // of two pushes the highest bit says that there is a second one
     // a leaf is done
     input  logic                   in_valid_i,
     output logic                   in_ready_o,
@@ -63,18 +65,34 @@ module photon_gatherer_stack #(
 
   for (genvar bank = 0; bank < 2; bank++) begin : gen_bank
     logic [EntryBits-1:0] word, word_2_q;
-    block_ram #(
-        .Width(EntryBits),
-        .Depth(1 << RamBits)
-    ) entries (
-        .clk_i(clk_i),
-        .write_i(push_i && push_stack_i[0] == (bank == 1)),
-        .write_address_i({push_context_i, RowBits'(push_stack_i >> 1)}),
-        .write_data_i(push_entry_i),
-        .read_i(1'b1),
-        .read_address_i({context_0_q, RowBits'((top_0[0] == (bank == 1) ? top_0 : second_0) >> 1)}),
-        .read_data_o(word)
-    );
+    if (Pushes == 1) begin : gen_one_push
+      block_ram #(
+          .Width(EntryBits),
+          .Depth(1 << RamBits)
+      ) entries (
+          .clk_i(clk_i),
+          .write_i(push_i && push_stack_i[0] == (bank == 1)),
+          .write_address_i({push_context_i, RowBits'(push_stack_i >> 1)}),
+          .write_data_i(push_entry_i),
+          .read_i(1'b1),
+          .read_address_i({context_0_q, RowBits'((top_0[0] == (bank == 1) ? top_0 : second_0) >> 1)}),
+          .read_data_o(word)
+      );
+    end else begin : gen_two_pushes
+      // The lower one goes to the bank of its number, the second to the other one.
+      block_ram #(
+          .Width(EntryBits),
+          .Depth(1 << RamBits)
+      ) entries (
+          .clk_i(clk_i),
+          .write_i(push_i && (push_stack_i[0] == (bank == 1) || push_entry_i[PushBits-1])),
+          .write_address_i({push_context_i, RowBits'((push_stack_i + StackBits'(bank == 0)) >> 1)}),
+          .write_data_i(push_entry_i[EntryBits*bank+:EntryBits]),
+          .read_i(1'b1),
+          .read_address_i({context_0_q, RowBits'((top_0[0] == (bank == 1) ? top_0 : second_0) >> 1)}),
+          .read_data_o(word)
+      );
+    end
     always_ff @(posedge clk_i) word_2_q <= word;
     less_than #(
         .Width(CompareBits)

@@ -9,13 +9,15 @@
 // Latency 1 from the query to its start; starts are at least two cycles apart, so what they need is looked up a cycle
 // ahead. hold_i: the tree goes on with another query in this cycle; of several trees: the query that started last is not in
 // its tree yet. There contexts are many and the ways from a start are long: whether a query may start is known a cycle
-// ahead, and the query stays until it is in its tree. Mirrors the beginning of search_gather in
+// ahead, and the query stays until it is in its tree. Of one tree whose unit is Far from a board's dispatcher it is known
+// ahead too, but for hold_i, which comes from a register. Mirrors the beginning of search_gather in
 // golden/unit/photon_gatherer.cpp.
 module photon_gatherer_start #(
     parameter int unsigned Contexts = 16,
     parameter int unsigned Trees = 1,
     parameter int unsigned Sums = 1,  // sum s has the contexts c with c % Sums = s, as c / Sums
     parameter bit TokenFirst = photonloom_pkg::ListCodeBits != 0,
+    parameter bit Far = photonloom_pkg::FarGatherers != 0,  // from where it is known whether a slot is free
     localparam int unsigned ContextBits = Contexts > 1 ? $clog2(Contexts) : 1,
     localparam int unsigned SumContexts = (Contexts + Sums - 1) / Sums,
     localparam int unsigned SumContextBits = SumContexts > 1 ? $clog2(SumContexts) : 1,
@@ -118,6 +120,20 @@ module photon_gatherer_start #(
     assign context_ready = 1'b1;
     assign token_busy = TokenFirst ? token_q : Idle;
     assign held = 1'b0;
+  end else if (Far) begin : gen_far
+    // Whether a result slot is free is known far away. What is free stays so until a start,
+    // after which no query is there for a cycle; hold_i comes from a register.
+    logic may_q, started_q;
+    always_ff @(posedge clk_i) begin
+      may_q <= slot_ready_i && free && token_q == Idle && !started_q;
+      started_q <= start_o;
+      if (rst_i) {may_q, started_q} <= '0;
+    end
+    assign in_ready_o = !query_valid_q;
+    assign slot_ready = may_q;
+    assign context_ready = 1'b1;
+    assign token_busy = TokenFirst ? token_q : Idle;
+    assign held = hold_i;
   end else begin : gen_at_once
     assign in_ready_o = !query_valid_q;
     assign slot_ready = slot_ready_i;

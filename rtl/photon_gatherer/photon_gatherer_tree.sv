@@ -16,6 +16,11 @@ module photon_gatherer_tree #(
     parameter int unsigned GlobalLines = 4096,  // of the plan's maps
     parameter int unsigned CausticLines = 0,
     parameter int unsigned NodeWords = 4096,
+    parameter int unsigned Levels = 1,  // of a descent at once
+    parameter int unsigned GlobalWords = 2048,  // where 2: of photon_gatherer_pair_memory
+    parameter int unsigned GlobalUpper = 1,
+    parameter int unsigned CausticUpper = 1,
+    parameter int unsigned NodeAddressBits = $clog2(NodeWords),
     localparam int unsigned Contexts = (UnitContexts + Trees - 1) / Trees,
     localparam int unsigned ContextBits = Contexts > 1 ? $clog2(Contexts) : 1,
     localparam int unsigned ListContexts = (UnitContexts + Lists - 1) / Lists,
@@ -24,15 +29,15 @@ module photon_gatherer_tree #(
     localparam int unsigned R2Bits = photonloom_pkg::R2Bits,
     localparam int unsigned LineBits = photonloom_pkg::LineBits,
     localparam int unsigned NodeBits = LineBits + 1,
-    localparam int unsigned NodeAddressBits = $clog2(NodeWords),
     localparam int unsigned StackBits = $clog2(LineBits + 1),
-    localparam int unsigned Parity = photonloom_pkg::Parity
+    localparam int unsigned Parity = photonloom_pkg::Parity,
+    localparam int unsigned WordNodes = Levels == 1 ? 1 : 3
 ) (
     input  logic                             clk_i,
     input  logic                             rst_i,
     // node memory: the word is there in the cycle after its address
     output logic [      NodeAddressBits-1:0] node_address_o,
-    input  logic [  PositionBits+1+Parity:0] node_data_i,       // parity where there is, axis, split
+    input  logic [WordNodes*(PositionBits+2+Parity)-1:0] node_data_i,  // parity where there is, axis, split; of two levels of three nodes
     // lines of the caustic, the global map
     input  logic [           2*NodeBits-1:0] lines_i,
     // a query starts, not while held: at an inner node or a leaf of its map, or, in an empty one, at neither
@@ -69,7 +74,7 @@ module photon_gatherer_tree #(
     output logic [          ContextBits-1:0] wrong_context_o,
     // counted events, how many
     output logic                             nodes_o,
-    output logic [                      1:0] dropped_o
+    output logic [                 Levels:0] dropped_o          // of two levels, above the number dropped: a second node
 );
   localparam bit HasBoth = GlobalLines != 0 && CausticLines != 0;
   localparam bit OnlyCaustic = GlobalLines == 0 && CausticLines != 0;
@@ -138,13 +143,15 @@ module photon_gatherer_tree #(
   );
 
   // ---- with what nodes and stack read of a context ----
+  localparam int unsigned EntryBits = 1 + NodeBits + OffsetsBits + DistanceBits;
+  localparam int unsigned PushBits = Levels == 1 ? EntryBits : 1 + 2 * EntryBits;
   logic node_map, push;
   logic [ContextBits-1:0] node_context, push_context, stack_bound_context;
   logic [3*PositionBits-1:0] node_position;
   logic [OffsetsBits-1:0] node_offsets;
   logic [StackBits-1:0] push_stack;
   logic [R2Bits-1:0] stack_bound;
-  logic [NodeBits+OffsetsBits+DistanceBits:0] push_entry;
+  logic [PushBits-1:0] push_entry;
 
   lut_ram #(
       .Width(3 * PositionBits),
@@ -169,48 +176,96 @@ module photon_gatherer_tree #(
       .read_data_o(node_offsets)
   );
 
-  photon_gatherer_nodes #(
-      .PositionBits(PositionBits),
-      .LineBits(LineBits),
-      .Contexts(Contexts),
-      .NodeWords(NodeWords),
-      .CausticBase(GlobalLines),
-      .EpsilonFactor(photonloom_pkg::EpsilonFactor),
-      .StackBits(StackBits),
-      .DistanceBits(DistanceBits),
-      .Parity(Parity)
-  ) nodes (
-      .clk_i(clk_i),
-      .rst_i(rst_i),
-      .node_address_o(node_address_o),
-      .node_data_i(node_data_i),
-      .context_o(node_context),
-      .query_i(node_position),
-      .offsets_i(node_offsets),
-      .map_o(node_map),
-      .lines_i((HasBoth ? node_map : OnlyCaustic) ? lines_i[NodeBits+:NodeBits] : lines_i[0+:NodeBits]),
-      .in_valid_i(go_valid),
-      .in_ready_o(go_ready),
-      .in_context_i(go_context),
-      .in_map_i(go_map),
-      .in_first_i(go_first),
-      .in_node_i(go_node),
-      .in_stack_i(go_stack),
-      .leaf_valid_o(descent_valid),
-      .leaf_context_o(descent_context),
-      .leaf_map_o(descent_map),
-      .leaf_first_o(descent_first),
-      .leaf_line_o(descent_line),
-      .leaf_stack_o(descent_stack),
-      .leaf_steps_o(descent_steps),
-      .step_o(nodes_o),
-      .wrong_o(wrong_o),
-      .wrong_context_o(wrong_context_o),
-      .push_o(push),
-      .push_context_o(push_context),
-      .push_stack_o(push_stack),
-      .push_entry_o(push_entry)
-  );
+  if (Levels == 1) begin : gen_level
+    photon_gatherer_nodes #(
+        .PositionBits(PositionBits),
+        .LineBits(LineBits),
+        .Contexts(Contexts),
+        .NodeWords(NodeWords),
+        .CausticBase(GlobalLines),
+        .EpsilonFactor(photonloom_pkg::EpsilonFactor),
+        .StackBits(StackBits),
+        .DistanceBits(DistanceBits),
+        .Parity(Parity)
+    ) nodes (
+        .clk_i(clk_i),
+        .rst_i(rst_i),
+        .node_address_o(node_address_o),
+        .node_data_i(node_data_i),
+        .context_o(node_context),
+        .query_i(node_position),
+        .offsets_i(node_offsets),
+        .map_o(node_map),
+        .lines_i((HasBoth ? node_map : OnlyCaustic) ? lines_i[NodeBits+:NodeBits] : lines_i[0+:NodeBits]),
+        .in_valid_i(go_valid),
+        .in_ready_o(go_ready),
+        .in_context_i(go_context),
+        .in_map_i(go_map),
+        .in_first_i(go_first),
+        .in_node_i(go_node),
+        .in_stack_i(go_stack),
+        .leaf_valid_o(descent_valid),
+        .leaf_context_o(descent_context),
+        .leaf_map_o(descent_map),
+        .leaf_first_o(descent_first),
+        .leaf_line_o(descent_line),
+        .leaf_stack_o(descent_stack),
+        .leaf_steps_o(descent_steps),
+        .step_o(nodes_o),
+        .wrong_o(wrong_o),
+        .wrong_context_o(wrong_context_o),
+        .push_o(push),
+        .push_context_o(push_context),
+        .push_stack_o(push_stack),
+        .push_entry_o(push_entry)
+    );
+  end else begin : gen_pairs
+    photon_gatherer_node_pairs #(
+        .PositionBits(PositionBits),
+        .LineBits(LineBits),
+        .Contexts(Contexts),
+        .AddressBits(NodeAddressBits),
+        .CausticBase(GlobalWords),
+        .GlobalUpper(GlobalUpper),
+        .CausticUpper(CausticUpper),
+        .EpsilonFactor(photonloom_pkg::EpsilonFactor),
+        .StackBits(StackBits),
+        .DistanceBits(DistanceBits),
+        .Parity(Parity)
+    ) nodes (
+        .clk_i(clk_i),
+        .rst_i(rst_i),
+        .node_address_o(node_address_o),
+        .node_data_i(node_data_i),
+        .context_o(node_context),
+        .query_i(node_position),
+        .offsets_i(node_offsets),
+        .map_o(node_map),
+        .lines_i((HasBoth ? node_map : OnlyCaustic) ? lines_i[NodeBits+:NodeBits] : lines_i[0+:NodeBits]),
+        .in_valid_i(go_valid),
+        .in_ready_o(go_ready),
+        .in_context_i(go_context),
+        .in_map_i(go_map),
+        .in_first_i(go_first),
+        .in_node_i(go_node),
+        .in_stack_i(go_stack),
+        .leaf_valid_o(descent_valid),
+        .leaf_context_o(descent_context),
+        .leaf_map_o(descent_map),
+        .leaf_first_o(descent_first),
+        .leaf_line_o(descent_line),
+        .leaf_stack_o(descent_stack),
+        .leaf_steps_o(descent_steps),
+        .step_o(nodes_o),
+        .step_second_o(dropped_o[Levels]),
+        .wrong_o(wrong_o),
+        .wrong_context_o(wrong_context_o),
+        .push_o(push),
+        .push_context_o(push_context),
+        .push_stack_o(push_stack),
+        .push_entry_o(push_entry)
+    );
+  end
 
   photon_gatherer_bounds #(
       .Contexts(UnitContexts),
@@ -234,7 +289,8 @@ module photon_gatherer_tree #(
       .Contexts(Contexts),
       .EpsilonShift(photonloom_pkg::EpsilonShift),
       .StackBits(StackBits),
-      .DistanceBits(DistanceBits)
+      .DistanceBits(DistanceBits),
+      .Pushes(Levels)
   ) stack (
       .clk_i(clk_i),
       .rst_i(rst_i),
@@ -257,6 +313,6 @@ module photon_gatherer_tree #(
       .next_offsets_o(subtree_offsets),
       .done_valid_o(done_o),
       .done_context_o(done_context_o),
-      .drop_o(dropped_o)
+      .drop_o(dropped_o[1:0])
   );
 endmodule

@@ -15,6 +15,7 @@ module photon_gatherer_trees #(
     parameter int unsigned GlobalLines = 4096,  // of the plan's maps
     parameter int unsigned CausticLines = 0,
     parameter int unsigned NodeWords = 4096,
+    parameter int unsigned Levels = 1,  // of a descent at once: 2 of one tree
     localparam int unsigned ContextBits = Contexts > 1 ? $clog2(Contexts) : 1,
     localparam int unsigned TreeContexts = (Contexts + Trees - 1) / Trees,
     localparam int unsigned TreeContextBits = TreeContexts > 1 ? $clog2(TreeContexts) : 1,
@@ -75,13 +76,23 @@ module photon_gatherer_trees #(
 );
   localparam int unsigned LeafBits = ContextBits + 2 + LineBits + 2 * StackBits;
 
+  // Words of two levels: of half as many numbers as the lowest inner level needs.
+  localparam int unsigned GlobalLevels = GlobalLines > 1 ? $clog2(GlobalLines) : 0;
+  localparam int unsigned CausticLevels = CausticLines > 1 ? $clog2(CausticLines) : 0;
+  localparam int unsigned GlobalWords = GlobalLevels > 0 ? 1 << (GlobalLevels - 1) : 0;
+  localparam int unsigned CausticWords = CausticLevels > 0 ? 1 << (CausticLevels - 1) : 0;
+  localparam int unsigned PairWords = GlobalWords + CausticWords > 2 ? GlobalWords + CausticWords : 2;
+  localparam int unsigned ReadAddressBits = Levels == 1 ? NodeAddressBits : $clog2(PairWords);
+  localparam int unsigned EventBits = Levels + 1;
+  localparam int unsigned ReadDataBits = Levels == 1 ? NodeDataBits : 3 * NodeDataBits;
+
   logic root, root_inner, root_leaf, held, any_leaf;
   logic [ContextBits-1:0] root_context;
   logic [Trees-1:0] hold, leaf_valid, node_step;
-  logic [2*Trees-1:0] dropped;
+  logic [EventBits*Trees-1:0] dropped;
   logic [Trees*LeafBits-1:0] leaves;
-  logic [Trees*NodeAddressBits-1:0] node_address;
-  logic [Trees*NodeDataBits-1:0] node_data;
+  logic [Trees*ReadAddressBits-1:0] node_address;
+  logic [Trees*ReadDataBits-1:0] node_data;
   logic [NodeDataBits-1:0] node_word;
 
   if (Parity != 0) begin : gen_parity
@@ -90,18 +101,41 @@ module photon_gatherer_trees #(
     assign node_word = node_data_i;
   end
 
-  photon_gatherer_node_memory #(
-      .Trees(Trees),
-      .Width(NodeDataBits),
-      .Depth(NodeWords)
-  ) node_memory (
-      .clk_i(clk_i),
-      .write_i(node_write_i),
-      .write_address_i(node_address_i),
-      .write_data_i(node_word),
-      .read_address_i(node_address),
-      .read_data_o(node_data)
-  );
+  if (Levels == 1) begin : gen_level
+    photon_gatherer_node_memory #(
+        .Trees(Trees),
+        .Width(NodeDataBits),
+        .Depth(NodeWords)
+    ) node_memory (
+        .clk_i(clk_i),
+        .write_i(node_write_i),
+        .write_address_i(node_address_i),
+        .write_data_i(node_word),
+        .read_address_i(node_address),
+        .read_data_o(node_data)
+    );
+  end else begin : gen_pairs
+    if (Trees != 1) begin : gen_bad_levels
+      two_levels_are_of_one_tree bad_levels ();
+    end
+    photon_gatherer_pair_memory #(
+        .Width(NodeDataBits),
+        .GlobalLines(GlobalLines),
+        .CausticLines(CausticLines),
+        .NodeAddressBits(NodeAddressBits),
+        .GlobalWords(PairWords - CausticWords),
+        .CausticWords(CausticWords),
+        .GlobalUpper(GlobalLevels % 2),
+        .CausticUpper(CausticLevels % 2)
+    ) node_memory (
+        .clk_i(clk_i),
+        .write_i(node_write_i),
+        .write_address_i(node_address_i),
+        .write_data_i(node_word),
+        .read_address_i(node_address),
+        .read_data_o(node_data)
+    );
+  end
 
   // ---- a start enters its tree ----
   if (Trees > 1) begin : gen_waiting
@@ -148,12 +182,17 @@ module photon_gatherer_trees #(
         .Lists(Lists),
         .GlobalLines(GlobalLines),
         .CausticLines(CausticLines),
-        .NodeWords(NodeWords)
+        .NodeWords(NodeWords),
+        .Levels(Levels),
+        .GlobalWords(PairWords - CausticWords),
+        .GlobalUpper(GlobalLevels % 2),
+        .CausticUpper(CausticLevels % 2),
+        .NodeAddressBits(ReadAddressBits)
     ) walk (
         .clk_i(clk_i),
         .rst_i(rst_i),
-        .node_address_o(node_address[NodeAddressBits*tree+:NodeAddressBits]),
-        .node_data_i(node_data[NodeDataBits*tree+:NodeDataBits]),
+        .node_address_o(node_address[ReadAddressBits*tree+:ReadAddressBits]),
+        .node_data_i(node_data[ReadDataBits*tree+:ReadDataBits]),
         .lines_i(lines_i),
         .hold_o(hold[tree]),
         .start_i(root && here),
@@ -182,7 +221,7 @@ module photon_gatherer_trees #(
         .wrong_o(wrong_o[tree]),
         .wrong_context_o(wrong_context_o[TreeContextBits*tree+:TreeContextBits]),
         .nodes_o(node_step[tree]),
-        .dropped_o(dropped[2*tree+:2])
+        .dropped_o(dropped[(Levels == 1 ? 2 : 3)*tree+:(Levels == 1 ? 2 : 3)])
     );
 
     if (tree == 0) begin : gen_first
@@ -220,8 +259,9 @@ module photon_gatherer_trees #(
     dropped_o = '0;
     for (int unsigned t = 0; t < Trees; t++) begin
       if ((32'(root_context) & (Trees - 1)) == t) held = hold[t];
-      nodes_o = nodes_o + CountBits'(node_step[t]);
-      dropped_o = dropped_o + CountBits'(dropped[2*t+:2]);
+      nodes_o = nodes_o + (Levels == 1 ? CountBits'(node_step[t]) :
+                 CountBits'(node_step[t]) + CountBits'(dropped[3*t+Levels]));
+      dropped_o = dropped_o + CountBits'(dropped[(Levels == 1 ? 2 : 3)*t+:2]);
     end
   end
 

@@ -109,6 +109,20 @@ std::vector<BenchPlan> plans() {
     p.contexts = 4;
     p.parity = true;
   });
+  // Two levels of a descent at once, and whole parts of lines straight to the lanes.
+  add("far_levels", [](Plan& p) {
+    p.k = 12;
+    p.gatherers = 6;
+    p.contexts = 6;
+    p.nodes_per_cycle = 2;
+    p.global.photons = 2048;
+    p.caustic = {};
+    p.cache_bytes = 0;
+    p.lanes = 4;
+    p.photon_bytes = 12;
+    p.beat_bits = 4 * 8 * p.photon_bytes;
+    p.reorder_key = ReorderKey::kNone;
+  });
   // A beat a line of 24 words, queries as they come: most lines come from the photon memory.
   add("whole_lines", [](Plan& p) {
     p.gatherers = 4;

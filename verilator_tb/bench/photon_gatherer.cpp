@@ -143,6 +143,27 @@ std::vector<BenchPlan> plans() {
     p.beat_bits = 8 * p.line_bytes();
     p.nodes_per_cycle = p.candidates_per_cycle = p.powers_per_cycle = 2;
   });
+  // Of a board with five gatherers: two levels of a descent at once, of a map whose upper nodes are
+  // of even levels and one whose are of odd ones.
+  add("levels", [](Plan& p) {
+    p.k = 12;
+    p.gatherers = 5;
+    p.nodes_per_cycle = 2;
+    p.caustic.photons = 600;
+    p.parity = true;
+  });
+  // The other way round, the trees not full, with subtrees that are too far by less than all bits.
+  add("levels_coarse", [](Plan& p) {
+    p.k = 9;
+    p.gatherers = 6;
+    p.nodes_per_cycle = 2;
+    p.contexts = 5;
+    p.global.photons = 2400;
+    p.position_bits = 6;
+    p.epsilon_factor = 13;
+    p.epsilon_shift = 3;
+    p.leaf_limit = 6;
+  });
   return list;
 }
 

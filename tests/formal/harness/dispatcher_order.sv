@@ -73,14 +73,14 @@ module dispatcher_order #(
   (* hierconn *) logic [7:0] \dut.results.words_q ;
   (* hierconn *) logic [7:0] \dut.photon_turns.valid_q , \dut.photon_turns.words_q ;
   (* hierconn *) logic [QueryBits-1:0] \dut.query , \dut.incoming.spare_q ;
-  (* hierconn *) logic [1:0] \dut.order_next.spare_q , \dut.photons.spare_q ;
+  (* hierconn *) logic [1:0] \dut.gen_turn.order_next.spare_q , \dut.photons.spare_q ;
   (* hierconn *) logic [QueryBits-1:0] \dut.gen_gatherer[0].query_out.spare_q , \dut.gen_gatherer[1].query_out.spare_q ;
-  (* hierconn *) logic [1:0] \dut.gen_gatherer[0].result_in.spare_q , \dut.gen_gatherer[1].result_in.spare_q ;
+  (* hierconn *) logic [1:0] \dut.gen_gatherer[0].gen_near.result_in.spare_q , \dut.gen_gatherer[1].gen_near.result_in.spare_q ;
   (* hierconn *) logic [1:0] \dut.gen_gatherer[0].photon_in.spare_q , \dut.gen_gatherer[1].photon_in.spare_q ;
   logic [2*QueryBits-1:0] query_spares;
   logic [3:0] result_spares, photon_spares;
   assign query_spares  = {\dut.gen_gatherer[1].query_out.spare_q , \dut.gen_gatherer[0].query_out.spare_q };
-  assign result_spares = {\dut.gen_gatherer[1].result_in.spare_q , \dut.gen_gatherer[0].result_in.spare_q };
+  assign result_spares = {\dut.gen_gatherer[1].gen_near.result_in.spare_q , \dut.gen_gatherer[0].gen_near.result_in.spare_q };
   assign photon_spares = {\dut.gen_gatherer[1].photon_in.spare_q , \dut.gen_gatherer[0].photon_in.spare_q };
 
   photonloom_pkg::gather_query_t dealing, spare_in;
@@ -156,7 +156,7 @@ module dispatcher_order #(
       .Width(2)
   ) order_words (
       .valid_i({\dut.order.valid_q , !\dut.order_taken , \dut.next_valid }),
-      .words_i({\dut.order.words_q , \dut.order_next.spare_q , \dut.next_wants , \dut.next_source }),
+      .words_i({\dut.order.words_q , \dut.gen_turn.order_next.spare_q , \dut.next_wants , \dut.next_source }),
       .row_o(order_row)
   );
   in_a_row #(

@@ -4,12 +4,15 @@
 // photon_gatherer_start beside result slots that tell a cycle late whether one is free, and trees that take a query any time
 // after its start: a query or a flush starts only with a free slot; a query only in a context that nothing reads, once the list of
 // the query before is empty and that query is in its tree; and until it is there it stays as it was. Of one tree, which says in the
-// cycle itself whether it may take one, a query starts where it may. Slots, contexts and trees become free at any time.
+// cycle itself whether it may take one, a query starts where it may; and it does start, and a flush too, in the last of Limit
+// cycles at the latest in which nothing is in its way and lists do their part. Slots, contexts and trees become free at any time.
 module start_waits #(
     parameter int unsigned Trees = 2,
     parameter bit TokenFirst = 0,
+    parameter bit Far = 0,
     localparam int unsigned Contexts = 3,
-    localparam int unsigned Slots = 5
+    localparam int unsigned Slots = 5,
+    localparam int unsigned Limit = 4 + 32'(TokenFirst) + 32'(Far)
 ) (
     input logic clk_i,
     input logic rst_i,
@@ -36,7 +39,8 @@ module start_waits #(
       .Contexts(Contexts),
       .Trees(Trees),
       .Sums(2),
-      .TokenFirst(TokenFirst)
+      .TokenFirst(TokenFirst),
+      .Far(Far)
   ) dut (
       .clk_i(clk_i),
       .rst_i(rst_i),
@@ -76,6 +80,22 @@ module start_waits #(
   logic [2:0] used_q;  // slots
   logic emptied_q;  // the list of the query that waits
   logic [Contexts-1:0] summing_q, streaming_q;
+  logic clear;  // nothing is in the way of what waits
+  logic [2:0] clear_q;  // and has not been for so many cycles
+  always_comb begin
+    clear = !in_ready && ready_q;
+    if (query.flush) begin
+      clear = clear && flush_ready_i;
+    end else begin
+      clear = clear && !hold && (summing_q | streaming_q) != '1;
+      unique case (token)
+        2'd0: ;
+        2'd1: clear = clear && token_taken_i;
+        2'd2: clear = clear && (token_done_i || emptied_q);
+        default: clear = clear && !tree_done_i;
+      endcase
+    end
+  end
   always_ff @(posedge clk_i) begin
     started_q <= 1'b1;
     ready_q <= used_q != 3'(Slots);
@@ -92,7 +112,9 @@ module start_waits #(
         streaming_q[c] <= query.want_photons;
       end
     end
+    clear_q <= clear && !start ? clear_q + 1'b1 : '0;
     if (rst_i) begin
+      clear_q <= '0;
       ready_q <= 1'b0;
       used_q <= '0;
       waiting_q <= 1'b0;
@@ -116,6 +138,7 @@ module start_waits #(
         assert (context_o < 2'(Contexts) && !summing_q[context_o] && !streaming_q[context_o]);
         assert (TokenFirst ? emptied_q && token == 2'd2 && !hold : token == 2'd0 && !hold);
       end
+      if (Trees == 1) assert (clear_q < 3'(Limit));
       if (waiting_q) assert (query == waiting_query_q && !in_ready);
     end
   end
