@@ -14,8 +14,8 @@
 // (photonloom_pkg::FarGatherers) photons pass two, results come in words, and known a cycle ahead are the gatherer that gets the
 // next query and whether there is room for its number and for a result.
 //
-// One query, one result and one photon a cycle; latency of each 2 to 4 cycles, of photons that come from far 3 to 5. From far one
-// result in 9 cycles of each gatherer, 12 to 14 cycles later.
+// One query, one result and one photon a cycle; latency of each 2 to 4 cycles, of photons that come from far 3 to 5. From far each
+// gatherer gives one result in 9 cycles, whose words take 10.
 module gather_dispatcher #(
     parameter int unsigned Gatherers = photonloom_pkg::Gatherers,
     parameter int unsigned Pending = 64 * Gatherers,

@@ -57,7 +57,7 @@ std::vector<PackageConstant> package_constants(const Plan& plan) {
   LINE(reciprocal_bits, "W of reciprocal(r^2), 0 for none");
   LINE(contexts, "queries in flight");
   LINE(lanes, "distances per cycle");
-  LINE(nodes_per_cycle, "inner nodes per cycle: trees");
+  LINE(nodes_per_cycle, "inner nodes per cycle: trees, of far gatherers levels");
   LINE(candidates_per_cycle, "candidates per cycle: lists");
   LINE(powers_per_cycle, "powers per cycle: sums");
   LINE(cache_bytes, "leaf cache");

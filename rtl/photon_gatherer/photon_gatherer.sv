@@ -12,7 +12,8 @@
 // N has the contexts c with c % N = n. docs/photon_gatherer.md has the drawing, the modules, the address map of cfg_*, and the figures.
 //
 // Latency: about 3 cycles an inner node, 3 for one or two stack entries, 40 a leaf in the cache, 1 a candidate.
-// Throughput: cycles per query near max(inner nodes / Trees, Bucket / Lanes * leaves, insertions / Lists, (K + 1) / Sums).
+// Throughput: cycles per query near max(inner nodes / Trees, of two Levels two thirds of them, Bucket / Lanes * leaves,
+// insertions / Lists, (K + 1) / Sums).
 module photon_gatherer #(
     // These change when packets come, never which.
     parameter int unsigned Contexts = photonloom_pkg::Contexts,

@@ -5,7 +5,9 @@
 // photon_gatherer_stack drops subtrees that are too far; and what they read of a context: its position, the offsets of the
 // subtree that it is in, its bound. Mirrors the order of search_gather in golden/unit/photon_gatherer.cpp.
 //
-// One inner node, one leaf and two stack entries a cycle. A query is at a leaf 3 cycles for each inner node and 1 after
+// Of two Levels photon_gatherer_node_pairs descends instead, two inner nodes at once.
+//
+// One inner node, one leaf and two stack entries a cycle. A query is at a leaf 3 cycles for each inner node, or for each two, and 1 after
 // its start or its next subtree, at once where that is a leaf; the next subtree comes 4 cycles after the end of a leaf,
 // and 3 more for each two entries that are dropped before it.
 module photon_gatherer_tree #(

@@ -83,7 +83,7 @@ module photon_gatherer_trees #(
   localparam int unsigned CausticWords = CausticLevels > 0 ? 1 << (CausticLevels - 1) : 0;
   localparam int unsigned PairWords = GlobalWords + CausticWords > 2 ? GlobalWords + CausticWords : 2;
   localparam int unsigned ReadAddressBits = Levels == 1 ? NodeAddressBits : $clog2(PairWords);
-  localparam int unsigned EventBits = Levels + 1;
+  localparam int EventBits = Levels == 1 ? 2 : 3;  // how many entries a tree drops, and whether it has done a second node
   localparam int unsigned ReadDataBits = Levels == 1 ? NodeDataBits : 3 * NodeDataBits;
 
   logic root, root_inner, root_leaf, held, any_leaf;
@@ -221,7 +221,7 @@ module photon_gatherer_trees #(
         .wrong_o(wrong_o[tree]),
         .wrong_context_o(wrong_context_o[TreeContextBits*tree+:TreeContextBits]),
         .nodes_o(node_step[tree]),
-        .dropped_o(dropped[(Levels == 1 ? 2 : 3)*tree+:(Levels == 1 ? 2 : 3)])
+        .dropped_o(dropped[EventBits*tree+:EventBits])
     );
 
     if (tree == 0) begin : gen_first
@@ -260,8 +260,8 @@ module photon_gatherer_trees #(
     for (int unsigned t = 0; t < Trees; t++) begin
       if ((32'(root_context) & (Trees - 1)) == t) held = hold[t];
       nodes_o = nodes_o + (Levels == 1 ? CountBits'(node_step[t]) :
-                 CountBits'(node_step[t]) + CountBits'(dropped[3*t+Levels]));
-      dropped_o = dropped_o + CountBits'(dropped[(Levels == 1 ? 2 : 3)*t+:2]);
+                 CountBits'(node_step[t]) + CountBits'(dropped[EventBits*t+Levels]));
+      dropped_o = dropped_o + CountBits'(dropped[EventBits*t+:2]);
     end
   end
 
