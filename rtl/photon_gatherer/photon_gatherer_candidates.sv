@@ -94,7 +94,10 @@ module photon_gatherer_candidates #(
   localparam bit Coded = photonloom_pkg::ListCodeBits != 0;
   // Of far gatherers the clock is what is short: the bounds of the pair that waits and of the next one are both read, before it is
   // known which it will be.
+  // In hand a candidate has the exponent of its code.
   localparam bit Far = photonloom_pkg::FarGatherers != 0;
+  localparam int unsigned ExponentBits = 3;
+  localparam int unsigned KeyLow = IndexBits > 8 ? 8 : IndexBits;  // of the index in a code; less than a mantissa's bits
 
   logic [ContextBits-1:0] normal_context, pair_context;
   logic [3*(NormalBits+2)-1:0] normal;
@@ -122,7 +125,8 @@ module photon_gatherer_candidates #(
       .Lanes(Lanes),
       .RowBits(RowBits),
       .DirectionBits(DirectionBits),
-      .NormalBits(NormalBits)
+      .NormalBits(NormalBits),
+      .RoomLater(photonloom_pkg::FarGatherers)
   ) pairs (
       .clk_i(clk_i),
       .rst_i(rst_i),
@@ -161,7 +165,9 @@ module photon_gatherer_candidates #(
   logic [R2Bits-1:0] wait_bound, wait_bound_q;
   /* verilator lint_off UNDRIVEN */
   /* verilator lint_off UNUSEDSIGNAL */
-  logic [R2Bits-1:0] next_bound;  // where Far
+  // where Far
+  logic far_taken, far_rows_left;
+  logic [R2Bits-1:0] next_bound;
   /* verilator lint_on UNUSEDSIGNAL */
   /* verilator lint_on UNDRIVEN */
   logic [2*CandidateBits-1:0] wait_candidates_q;
@@ -188,7 +194,14 @@ module photon_gatherer_candidates #(
   assign wait_merge = wait_alone && !wait_first_q && hand_q && !hand_other_q && !(Coded && !list_ready);
   assign wait_end = wait_alone && !wait_merge && !hand_end && !(Coded && !list_ready);
   assign wait_take = wait_valid_q && !gone && !wait_merge && !wait_end && hand_free && !ask;
-  assign pair_taken = !wait_valid_q || gone || wait_merge || wait_end || wait_take;
+  assign pair_taken = Far ? far_taken : !wait_valid_q || gone || wait_merge || wait_end || wait_take;
+  if (Far) begin : gen_taken
+    // The same, of what is known first.
+    logic end_goes, hand_takes;
+    assign end_goes = list_ready && ((!wait_first_q && hand_q && !hand_other_q) || !hand_end);
+    assign hand_takes = list_ready && !ask && !(hand_q && hand_two);
+    assign far_taken = !wait_valid_q || (wait_mask_q == '0 && (!wait_last_q || end_goes)) || hand_takes;
+  end
   for (genvar c = 0; c < 2; c++) begin : gen_near
     logic beyond;
     less_than #(
@@ -287,8 +300,16 @@ module photon_gatherer_candidates #(
     assign pending = (hand_q && !hand_other_q) || wait_valid_q || pair_valid;
     assign oldest_row = hand_q && !hand_other_q ? load_row_o : wait_valid_q ? wait_row_q : pair_row;
     always_ff @(posedge clk_i) begin
-      rows_left_q <= in_valid_i && (!pending || RowBits'(in_row_i - oldest_row) < RowBits'(Behind - 3));
+      rows_left_q <= in_valid_i && (Far ? far_rows_left : !pending || RowBits'(in_row_i - oldest_row) < RowBits'(Behind - 3));
       if (rst_i) rows_left_q <= 1'b0;
+    end
+    if (Far) begin : gen_rows
+      // Where none waits, a pair goes to where it would in this cycle.
+      logic waits;
+      logic [RowBits-1:0] row;
+      assign waits = (hand_q && !hand_other_q) || wait_valid_q;
+      assign row = hand_q && !hand_other_q ? load_row_o : wait_row_q;
+      assign far_rows_left = waits ? RowBits'(in_row_i - row) < RowBits'(Behind - 3) : !pair_valid;
     end
 
     // A row that the hand asks for while the list is not ready is there in the next cycle: loads stay a cycle later.
@@ -308,13 +329,44 @@ module photon_gatherer_candidates #(
     assign leaf_done_o = ended_c_q && list_ready;
     assign leaf_done_context_o = ended_c_context_q;
 
+    // The exponent of a code depends on d2 alone.
+    localparam int unsigned Known = Far ? 1 : 0;
+    logic [R2Bits+Known*ExponentBits-1:0] coded_d2;
+    if (Far) begin : gen_known
+      localparam int unsigned CodeBits = photonloom_pkg::ListCodeBits;
+      logic [ExponentBits-1:0] exponent_q[0:1];
+
+      if (CodeBits - ExponentBits < KeyLow) begin : gen_bad_code
+        a_mantissa_needs_the_bits_of_the_index bad_code ();
+      end
+      for (genvar c = 0; c < 2; c++) begin : gen_exponent
+        /* verilator lint_off UNUSEDSIGNAL */  // its mantissa
+        logic [CodeBits-1:0] code;
+        /* verilator lint_on UNUSEDSIGNAL */
+        photon_gatherer_key_code #(
+            .KeyBits(R2Bits + KeyLow),
+            .CodeBits(CodeBits),
+            .ExponentBits(ExponentBits)
+        ) find (
+            .key_i({wait_candidates_q[CandidateBits*c+:R2Bits], KeyLow'(0)}),
+            .code_o(code)
+        );
+        always_ff @(posedge clk_i) if (hand_free) exponent_q[c] <= code[CodeBits-1-:ExponentBits];
+      end
+      assign coded_d2 = {hand_mask_q[0] ? exponent_q[0] : exponent_q[1], token_d2};
+    end else begin : gen_found
+      assign coded_d2 = token_d2;
+    end
+
     photon_gatherer_coded_list #(
         .K(K),
         .R2Bits(R2Bits),
         .IndexBits(IndexBits),
         .Contexts(Contexts),
         .LoadBits(LoadBits),
-        .CodeBits(photonloom_pkg::ListCodeBits)
+        .CodeBits(photonloom_pkg::ListCodeBits),
+        .ExponentBits(ExponentBits),
+        .Known(Known)
     ) list (
         .clk_i(clk_i),
         .rst_i(rst_i),
@@ -325,7 +377,7 @@ module photon_gatherer_candidates #(
         .in_start_i(token_start_q),
         .in_snapshot_i(token_snapshot_q),
         .in_index_i(token_index),
-        .in_d2_i(token_d2),
+        .in_d2_i(coded_d2),
         .load_i(coded_load_q),
         .started_o(start_done_o),
         .r2_max_i(start_r2_max_i),

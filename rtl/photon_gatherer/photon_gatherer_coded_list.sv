@@ -26,6 +26,7 @@ module photon_gatherer_coded_list #(
     parameter int unsigned LoadBits = 48,
     parameter int unsigned CodeBits = 20,
     parameter int unsigned ExponentBits = 3,
+    parameter int unsigned Known = 0,  // a token brings the exponent of its code above its d2
     localparam int unsigned ContextBits = Contexts > 1 ? $clog2(Contexts) : 1,
     localparam int unsigned PlaceBits = K > 1 ? $clog2(K) : 1,
     localparam int unsigned CountBits = $clog2(K + 1),
@@ -41,7 +42,7 @@ module photon_gatherer_coded_list #(
     input  logic                           in_start_i,
     input  logic                           in_snapshot_i,
     input  logic [          IndexBits-1:0] in_index_i,
-    input  logic [             R2Bits-1:0] in_d2_i,
+    input  logic [R2Bits+Known*ExponentBits-1:0] in_d2_i,
     input  logic [           LoadBits-1:0] load_i,           // four cycles after its token was taken, those in which it is not ready left out
     // a start is done: five cycles after its token, with r2_max of its map, given from the token until then
     output logic                           started_o,
@@ -98,14 +99,26 @@ module photon_gatherer_coded_list #(
   logic [PlaceBits-1:0] place;
   logic c_full, doubt, c_doubt_q, resolved, settled, enters;
 
-  photon_gatherer_key_code #(
-      .KeyBits(KeyBits - Low),
-      .CodeBits(CodeBits),
-      .ExponentBits(ExponentBits)
-  ) code (
-      .key_i({in_d2_i, in_index_i[IndexBits-1:Low]}),
-      .code_o(in_code)
-  );
+  if (Known != 0) begin : gen_known
+    photon_gatherer_known_code #(
+        .KeyBits(KeyBits - Low),
+        .CodeBits(CodeBits),
+        .ExponentBits(ExponentBits)
+    ) code (
+        .key_i({R2Bits'(in_d2_i), in_index_i[IndexBits-1:Low]}),
+        .exponent_i(ExponentBits'(in_d2_i >> R2Bits)),
+        .code_o(in_code)
+    );
+  end else begin : gen_found
+    photon_gatherer_key_code #(
+        .KeyBits(KeyBits - Low),
+        .CodeBits(CodeBits),
+        .ExponentBits(ExponentBits)
+    ) code (
+        .key_i({R2Bits'(in_d2_i), in_index_i[IndexBits-1:Low]}),
+        .code_o(in_code)
+    );
+  end
   assign ready_o = !c_doubt_q;
 
   less_than #(
@@ -223,7 +236,7 @@ module photon_gatherer_coded_list #(
       a_start_q <= in_valid_i && in_start_i;
       a_snapshot_q <= in_valid_i && in_snapshot_i;
       a_context_q <= in_context_i;
-      a_key_q <= {in_d2_i, in_index_i};
+      a_key_q <= {R2Bits'(in_d2_i), in_index_i};
       a_code_q <= in_code;
 
       b_candidate_q <= a_candidate_q;

@@ -5,7 +5,7 @@
 // half of the steps, and of the cycles that a descent takes. Order, entries of the stack and counts are those of
 // photon_gatherer_nodes. Mirrors two inner-node steps of the search in golden/unit/photon_gatherer.cpp.
 //
-//   stage 0  level and address of the word     1  its output; query and offsets; which descendants are leaves
+//   stage 0  level and address of the word     1  its output; the query's coordinates on its axes; which descendants are leaves
 //   stage 2  three comparisons, two choices, the near descendant back to 0
 //   behind it, without stall: offsets | squares | two sums | (factor E) | stack write, for each bank of the stack; what leaves is
 //   registered
@@ -94,6 +94,8 @@ module photon_gatherer_node_pairs #(
   logic [StackBits-1:0] stack_1_q, start_1_q;
   logic signed [NodeBits+2:0] child_1, grandchild_1;  // lines of the first ones, were they leaves
   logic [WordBits-1:0] upper_word, left_word, right_word, node_word;
+  logic [1:0] axis_1[0:2];
+  logic [P-1:0] coordinate_1[0:2];
 
   assign context_o = context_1_q;
   assign map_o = map_1_q;
@@ -101,6 +103,12 @@ module photon_gatherer_node_pairs #(
   assign grandchild_1 = signed'({1'b0, node_1_q, 2'b00}) - signed'((NodeBits + 3)'(lines_i));
   assign {right_word, left_word, upper_word} = node_data_i;
   assign node_word = upper_1_q ? upper_word : node_1_q[0] ? right_word : left_word;
+  assign axis_1[0] = node_word[P+:2];
+  assign axis_1[1] = left_word[P+:2];
+  assign axis_1[2] = right_word[P+:2];
+  for (genvar w = 0; w < 3; w++) begin : gen_coordinate
+    assign coordinate_1[w] = axis_1[w] == 2'd0 ? query_i[0+:P] : axis_1[w] == 2'd1 ? query_i[P+:P] : query_i[2*P+:P];
+  end
 
   // ---- stage 2 ----
   logic valid_2_q, map_2_q, first_2_q, upper_2_q;
@@ -110,7 +118,7 @@ module photon_gatherer_node_pairs #(
   logic [NodeBits-2:0] node_2_q;  // inner nodes are the lower half of the numbers
   logic [StackBits-1:0] stack_2_q, start_2_q, next_stack;
   logic [LineBits-1:0] child_2_q, grandchild_2_q;
-  logic [3*P-1:0] query_2_q;
+  logic [P-1:0] coordinate_2_q[0:2];
   logic [3*F-1:0] offsets_2_q;
   logic [P-1:0] split_2_q[0:2];  // of the node, of its left, its right child
   logic [1:0] axis_2_q[0:2];
@@ -153,7 +161,7 @@ module photon_gatherer_node_pairs #(
     upper_2_q <= upper_1_q;
     stack_2_q <= stack_1_q;
     start_2_q <= start_1_q;
-    query_2_q <= query_i;
+    for (int unsigned w = 0; w < 3; w++) coordinate_2_q[w] <= coordinate_1[w];
     offsets_2_q <= first_1_q ? '0 : offsets_i;
     {axis_2_q[0], split_2_q[0]} <= node_word[P+1:0];
     {axis_2_q[1], split_2_q[1]} <= left_word[P+1:0];
@@ -171,9 +179,7 @@ module photon_gatherer_node_pairs #(
   end
 
   for (genvar w = 0; w < 3; w++) begin : gen_compare
-    logic [P-1:0] coordinate;
-    assign coordinate = axis_2_q[w] == 2'd0 ? query_2_q[0+:P] : axis_2_q[w] == 2'd1 ? query_2_q[P+:P] : query_2_q[2*P+:P];
-    assign difference[w] = {1'b0, coordinate} - {1'b0, split_2_q[w]};
+    assign difference[w] = {1'b0, coordinate_2_q[w]} - {1'b0, split_2_q[w]};
     assign right[w] = !difference[w][P];
   end
 

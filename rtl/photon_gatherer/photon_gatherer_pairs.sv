@@ -12,6 +12,7 @@ module photon_gatherer_pairs #(
     parameter int unsigned RowBits = 6,
     parameter int unsigned DirectionBits = 8,
     parameter int unsigned NormalBits = 8,
+    parameter int unsigned RoomLater = 0,  // room that comes back is counted a cycle later, of any number of lanes
     localparam int unsigned ContextBits = Contexts > 1 ? $clog2(Contexts) : 1,
     localparam int unsigned Beats = Bucket / Lanes,
     localparam int unsigned BeatBits = Beats > 1 ? $clog2(Beats) : 1,
@@ -92,6 +93,12 @@ module photon_gatherer_pairs #(
     // Room that comes back is counted a cycle later.
     logic room_back_q, discard_q;
     always_ff @(posedge clk_i) {room_back_q, discard_q} <= rst_i ? '0 : {room_back, discard};
+    assign returned = room_back_q;
+    assign discarded = discard_q;
+  end else if (RoomLater != 0) begin : gen_later
+    logic room_back_q, discard_q;
+    always_ff @(posedge clk_i) {room_back_q, discard_q} <= rst_i ? '0 : {room_back, discard};
+    assign finished = test && rest == '0;
     assign returned = room_back_q;
     assign discarded = discard_q;
   end else begin : gen_now
@@ -239,7 +246,8 @@ module photon_gatherer_pairs #(
 
   fifo #(
       .Width(PairBits),
-      .Depth(Depth)
+      .Depth(Depth),
+      .Ahead(RoomLater)
   ) pairs (
       .clk_i(clk_i),
       .rst_i(rst_i),

@@ -164,6 +164,14 @@ std::vector<BenchPlan> plans() {
     p.epsilon_shift = 3;
     p.leaf_limit = 6;
   });
+  // Far, with so many places that the list often waits while beats of many lanes pass.
+  add("far_fifty", [](Plan& p) {
+    p.k = 50;
+    p.gatherers = 5;
+    p.lanes = 8;
+    p.cache_ways = 3;
+    p.cache_bytes = 3 * 128 * 8;
+  });
   return list;
 }
 

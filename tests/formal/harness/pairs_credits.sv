@@ -5,6 +5,7 @@
 module pairs_credits #(
     parameter int unsigned Lemmas = 0,
     parameter int unsigned Lanes = 2,
+    parameter int unsigned RoomLater = 0,
     localparam int unsigned Depth = 8
 ) (
     input logic clk_i,
@@ -31,7 +32,8 @@ module pairs_credits #(
       .Lanes(Lanes),
       .RowBits(1),
       .DirectionBits(2),
-      .NormalBits(2)
+      .NormalBits(2),
+      .RoomLater(RoomLater)
   ) dut (
       .clk_i(clk_i),
       .rst_i(rst_i),
@@ -60,9 +62,9 @@ module pairs_credits #(
   (* keep *) logic [3:0] room, head, tail;  // probes
   (* keep *) logic [5:0] stages;  // probe
   (* keep *) logic fifo_push, fifo_ready;  // probes
-  (* keep *) logic room_back, discarded;  // of many lanes, probes: room that is counted in the next cycle
+  (* keep *) logic room_back, discarded;  // of many lanes or RoomLater, probes: room that is counted in the next cycle
   logic [3:0] going, back;
-  assign back = Lanes > 4 ? 4'(room_back) + 4'(discarded) : 4'd0;
+  assign back = Lanes > 4 || RoomLater != 0 ? 4'(room_back) + 4'(discarded) : 4'd0;
   always_comb begin
     going = '0;
     for (int unsigned i = 0; i < 6; i++) going = going + 4'(stages[i]);
