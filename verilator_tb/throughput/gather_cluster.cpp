@@ -115,26 +115,27 @@ Clocks clocks_of(const fs::path& file, const Plan& plan, const nlohmann::json& r
 // the gatherers. Where a query visits many leaves, 16 contexts hide what a leaf takes from there if
 // leaves are few and large, and if the gatherer's own cache, in block RAM, has most of them. The
 // clock of the SDRAM is one that the routed top reaches. Bins of 0: no reorder buffer.
+constexpr int kPhotonBytes = 12;
 struct PlanOfBoard {
   const char* name;
   PhotonMemory memory;
   uint64_t photons;
-  int k, gatherers, contexts, candidates, powers, bucket, photon_bytes, lanes, beat_bits,
-      leaf_photons, pool, bins, cache_kb, lut_ram_words, replay, sdram_khz;
+  int k, gatherers, contexts, nodes, candidates, powers, bucket, lanes, beat_bits, leaf_photons,
+      pool, bins, cache_kb, lut_ram_words, replay, sdram_khz;
 };
 constexpr PlanOfBoard kPlans[] = {
-    {"block_ram_k8", PhotonMemory::kBlockRam, 16384, 8, 5, 16, 1, 1, 8, 12, 4, 384, 0, 512, 0, 48,
+    {"block_ram_k8", PhotonMemory::kBlockRam, 16384, 8, 5, 16, 1, 1, 1, 8, 4, 384, 0, 512, 0, 48,
      32, 1024, 100000},
-    {"block_ram_k16", PhotonMemory::kBlockRam, 16384, 16, 4, 16, 1, 1, 8, 12, 4, 384, 0, 512, 0, 48,
+    {"block_ram_k16", PhotonMemory::kBlockRam, 16384, 16, 5, 16, 1, 1, 1, 8, 4, 384, 0, 512, 0, 48,
      32, 1024, 100000},
-    {"block_ram_k50", PhotonMemory::kBlockRam, 16384, 50, 4, 16, 1, 1, 16, 12, 4, 384, 0, 2032, 0,
+    {"block_ram_k50", PhotonMemory::kBlockRam, 16384, 50, 4, 16, 1, 1, 1, 16, 4, 384, 0, 2032, 0,
      48, 32, 512, 100000},
-    {"sdram_k8", PhotonMemory::kSdram, 65536, 8, 3, 20, 1, 1, 8, 12, 4, 384, 256, 11248, 1024, 48,
+    {"sdram_k8", PhotonMemory::kSdram, 65536, 8, 3, 20, 1, 1, 1, 8, 4, 384, 256, 11248, 1024, 48,
      64, 512, 110000},
-    {"sdram_k16", PhotonMemory::kSdram, 65536, 16, 3, 16, 1, 1, 8, 12, 4, 384, 256, 10224, 512, 48,
+    {"sdram_k16", PhotonMemory::kSdram, 65536, 16, 3, 16, 1, 1, 1, 8, 4, 384, 256, 10224, 512, 48,
      64, 1024, 87500},
-    {"sdram_k50", PhotonMemory::kSdram, 65536, 50, 2, 16, 2, 1, 16, 12, 4, 384, 2048, 10224, 512,
-     24, 32, 512, 93750},
+    {"sdram_k50", PhotonMemory::kSdram, 65536, 50, 2, 16, 1, 2, 1, 16, 4, 384, 2048, 10224, 512, 24,
+     32, 512, 93750},
 };
 
 // The photons of a plan; a path that would overfill the map is cut.
@@ -149,6 +150,7 @@ Plan make_plan(const PlanOfBoard& p, const GatherLoad& load) {
   plan.scene = "";
   plan.k = p.k;
   plan.contexts = p.contexts;
+  plan.nodes_per_cycle = p.nodes;
   plan.candidates_per_cycle = p.candidates;
   plan.powers_per_cycle = p.powers;
   plan.bucket = p.bucket;
@@ -158,7 +160,7 @@ Plan make_plan(const PlanOfBoard& p, const GatherLoad& load) {
   plan.reorder_cell_bits = p.bins > 512 ? 4 : 3;
   plan.photon_memory = p.memory;
   plan.gatherers = p.gatherers;
-  plan.photon_bytes = p.photon_bytes;
+  plan.photon_bytes = kPhotonBytes;
   plan.lanes = p.lanes;
   plan.beat_bits = p.beat_bits;
   plan.cache_bytes = p.leaf_photons * plan.photon_bytes;
