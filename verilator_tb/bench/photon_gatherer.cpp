@@ -164,13 +164,14 @@ std::vector<BenchPlan> plans() {
     p.epsilon_shift = 3;
     p.leaf_limit = 6;
   });
-  // Far, with so many places that the list often waits while beats of many lanes pass.
-  add("far_fifty", [](Plan& p) {
-    p.k = 50;
+  // Far, with so many places and so many beats a line that beats pass a list that waits.
+  add("far_many", [](Plan& p) {
+    p.k = 36;
     p.gatherers = 5;
-    p.lanes = 8;
-    p.cache_ways = 3;
-    p.cache_bytes = 3 * 128 * 8;
+    p.position_bits = 22;
+    p.bucket = 16;
+    p.lanes = 4;
+    p.cache_bytes = 0;
   });
   return list;
 }
