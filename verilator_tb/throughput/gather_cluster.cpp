@@ -102,9 +102,11 @@ Clocks clocks_of(const fs::path& file, const Plan& plan, const nlohmann::json& r
   return found;
 }
 
+constexpr int kPhotonBytes = 12;  // of each plan here, without padding
+
 // What the command line's plans are: a memory and a k each, with as many gatherers as nextpnr finds
-// wires and block RAM for. Photons have no padding. Where the map lies in block RAM, shallow
-// memories of more than 32 words are block RAM too: it costs none of the wires that LUT RAM does.
+// wires and block RAM for. Where the map lies in block RAM, shallow memories of more than 32 words
+// are block RAM too: it costs none of the wires that LUT RAM does.
 // There the beats of a line stand side by side, so that two ports bring all lines that are visited:
 // neither leaf caches nor a reorder buffer save a cycle, and without them there is room for more
 // gatherers, each of one candidate a cycle and as many lanes as a beat has photons. Five of k = 16
@@ -116,7 +118,6 @@ Clocks clocks_of(const fs::path& file, const Plan& plan, const nlohmann::json& r
 // the gatherers. Where a query visits many leaves, 16 contexts hide what a leaf takes from there if
 // leaves are few and large, and if the gatherer's own cache, in block RAM, has most of them. The
 // clock of the SDRAM is one that the routed top reaches. Bins of 0: no reorder buffer.
-constexpr int kPhotonBytes = 12;
 struct PlanOfBoard {
   const char* name;
   PhotonMemory memory;
