@@ -156,12 +156,14 @@ def main() -> int:
     board = read_board(goals.board)
     if o.check or o.render:
         made: Data | None = read_json(DATA) if DATA.is_file() else None
-        text = page(made, stale_rows(made, board) if made else [])
+        stale = stale_rows(made, board) if made else []
+        text = page(made, stale)
         if o.render:
             replace_between(PAGE, "planned", text)
         elif text not in read_text(PAGE):
             raise Failure(f"{PAGE}: is not what {DATA} and today's RTL give; scripts/plan-boards --render writes it")
-        say("docs/planner.md is that of fpga/planned.json and of today's RTL")
+        say("docs/planner.md is that of fpga/planned.json" +
+            (f", and says that earlier RTL was routed for {', '.join(stale)}" if stale else " and of today's RTL"))
         return 0
     tools = find_tools(board)
     slow = nextpnr_is_slow(tools.versions[board.family.nextpnr])

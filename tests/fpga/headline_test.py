@@ -3,6 +3,7 @@
 a core."""
 import contextlib
 import copy
+import dataclasses
 import io
 import json
 import re
@@ -355,6 +356,7 @@ class Verdicts(MadeUp):
         v = self.judge(near)
         self.assertEqual((v.reached, v.missed), (True, ["84 % of the bound by the SDRAM, goal 85 %"]))
         self.assertIn("| 84 % (goal 85 %) **MISSED** |", tables.bound_table([(near, v)]))
+        self.assertEqual(tables.share_cell(dataclasses.replace(v, share=0.848)), "84.8 % (goal 85 %) **MISSED**")
         self.assertEqual(self.judge(self.sdram(cycles=8.6)).missed, [])
         self.assertEqual(self.judge(self.sdram(cycles=7, cycles_per_gather=10.1)).missed, ["79 % of the bound by the gatherers, goal 80 %"])
         self.assertIsNone(self.judge(self.row()).share_goal)
@@ -728,8 +730,8 @@ class Prepared(Folder):
 
 
 class BoardReplay(Folder):
-    def replay(self, signature: str) -> Any:
-        said = {"signature": signature, "golden_signature": "1", "gathers": 40 * replay.PASSES, "cycles": 500, "lines_per_gather": 0.5}
+    def replay(self, signature: str, full: int = 30) -> Any:
+        said = {"signature": signature, "golden_signature": "1", "golden_full": full, "gathers": 40 * replay.PASSES, "cycles": 500, "lines_per_gather": 0.5}
         plan = HeadlinePlan("p", self.write("p.toml", "[global]\nphotons = 4096\n"))
         commands: list[list[str]] = []
 
@@ -748,6 +750,10 @@ class BoardReplay(Folder):
     def test_results_that_are_not_goldens(self) -> None:
         with self.assertRaisesRegex(Failure, "p: the board's signature is 2, expected golden's 1"):
             self.replay("2")
+
+    def test_queries_that_find_nothing(self) -> None:
+        with self.assertRaisesRegex(Failure, r"p\.toml: global\.radius: none of 40 replayed queries"):
+            self.replay("1", full=0)
 
 
 class Processor(Folder):

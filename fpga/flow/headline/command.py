@@ -100,9 +100,9 @@ def route_only(tops: list[Top], routing: Routing, jobs: int) -> None:
 
 
 def play(plan: HeadlinePlan, goals: HeadlineGoals, work: Path, clock: float | None) -> Replay:
-    """The replay of a plan's board, simulated unless that of the same netlist and scene is kept."""
+    """The replay of a plan's board, simulated unless that of the same netlist, plan and scene is kept: radii are in no netlist."""
     digest = digest_now(plan.path, read_board(goals.board), clock)
-    kept = work / "replays" / f"{plan.name}-{digest[:SHORT]}-{sha256(goals.scene)[:SHORT]}.json"
+    kept = work / "replays" / f"{plan.name}-{digest[:SHORT]}-{sha256(plan.path)[:SHORT]}-{sha256(goals.scene)[:SHORT]}.json"
     if kept.is_file():
         found: Replay = read_json(kept)
         return found

@@ -58,7 +58,7 @@ def coarse_text(judged: Judged, rows: Sequence[Row], goals: CoarseGoals) -> str:
 
 def gain_text(judged: Judged, goals: GainGoals) -> str:
     """What the rows gained over an earlier commit."""
-    instead = [f"`{name}` within the mean r² has its goal with {growth.or_gatherers[1]} gatherers in the routed top too."
+    instead = [f"For `{name}` within the mean r², {growth.or_gatherers[1]} gatherers or more in the routed top would do instead."
                for name, growth in goals.plans.items() if growth.or_gatherers[1]]
     return (f"Rates on block RAM were to grow to a multiple of those of commit {goals.commit}, which are of its own page, and no row to be slower than a "
             "multiple of golden on one core. " + " ".join(instead) + "\n\n" + gain_table(judged, goals))

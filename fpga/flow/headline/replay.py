@@ -58,5 +58,8 @@ def replay(plan: HeadlinePlan, digest: str, scene: Path, work: Path) -> Replay:
     said = json.loads(text[text.index("{"):])
     if said["signature"] != said["golden_signature"]:
         raise Failure(f"{plan.name}: the board's signature is {said['signature']}, expected golden's {said['golden_signature']}")
+    if not said["golden_full"]:
+        raise Failure(f"{plan.path}: global.radius: none of {said['gathers'] // PASSES} replayed queries has k photons within it, expected a "
+                      "radius within which they gather, or 0")
     return {"plan": plan.name, "digest": digest, "queries": said["gathers"] // PASSES, "passes": PASSES,
             "cycles": said["cycles"], "lines_per_gather": said["lines_per_gather"]}

@@ -196,8 +196,11 @@ def gain_cell(row: Row) -> str:
 
 
 def share_cell(v: Verdict) -> str:
-    goal = "" if v.share_goal is None else f" (goal {100 * v.share_goal:.0f} %)" + ("" if v.share_reached else " **MISSED**")
-    return f"{100 * v.share:.0f} %{goal}"
+    if v.share_goal is None:
+        return f"{100 * v.share:.0f} %"
+    goal = f" (goal {100 * v.share_goal:.0f} %)" + ("" if v.share_reached else " **MISSED**")
+    # One that is missed is not rounded up to its goal.
+    return f"{100 * v.share:.{0 if v.share_reached or round(100 * v.share) < round(100 * v.share_goal) else 1}f} %{goal}"
 
 
 def bound_table(judged: Judged) -> str:
