@@ -163,8 +163,6 @@ Plan make_plan(const PlanOfBoard& p, const GatherLoad& load) {
   plan.photon_memory = p.memory;
   plan.gatherers = p.gatherers;
   plan.photon_bytes = kPhotonBytes;
-  // Without a radius, as a board's replayer gathers too: the rows set their own.
-  plan.global.r2_max = plan.caustic.r2_max = plan.r2_limit();
   plan.lanes = p.lanes;
   plan.beat_bits = p.beat_bits;
   plan.cache_bytes = p.leaf_photons * plan.photon_bytes;

@@ -123,6 +123,7 @@ class GatherLoad {
     plan.extent = world_.cube_extent();
     plan.global = {.present = true, .photons = count};
     plan.global.power_exponent = choose_power_exponent(photons, plan);
+    plan.global.r2_max = plan.caustic.r2_max = plan.r2_limit();  // no radius
     plan.width = plan.height = options_.size;
     plan.gather_rays = options_.rays;
     return plan;

@@ -152,7 +152,6 @@ int run(const Options& o) {
   const GatherLoad load(o.load);
   const std::vector<Photon> photons = load.photons(o.photons);
   Plan plan = load.plan(photons, photons.size());
-  plan.global.r2_max = plan.caustic.r2_max = plan.r2_limit();
   plan.contexts = o.contexts;
   plan.lanes = o.lanes;
   plan.nodes_per_cycle = o.nodes;
