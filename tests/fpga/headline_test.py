@@ -21,7 +21,7 @@ from flow.headline.data import Cores, Data, ImageTime, Rate, Replay, Row, SdramL
 from flow.headline.images import ON_A_BOARD, image_time, render_options, time_images
 from flow.headline.link import link_of
 from flow.headline.netlist import digest_now, netlist_digest
-from flow.headline.plans import FOLDER, HeadlinePlan, find_plan, rejected_names, rejected_plan, variant_names, variant_plan
+from flow.headline.plans import FOLDER, HeadlinePlan, find_plan, rejected_names, rejected_plan, variant_names, variant_plan, why_rejected
 from flow.headline.rows import gatherers_that_fit, rows_of
 from flow.headline.simulation import Bench, Timed, simulate, time_core
 from flow.headline.tops import Routing, Top, prepare, route, route_seed
@@ -644,6 +644,12 @@ class Page(MadeUp):
         head, tail = self.text().split("## Rejected plans")
         self.assertNotIn("| r | 8 |", head)
         self.assertIn("| r | 8 |", tail)
+
+    def test_why_a_plan_was_rejected_is_of_the_file_of_plans(self) -> None:
+        name = rejected_names()[0]
+        self.data["rows"].append(self.row(plan=name, rejected="what was said when it was measured"))
+        self.assertIn(f"`{name}`: {why_rejected(name)}.\n", self.text())
+        self.assertNotIn("what was said", self.text())
 
     def test_rows_that_were_measured_again_take_their_place(self) -> None:
         new = copy.deepcopy(self.data["rows"][1])

@@ -7,7 +7,7 @@ from pathlib import Path
 from flow.goals import CoarseGoals, GainGoals, HeadlineGoals
 from flow.headline.data import Data, ImageTime, Link, Replay, Row, of_headline
 from flow.headline.netlist import SHORT
-from flow.headline.plans import base_of, changes_of, coarse_names, rejected_names, variant_names, what_shows
+from flow.headline.plans import base_of, changes_of, coarse_names, rejected_names, variant_names, what_shows, why_rejected
 from flow.headline.tables import (IMAGE_COLUMNS, Judged, bound_table, coarse_table, gain_table, goal_table, image_cells, mega, part_table,
                                   predecessors_table, radius_of, sdram_clock_unknown, size_table, top_table, unrecorded, variant_table)
 from flow.headline.verdict import judge, judge_gain, slower_than_golden
@@ -210,8 +210,7 @@ def report(data: Data, goals: HeadlineGoals) -> str:
              bound_table(judged), "The part's bounds, Mquery/s, and how many gatherers each resource has room for:\n",
              part_table(judged), "## Tops\n", top_table(judged), "## Rejected plans\n"]
     for name in rejected_names():
-        found = [(r, v) for r, v in rejected if r["plan"] == name]
-        parts.append(f"`{name}`: " + (f"{found[0][0]['rejected']}." if found else
+        parts.append(f"`{name}`: " + (f"{why_rejected(name)}." if any(row["plan"] == name for row, _ in rejected) else
                                       f"not measured; `make headline PLAN={name} HEADLINE_FLAGS=--page` does.") + "\n")
     if rejected:
         parts += [goal_table(rejected), bound_table(rejected), top_table(rejected)]

@@ -44,6 +44,11 @@ def what_shows(name: str, variants: Path = VARIANTS) -> str:
     return said
 
 
+def why_rejected(name: str, variants: Path = VARIANTS) -> str:
+    said: str = field(read_toml(variants), variants, f"rejected.{name}.why", str, "why it is not in the headline")
+    return said
+
+
 def base_of(kind: str, name: str, variants: Path = VARIANTS) -> str:
     said: str = field(read_toml(variants), variants, f"{kind}.{name}.base", str, "a plan of fpga/headline")
     return said
@@ -66,8 +71,7 @@ def changed_plan(kind: str, name: str, work: Path, variants: Path) -> Path:
 
 
 def rejected_plan(name: str, work: Path, variants: Path = VARIANTS) -> HeadlinePlan:
-    why = field(read_toml(variants), variants, f"rejected.{name}.why", str, "why it is not in the headline")
-    return HeadlinePlan(name, changed_plan("rejected", name, work, variants), why)
+    return HeadlinePlan(name, changed_plan("rejected", name, work, variants), why_rejected(name, variants))
 
 
 def variant_plan(name: str, work: Path, variants: Path = VARIANTS) -> HeadlinePlan:
