@@ -163,6 +163,8 @@ Memories gatherer_memories(const Plan& p) {
   const uint64_t rows = uint64_t{1} << clog2(std::max<uint64_t>(16, 2 * parts) + 16);
   m.add(p.lanes * load_bits(p), rows, lists);
   m.add(2 * p.lanes * p.direction_bits, rows, lists);
+  // Of several trees and lists, squared distances too (photon_gatherer_beat_queue).
+  if (p.trees() > 1 && lists > 1) m.add(p.lanes * p.r2_bits(), rows, lists);
 
   // Of a result: what is known of it at the start, at the end, and its reciprocal.
   const uint64_t most = p.lut_ram_words < 64 || p.lut_ram_words >= 512 ? (p.parity ? 128 : 512)

@@ -11,6 +11,8 @@
 //
 //   stage 0  choose a request    1  tag memory    2  held ways    3  compare, decide    hit: wait for the reader
 //
+// With CompareStage it is decided in a stage 4 of its own, by what was compared before it: for clocks at which both are too long.
+//
 // ready_i says that there is room for a line and issue_o that one begins: its parts follow from the second cycle after,
 // straight from the memory of cache_lines, and must be taken. Line port: beats of a line in order and not interleaved, lines in any
 // order of tags, always accepted. invalidate_i (while idle) forgets every line in Sets cycles, as reset does.
@@ -21,7 +23,7 @@
 // place; a tag that is not right matches no request, so its line is fetched anew (tag_wrong_o). Either way the line is
 // forgotten.
 //
-// Latency of a hit 5 cycles from in_valid_i, a line in Parts cycles; a miss adds the memory's latency, its beats and 2.
+// Latency of a hit 5 cycles from in_valid_i, with CompareStage 6, a line in Parts cycles; a miss adds the memory's latency, its beats and 2.
 module cache #(
     parameter int unsigned AddressBits = 14,
     parameter int unsigned Clients = 16,
@@ -35,6 +37,8 @@ module cache #(
     parameter int unsigned Sets = 64,
     parameter int unsigned Ways = 2,
     parameter int unsigned Misses = 8,
+    parameter bit UseLater = 1'b0,  // of cache_victim
+    parameter bit CompareStage = 1'b0,  // a stage for the comparison of tags alone
     localparam int unsigned ClientBits = Clients > 1 ? $clog2(Clients) : 1,
     localparam int unsigned MissBits = Misses > 1 ? $clog2(Misses) : 1,
     localparam int unsigned SetBits = Sets > 1 ? $clog2(Sets) : 1,
@@ -100,7 +104,8 @@ module cache #(
   end
 
   // ---- stages 0 to 2 ----
-  // A lookup is stale when a tag of its set is written in the cycle in which it reads or the next: then it is made again.
+  // A lookup is stale when a tag of its set is written in the cycle in which it reads or later, until it is decided: then it is
+  // made again.
   logic queue_valid, allocate;
   logic [ClientBits-1:0] queue_client, client_1_q, client_2_q, client_3_q;
   logic [AddressBits-1:0] queue_address, address_1_q, address_2_q, address_3_q;
@@ -110,7 +115,7 @@ module cache #(
   logic [Ways-1:0] tag_odd, tag_odd_3;
   logic expel;  // a line is forgotten
   logic [PlaceBits-1:0] expel_place;
-  logic [Ways-1:0] pending_2, pending_3_q;
+  logic [Ways-1:0] pending_2, pending_3_q;  // of the set decided next, of the one decided
 
   assign set_1 = SetBits'(address_1_q) & set_mask_i;
   assign set_2 = SetBits'(address_2_q) & set_mask_i;
@@ -123,13 +128,13 @@ module cache #(
     valid_2_q <= valid_1_q;
     client_2_q <= client_1_q;
     address_2_q <= address_1_q;
-    stale_2_q <= sweeping_q || (allocate && set_1 == set_3_q) || (expel && set_1 == expel_place[WayBits+:SetBits]);
+    stale_2_q <= sweeping_q || (allocate && set_1 == set_d) || (expel && set_1 == expel_place[WayBits+:SetBits]);
 
     valid_3_q <= valid_2_q;
     client_3_q <= client_2_q;
     address_3_q <= address_2_q;
     set_3_q <= set_2;
-    stale_3_q <= stale_2_q || sweeping_q || (allocate && set_2 == set_3_q);
+    stale_3_q <= stale_2_q || sweeping_q || (allocate && set_2 == set_d);
     tags_3_q <= tags;
     pending_3_q <= pending_2;
     if (rst_i) begin
@@ -139,13 +144,52 @@ module cache #(
     end
   end
 
-  // ---- stage 3: decide ----
+  // ---- decide: in stage 3, or with CompareStage in stage 4 ----
+  // set_ahead is that of the stage before.
+  logic valid_d, stale_d;
+  logic [ClientBits-1:0] client_d;
+  logic [AddressBits-1:0] address_d;
+  logic [SetBits-1:0] set_d, set_ahead;
+  logic [Ways-1:0] match, match_d;
+  /* verilator lint_off UNDRIVEN */
+  /* verilator lint_off UNUSEDSIGNAL */
+  logic [Ways-1:0] tag_odd_d;  // where CompareStage and Parity
+  /* verilator lint_on UNUSEDSIGNAL */
+  /* verilator lint_on UNDRIVEN */
+  logic [WayBits-1:0] hit_way, hit_way_d;
+  if (CompareStage) begin : gen_compare_stage
+    logic valid_4_q, stale_4_q;
+    logic [ClientBits-1:0] client_4_q;
+    logic [AddressBits-1:0] address_4_q;
+    logic [SetBits-1:0] set_4_q;
+    logic [Ways-1:0] match_4_q, tag_odd_4_q;
+    logic [WayBits-1:0] hit_way_4_q;
+    always_ff @(posedge clk_i) begin
+      valid_4_q <= valid_3_q && !rst_i;
+      stale_4_q <= stale_3_q || sweeping_q || (allocate && set_3_q == set_4_q);
+      {client_4_q, address_4_q, set_4_q} <= {client_3_q, address_3_q, set_3_q};
+      {match_4_q, hit_way_4_q, tag_odd_4_q} <= {match, hit_way, tag_odd_3};
+    end
+    assign {valid_d, stale_d, client_d, address_d, set_d} = {valid_4_q, stale_4_q, client_4_q, address_4_q, set_4_q};
+    assign {match_d, hit_way_d, tag_odd_d} = {match_4_q, hit_way_4_q, tag_odd_4_q};
+    assign set_ahead = set_3_q;
+  end else begin : gen_compare_and_decide
+    assign valid_d = valid_3_q;
+    assign stale_d = stale_3_q;
+    assign client_d = client_3_q;
+    assign address_d = address_3_q;
+    assign set_d = set_3_q;
+    assign match_d = match;
+    assign hit_way_d = hit_way;
+    assign set_ahead = set_2;
+  end
+
   logic hit_valid_q, reader_valid_q, hit_take, hit_room, retry;
   logic [PlaceBits-1:0] hit_place_q, hit_place, reader_place_q;
   logic [ClientBits-1:0] hit_client_q, hit_client, reader_client_q;
-  logic [Ways-1:0] match, held;
-  logic same_3, same_hit, hit_same_q, reader_same_q;  // the set decided next, that of the hit, the one read: set_3_q
-  logic [WayBits-1:0] hit_way, victim;
+  logic [Ways-1:0] held;
+  logic same_3, same_hit, hit_same_q, reader_same_q;  // the set decided next, that of the hit, the one read: set_d
+  logic [WayBits-1:0] victim;
   logic found, hits, free_q;  // free: an entry of the misses
   logic [MissBits-1:0] entry_q;
 
@@ -159,13 +203,13 @@ module cache #(
     end
   end
 
-  assign found = match != '0;
+  assign found = match_d != '0;
   assign hit_room = !hit_valid_q || hit_take;
-  assign hit_place = hit_valid_q ? hit_place_q : {set_3_q, hit_way};
-  assign hit_client = hit_valid_q ? hit_client_q : client_3_q;
-  assign hits = valid_3_q && !stale_3_q && (match & ~pending_3_q) != '0 && hit_room;
-  assign allocate = valid_3_q && !stale_3_q && !found && free_q && held != '1 && !line_req_valid_o;
-  assign retry = valid_3_q && !hits && !allocate;
+  assign hit_place = hit_valid_q ? hit_place_q : {set_d, hit_way_d};
+  assign hit_client = hit_valid_q ? hit_client_q : client_d;
+  assign hits = (CompareStage ? valid_d && !stale_d : valid_3_q && !stale_3_q) && (match_d & ~pending_3_q) != '0 && hit_room;
+  assign allocate = (CompareStage ? valid_d && !stale_d : valid_3_q && !stale_3_q) && !found && free_q && held != '1 && !line_req_valid_o;
+  assign retry = valid_d && !hits && !allocate;
   assign {hit_o, miss_o} = {hits, allocate};
 
   /* verilator lint_off UNUSEDSIGNAL */  // the queue holds every client
@@ -176,7 +220,7 @@ module cache #(
       .rst_i(rst_i),
       .in_valid_i(retry),
       .in_ready_o(queue_ready),
-      .in_i({client_3_q, address_3_q}),
+      .in_i({client_d, address_d}),
       .out_valid_o(queue_valid),
       .out_ready_i(!in_valid_i),
       .out_o({queue_client, queue_address})
@@ -185,7 +229,7 @@ module cache #(
   for (genvar way = 0; way < Ways; way++) begin : gen_tags
     logic [TagBits-1:0] tag;
     logic [TagBits+Parity-1:0] tag_write, tag_read;
-    assign tag = sweeping_q || expel ? '0 : {1'b1, address_3_q};
+    assign tag = sweeping_q || expel ? '0 : {1'b1, address_d};
     assign tags[TagBits*way+:TagBits] = tag_read[TagBits-1:0];
     if (Parity != 0) begin : gen_tag_parity
       assign tag_write = {^tag, tag};
@@ -201,7 +245,7 @@ module cache #(
         .clk_i(clk_i),
         .write_i(sweeping_q || (allocate && victim == WayBits'(way)) ||
             (expel && expel_place[0+:WayBits] == WayBits'(way))),
-        .write_address_i(sweeping_q ? sweep_q : expel ? expel_place[WayBits+:SetBits] : set_3_q),
+        .write_address_i(sweeping_q ? sweep_q : expel ? expel_place[WayBits+:SetBits] : set_d),
         .write_data_i(tag_write),
         .read_i(1'b1),
         .read_address_i(set_1),
@@ -209,15 +253,19 @@ module cache #(
     );
   end
 
-  cache_victim #(.Sets(Sets), .Ways(Ways)) to_take (
+  cache_victim #(
+      .Sets(Sets),
+      .Ways(Ways),
+      .UseLater(UseLater)
+  ) to_take (
       .clk_i(clk_i),
       .rst_i(rst_i),
       .clear_i(sweeping_q),
-      .set_ahead_i(set_2),
-      .set_i(sweeping_q ? sweep_q : set_3_q),
+      .set_ahead_i(set_ahead),
+      .set_i(sweeping_q ? sweep_q : set_d),
       .held_i(held),
       .hit_i(hits),
-      .hit_way_i(hit_way),
+      .hit_way_i(hit_way_d),
       .miss_i(allocate),
       .victim_o(victim)
   );
@@ -233,12 +281,12 @@ module cache #(
 
     always_comb begin
       odd_way = '0;
-      for (int unsigned w = Ways; w > 0; w--) if (tag_odd_3_q[w-1]) odd_way = WayBits'(w - 1);
+      for (int unsigned w = Ways; w > 0; w--) if (CompareStage ? tag_odd_d[w-1] : tag_odd_3_q[w-1]) odd_way = WayBits'(w - 1);
     end
-    assign tag_wrong_o = valid_3_q && !stale_3_q && tag_odd_3_q != '0;
+    assign tag_wrong_o = valid_d && !stale_d && (CompareStage ? tag_odd_d : tag_odd_3_q) != '0;
     assign out_wrong_o = out_valid_1_q && read_wrong;
     assign tag_odd_3 = tag_odd_3_q;
-    assign expel = expel_q && !valid_3_q && !sweeping_q;
+    assign expel = expel_q && !valid_d && !sweeping_q;
     assign expel_place = expel_place_q;
     always_ff @(posedge clk_i) begin
       tag_odd_3_q <= tag_odd;
@@ -248,7 +296,7 @@ module cache #(
       if (expel) expel_q <= 1'b0;
       if (tag_wrong_o || out_wrong_o) begin
         expel_q <= 1'b1;
-        expel_place_q <= out_wrong_o ? place_2_q : {set_3_q, odd_way};
+        expel_place_q <= out_wrong_o ? place_2_q : {set_d, odd_way};
       end
       if (rst_i) begin
         out_valid_1_q <= 1'b0;
@@ -279,7 +327,7 @@ module cache #(
     for (int unsigned w = 0; w < Ways; w++) begin
       pending_2[w] = 1'b0;
       for (int unsigned m = 0; m < Misses; m++)
-        if (busy_q[m] && miss_place_q[m] == {set_2, WayBits'(w)}) pending_2[w] = 1'b1;
+        if (busy_q[m] && miss_place_q[m] == {set_ahead, WayBits'(w)}) pending_2[w] = 1'b1;
     end
     any_filled = filled_q != '0;
     serve_entry = '0;
@@ -297,13 +345,13 @@ module cache #(
       end
       if (allocate && entry_q == MissBits'(m)) begin
         busy_q[m] <= 1'b1;
-        miss_place_q[m] <= {set_3_q, victim};
+        miss_place_q[m] <= {set_d, victim};
       end
     end
     if (line_req_ready_i) line_req_valid_o <= 1'b0;
     if (allocate) begin
       line_req_valid_o <= 1'b1;
-      line_req_addr_o <= address_3_q;
+      line_req_addr_o <= address_d;
       line_req_tag_o <= entry_q;
     end
     if (rst_i) begin
@@ -320,7 +368,7 @@ module cache #(
       .clk_i(clk_i),
       .write_i(allocate),
       .write_address_i(entry_q),
-      .write_data_i({set_3_q, victim, client_3_q}),
+      .write_data_i({set_d, victim, client_d}),
       .read_address_i(serve_entry),
       .read_data_o({serve_place, serve_client})
   );
@@ -328,7 +376,7 @@ module cache #(
       .clk_i(clk_i),
       .write_i(allocate),
       .write_address_i(entry_q),
-      .write_data_i({set_3_q, victim}),
+      .write_data_i({set_d, victim}),
       .read_address_i(fill_entry),
       .read_data_o(fill_place)
   );
@@ -342,17 +390,17 @@ module cache #(
   assign serve = any_filled && reader_free && ready_i;
   assign hit_take = !any_filled && reader_free && ready_i;
   assign issue_o = serve || (hit_take && (hit_valid_q || hits));
-  assign {same_3, same_hit} = {set_2 == set_3_q, set_2 == hit_place_q[WayBits+:SetBits]};
+  assign {same_3, same_hit} = {set_ahead == set_d, set_ahead == hit_place_q[WayBits+:SetBits]};
 
   always_ff @(posedge clk_i) begin
     // Compared a cycle ahead, since what is held decides which tag is written.
     hit_same_q <= hit_room ? same_3 : same_hit;
-    reader_same_q <= !reader_free ? set_2 == reader_place_q[WayBits+:SetBits] :
-        any_filled ? set_2 == serve_place[WayBits+:SetBits] : hit_valid_q ? same_hit : same_3;
+    reader_same_q <= !reader_free ? set_ahead == reader_place_q[WayBits+:SetBits] :
+        any_filled ? set_ahead == serve_place[WayBits+:SetBits] : hit_valid_q ? same_hit : same_3;
     if (hit_room) begin
       hit_valid_q <= hits && (hit_valid_q || !hit_take);
-      hit_place_q <= {set_3_q, hit_way};
-      hit_client_q <= client_3_q;
+      hit_place_q <= {set_d, hit_way_d};
+      hit_client_q <= client_d;
     end
     if (reader_free) begin
       reader_valid_q <= issue_o;

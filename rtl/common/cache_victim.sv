@@ -4,11 +4,13 @@
 // and clears the others of the set where all would be set. One turn serves all sets and advances with every miss.
 //
 // set_ahead_i is read; in the cycle after, set_i is what it was, held_i and the way of a hit belong to it, and victim_o is
-// there in that cycle. Uses of one set in cycles that follow on each other may lose one of their bits. clear_i clears the
-// bits of set_i. A choice a cycle. Not recently used: Tanenbaum, Modern Operating Systems, of pages.
+// there in that cycle. Uses of one set in cycles that follow on each other may lose one of their bits; with UseLater, by
+// which a use is written a cycle later, those two cycles apart too. clear_i clears the bits of set_i. A choice a cycle. Not
+// recently used: Tanenbaum, Modern Operating Systems, of pages.
 module cache_victim #(
     parameter int unsigned Sets = 64,
     parameter int unsigned Ways = 2,
+    parameter bit UseLater = 1'b0,
     localparam int unsigned SetBits = Sets > 1 ? $clog2(Sets) : 1,
     localparam int unsigned WayBits = Ways > 1 ? $clog2(Ways) : 1
 ) (
@@ -37,14 +39,36 @@ module cache_victim #(
     assign now = Ways'(1) << (miss_i ? victim_o : hit_way_i);
     assign used = (used_q | now) == '1 ? now : used_q | now;
 
+    // Which way is used is known late: its bit may be written from registers.
+    /* verilator lint_off UNDRIVEN */
+    /* verilator lint_off UNUSEDSIGNAL */
+    // where UseLater
+    logic later_write;
+    logic [SetBits-1:0] later_set;
+    logic [Ways-1:0] later_used;
+    /* verilator lint_on UNUSEDSIGNAL */
+    /* verilator lint_on UNDRIVEN */
+    if (UseLater) begin : gen_later
+      logic write_q, clear_q;
+      logic [SetBits-1:0] set_q;
+      logic [Ways-1:0] before_q, now_q;
+      always_ff @(posedge clk_i) begin
+        write_q <= clear_i || hit_i || miss_i;
+        {clear_q, set_q, before_q, now_q} <= {clear_i, set_i, used_q, now};
+      end
+      assign later_write = write_q;
+      assign later_set = set_q;
+      assign later_used = clear_q ? '0 : (before_q | now_q) == '1 ? now_q : before_q | now_q;
+    end
+
     lut_ram #(
         .Width(Ways),
         .Depth(Sets > 1 ? Sets : 2)
     ) used_ways (
         .clk_i(clk_i),
-        .write_i(clear_i || hit_i || miss_i),
-        .write_address_i(set_i),
-        .write_data_i(clear_i ? '0 : used),
+        .write_i(UseLater ? later_write : clear_i || hit_i || miss_i),
+        .write_address_i(UseLater ? later_set : set_i),
+        .write_data_i(UseLater ? later_used : clear_i ? '0 : used),
         .read_address_i(set_ahead_i),
         .read_data_o(used_ahead)
     );

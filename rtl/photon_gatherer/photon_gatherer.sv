@@ -75,6 +75,9 @@ module photon_gatherer #(
     output logic [31:0] count_faults_o  // words of memory that were not right; 0 without parity
 );
   localparam int unsigned ContextBits = Contexts > 1 ? $clog2(Contexts) : 1;
+  // Of several trees and lists the clock is what is short: what decides there is known a cycle earlier, or used a cycle later, and
+  // distances wait in block RAM.
+  localparam bit Wide = Trees > 1 && Lists > 1;
   localparam int unsigned TreeContextBits = Contexts > Trees ? $clog2((Contexts + Trees - 1) / Trees) : 1;
   localparam int unsigned ListContextBits = Contexts > Lists ? $clog2((Contexts + Lists - 1) / Lists) : 1;
   localparam int unsigned SumContextBits = Contexts > Sums ? $clog2((Contexts + Sums - 1) / Sums) : 1;
@@ -119,6 +122,7 @@ module photon_gatherer #(
   photon_gatherer_descent #(
       .Contexts(Contexts),
       .Levels(Levels),
+      .Wide(Wide),
       .Trees(Trees),
       .Lists(Lists),
       .Sums(Sums),
@@ -195,6 +199,7 @@ module photon_gatherer #(
 
   photon_gatherer_leaves #(
       .Contexts(Contexts),
+      .Wide(Wide),
       .Trees(Trees),
       .Lists(Lists),
       .Sums(Sums),
@@ -268,6 +273,7 @@ module photon_gatherer #(
 
   photon_gatherer_answers #(
       .Contexts(Contexts),
+      .Wide(Wide),
       .Trees(Trees),
       .Lists(Lists),
       .Sums(Sums)

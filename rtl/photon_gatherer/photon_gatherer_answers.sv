@@ -14,6 +14,7 @@ module photon_gatherer_answers #(
     parameter int unsigned Trees = 1,
     parameter int unsigned Lists = 1,
     parameter int unsigned Sums = 1,  // at most Lists
+    parameter bit Wide = 1'b0,  // of several trees and lists
     localparam int unsigned ContextBits = Contexts > 1 ? $clog2(Contexts) : 1,
     localparam int unsigned TreeContexts = (Contexts + Trees - 1) / Trees,
     localparam int unsigned TreeContextBits = TreeContexts > 1 ? $clog2(TreeContexts) : 1,
@@ -93,6 +94,12 @@ module photon_gatherer_answers #(
   localparam int unsigned MostSlots = EnoughSlots > 2 * QueueDepth ? EnoughSlots : 2 * QueueDepth;
   localparam int unsigned Slots = 8 * QueueDepth < MostSlots ? 8 * QueueDepth : MostSlots;
   localparam int unsigned SlotBits = $clog2(Slots);
+  // Reciprocals at once: as many as sums. A reciprocal takes ReciprocalCycles at most, and of few photons a sum is done earlier: then
+  // a wide gatherer has as many as keep up with it, at most as many as lists, which are what queries take longest in.
+  localparam int unsigned ReciprocalCycles = (photonloom_pkg::ReciprocalBits + 2) / 2 + 10;
+  localparam int unsigned UnitsOfSum = (ReciprocalCycles + K) / (K + 1);
+  localparam int unsigned UnitsOfLists = UnitsOfSum < Lists ? UnitsOfSum : Lists;
+  localparam int unsigned Units = Wide && UnitsOfLists > Sums ? UnitsOfLists : Sums;
   localparam int unsigned RideBits = SlotBits + 1 + R2Bits + 2 * NodeBits + IndexBits + 1;
   localparam int unsigned FluxesBits = photonloom_pkg::Channels * photonloom_pkg::FluxBits;
   localparam int unsigned SumBits = CountBits + RideBits + FluxesBits;
@@ -100,7 +107,8 @@ module photon_gatherer_answers #(
   // ---- queries that are done ----
   logic [Trees-1:0] done;
   logic [Trees*TreeContextBits-1:0] done_context;
-  logic [Sums-1:0] end_valid, end_ready, end_empty;
+  logic [Sums-1:0] end_valid, end_ready, end_empty, next_valid, next_ready, next_empty;
+  logic [Sums*SumContextBits-1:0] next_context;
 
   photon_gatherer_ends #(
       .Contexts(Contexts),
@@ -115,11 +123,36 @@ module photon_gatherer_answers #(
       .empty_done_context_i(empty_done_context_i),
       .done_o(done),
       .done_context_o(done_context),
-      .out_valid_o(end_valid),
-      .out_ready_i(end_ready),
-      .out_context_o(found_context_o),
-      .out_empty_o(end_empty)
+      .out_valid_o(next_valid),
+      .out_ready_i(next_ready),
+      .out_context_o(next_context),
+      .out_empty_o(next_empty)
   );
+
+  // Of a wide gatherer with fewer sums than trees it is late which tree's query is next: it has a register before its sum.
+  if (Wide && Trees > Sums) begin : gen_end_register
+    for (genvar s = 0; s < Sums; s++) begin : gen_sum_of
+      logic valid_q, empty_q;
+      logic [SumContextBits-1:0] context_q;
+      assign next_ready[s] = !valid_q || end_ready[s];
+      always_ff @(posedge clk_i) begin
+        if (next_ready[s]) begin
+          valid_q <= next_valid[s];
+          empty_q <= next_empty[s];
+          context_q <= next_context[SumContextBits*s+:SumContextBits];
+        end
+        if (rst_i) valid_q <= 1'b0;
+      end
+      assign end_valid[s] = valid_q;
+      assign end_empty[s] = empty_q;
+      assign found_context_o[SumContextBits*s+:SumContextBits] = context_q;
+    end
+  end else begin : gen_end
+    assign end_valid = next_valid;
+    assign next_ready = end_ready;
+    assign found_context_o = next_context;
+    assign end_empty = next_empty;
+  end
 
   // ---- sums ----
   logic place_free;
@@ -236,7 +269,8 @@ module photon_gatherer_answers #(
   // ---- results ----
   photon_gatherer_results #(
       .Slots(Slots),
-      .Sums(Sums)
+      .Sums(Sums),
+      .Units(Units)
   ) results (
       .clk_i(clk_i),
       .rst_i(rst_i),
@@ -277,6 +311,7 @@ module photon_gatherer_answers #(
       .K(K),
       .Contexts(Contexts),
       .Trees(Trees),
+      .Wide(Wide),
       .StoreBits(StoreBits)
   ) photons (
       .clk_i(clk_i),

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Beats of candidates on their way to one list. They wait in a FIFO. What else their photons have (direction, power: their
 // load) goes to a row of block RAM, whose number goes with the beat: the directions are read when the beat is taken, the
-// loads when its candidates are at the list. Rows are reused in turn, after more beats than there can be between here
+// loads when its candidates are at the list. With DistanceRows squared distances have rows too, read as directions are: LUTs for block
+// RAM. Rows are reused in turn, after more beats than there can be between here
 // and there.
 //
 // A line is announced by issue_i as many cycles ahead as its sender likes; ready_o says that one more may be issued,
@@ -17,6 +18,7 @@ module photon_gatherer_beat_queue #(
     // Of many lanes it is known late whether one is near. Then beats are written before that, since each has room for it; and the room
     // that comes back is counted a cycle later, as if a line were issued in each.
     parameter int unsigned Ahead = Lanes > 4 ? 1 : 0,
+    parameter bit DistanceRows = 1'b0,
     localparam int unsigned ContextBits = Contexts > 1 ? $clog2(Contexts) : 1,
     localparam int unsigned Beats = Bucket / Lanes,
     localparam int unsigned BeatBits = Beats > 1 ? $clog2(Beats) : 1,
@@ -45,7 +47,7 @@ module photon_gatherer_beat_queue #(
     output logic [              RowBits-1:0] out_row_o,
     output logic                             out_last_o,
     output logic [                Lanes-1:0] out_mask_o,
-    output logic [         Lanes*R2Bits-1:0] out_d2_o,
+    output logic [         Lanes*R2Bits-1:0] out_d2_o,         // with DistanceRows as directions_o
     // directions of a beat, read when it is taken: in the next cycle, until the next such
     input  logic                             direction_read_i,
     output logic [2*Lanes*DirectionBits-1:0] directions_o,
@@ -54,7 +56,8 @@ module photon_gatherer_beat_queue #(
     output logic [       Lanes*LoadBits-1:0] loads_o
 );
   localparam int unsigned RoomBits = $clog2(FifoDepth + 1);
-  localparam int unsigned WordBits = Lanes * (R2Bits + 1) + ContextBits + BeatBits + RowBits + 1;
+  localparam int unsigned QueuedBits = DistanceRows ? 1 : Lanes * R2Bits;  // of distances; the one beside rows is not used
+  localparam int unsigned WordBits = Lanes + QueuedBits + ContextBits + BeatBits + RowBits + 1;
 
   // ---- room: a line is let in when its beats have a place in the FIFO. That of the last cycle is counted now. ----
   logic [RoomBits-1:0] room_q;
@@ -131,6 +134,7 @@ module photon_gatherer_beat_queue #(
   // ---- the FIFO ----
   /* verilator lint_off UNUSEDSIGNAL */  // room was reserved
   logic fifo_ready;
+  logic [QueuedBits-1:0] queued;
   /* verilator lint_on UNUSEDSIGNAL */
 
   fifo #(
@@ -142,9 +146,30 @@ module photon_gatherer_beat_queue #(
       .rst_i(rst_i),
       .in_valid_i(in_keep_i),
       .in_ready_o(fifo_ready),
-      .in_i({in_context_i, in_beat_i, row_q, in_last_i, in_mask_i, in_d2_i}),
+      .in_i({in_context_i, in_beat_i, row_q, in_last_i, in_mask_i, QueuedBits'(in_d2_i)}),
       .out_valid_o(out_valid_o),
       .out_ready_i(out_ready_i),
-      .out_o({out_context_o, out_beat_o, out_row_o, out_last_o, out_mask_o, out_d2_o})
+      .out_o({out_context_o, out_beat_o, out_row_o, out_last_o, out_mask_o, queued})
   );
+
+  if (DistanceRows) begin : gen_distance_rows
+    /* verilator lint_off UNUSEDSIGNAL */
+    logic unused;
+    /* verilator lint_on UNUSEDSIGNAL */
+    assign unused = queued[0];
+    block_ram #(
+        .Width(Lanes * R2Bits),
+        .Depth(1 << RowBits)
+    ) distance_rows (
+        .clk_i(clk_i),
+        .write_i(Ahead != 0 ? in_valid_i : in_keep_i),
+        .write_address_i(row_q),
+        .write_data_i(in_d2_i),
+        .read_i(direction_read_i),
+        .read_address_i(out_row_o),
+        .read_data_o(out_d2_o)
+    );
+  end else begin : gen_queued_distances
+    assign out_d2_o = queued;
+  end
 endmodule

@@ -16,6 +16,7 @@ module photon_gatherer_beats #(
     parameter int unsigned CacheMisses = 8,
     parameter int unsigned LineBeatBits = 128,
     parameter int unsigned Behind = 16,  // beats that may be between a queue and its list
+    parameter bit Wide = 1'b0,  // of several trees and lists
     localparam int unsigned ContextBits = Contexts > 1 ? $clog2(Contexts) : 1,
     localparam int unsigned ListContexts = (Contexts + Lists - 1) / Lists,
     localparam int unsigned ListContextBits = ListContexts > 1 ? $clog2(ListContexts) : 1,
@@ -134,7 +135,9 @@ module photon_gatherer_beats #(
         .Parity(Parity),
         .Sets(Sets),
         .Ways(CacheWays),
-        .Misses(CacheMisses)
+        .Misses(CacheMisses),
+        .UseLater(Wide),
+        .CompareStage(Wide)
     ) leaf_cache (
         .clk_i(clk_i),
         .rst_i(rst_i),
@@ -341,7 +344,8 @@ module photon_gatherer_beats #(
         .Lanes(Lanes),
         .DirectionBits(DirectionBits),
         .LoadBits(LoadBits),
-        .Behind(Behind)
+        .Behind(Behind),
+        .DistanceRows(Wide)
     ) queue (
         .clk_i(clk_i),
         .rst_i(rst_i),

@@ -17,6 +17,8 @@ module photon_gatherer_candidates #(
     parameter int unsigned Lanes = 4,
     parameter int unsigned RowBits = 6,
     parameter int unsigned Behind = 16,  // rows of beats that may have left the FIFO
+    // Of several trees and lists (Wide) and of far gatherers the clock is what is short: what decides is known earlier, for more LUTs.
+    parameter bit Wide = 1'b0,
     localparam int unsigned ContextBits = Contexts > 1 ? $clog2(Contexts) : 1,
     localparam int unsigned K = photonloom_pkg::K,
     localparam int unsigned CountBits = photonloom_pkg::CountBits,
@@ -92,10 +94,9 @@ module photon_gatherer_candidates #(
   localparam int unsigned LaneBits = Lanes > 1 ? $clog2(Lanes) : 1;
   localparam int unsigned CandidateBits = SlotBits + R2Bits;
   localparam bit Coded = photonloom_pkg::ListCodeBits != 0;
-  // Of far gatherers the clock is what is short: the bounds of the pair that waits and of the next one are both read, before it is
-  // known which it will be.
-  // In hand a candidate has the exponent of its code.
-  localparam bit Far = photonloom_pkg::FarGatherers != 0;
+  // Far: the bounds of the pair that waits and of the next one are both read, before it is known which it will be, and in hand a
+  // candidate has the exponent of its code.
+  localparam bit Far = Wide || photonloom_pkg::FarGatherers != 0;
   localparam int unsigned ExponentBits = 3;
   localparam int unsigned KeyLow = IndexBits > 8 ? 8 : IndexBits;  // of the index in a code; less than a mantissa's bits
 
@@ -126,7 +127,9 @@ module photon_gatherer_candidates #(
       .RowBits(RowBits),
       .DirectionBits(DirectionBits),
       .NormalBits(NormalBits),
-      .RoomLater(photonloom_pkg::FarGatherers)
+      .RoomLater(32'(Far)),
+      .ReadAlways(Wide),
+      .DistanceRows(Wide)
   ) pairs (
       .clk_i(clk_i),
       .rst_i(rst_i),
@@ -198,8 +201,8 @@ module photon_gatherer_candidates #(
   if (Far) begin : gen_taken
     // The same, of what is known first.
     logic end_goes, hand_takes;
-    assign end_goes = list_ready && ((!wait_first_q && hand_q && !hand_other_q) || !hand_end);
-    assign hand_takes = list_ready && !ask && !(hand_q && hand_two);
+    assign end_goes = !(Coded && !list_ready) && ((!wait_first_q && hand_q && !hand_other_q) || !hand_end);
+    assign hand_takes = !(Coded && !list_ready) && !ask && !(hand_q && hand_two);
     assign far_taken = !wait_valid_q || (wait_mask_q == '0 && (!wait_last_q || end_goes)) || hand_takes;
   end
   for (genvar c = 0; c < 2; c++) begin : gen_near
@@ -366,7 +369,8 @@ module photon_gatherer_candidates #(
         .LoadBits(LoadBits),
         .CodeBits(photonloom_pkg::ListCodeBits),
         .ExponentBits(ExponentBits),
-        .Known(Known)
+        .Known(Known),
+        .CountAhead(Wide)
     ) list (
         .clk_i(clk_i),
         .rst_i(rst_i),

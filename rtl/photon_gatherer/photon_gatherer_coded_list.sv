@@ -27,6 +27,7 @@ module photon_gatherer_coded_list #(
     parameter int unsigned CodeBits = 20,
     parameter int unsigned ExponentBits = 3,
     parameter int unsigned Known = 0,  // a token brings the exponent of its code above its d2
+    parameter bit CountAhead = 1'b0,  // which places have an entry is known in stage 0, with what is written then
     localparam int unsigned ContextBits = Contexts > 1 ? $clog2(Contexts) : 1,
     localparam int unsigned PlaceBits = K > 1 ? $clog2(K) : 1,
     localparam int unsigned CountBits = $clog2(K + 1),
@@ -85,6 +86,12 @@ module photon_gatherer_coded_list #(
   logic [CodeBits-1:0] b_code_q, c_code_q;
   // the code at a place, beside the token's; smaller only where an entry is
   logic [3*Groups-1:0] smaller;
+  /* verilator lint_off UNDRIVEN */
+  /* verilator lint_off UNUSEDSIGNAL */
+  // places that have an entry, where CountAhead
+  logic [K-1:0] there;
+  /* verilator lint_on UNUSEDSIGNAL */
+  /* verilator lint_on UNDRIVEN */
   logic [K-1:0] equal_b_q;
   logic [2*Groups-1:0] smaller_b_q;  // how many of a group
   logic less_b, less_c, ahead_b, ahead_c, ahead_b_q, ahead_c_q;
@@ -165,10 +172,25 @@ module photon_gatherer_coded_list #(
         .read_data_o(word)
     );
     assign difference = {1'b0, word} - {1'b0, a_code_q};
-    assign smaller[j] = difference[CodeBits] && (a_state[StateBits-1] || !below(RankBits'(a_state[IndexBits:0]), j + 1));
+    assign smaller[j] = difference[CodeBits] &&
+        (CountAhead ? there[j] : a_state[StateBits-1] || !below(RankBits'(a_state[IndexBits:0]), j + 1));
     always_ff @(posedge clk_i) begin
       if (!c_doubt_q) equal_b_q[j] <= difference[DoubtBits-1:0] == '0;
     end
+  end
+
+  if (CountAhead) begin : gen_there_ahead
+    // The token that is written meanwhile has a place more, and where it is a start there are none.
+    logic [K-1:0] there_q;
+    logic same;
+    assign same = c_context_q == in_context_i;
+    always_ff @(posedge clk_i) begin
+      if (!c_doubt_q)
+        for (int unsigned j = 0; j < K; j++)
+          there_q[j] <= !(same && c_start_q) && (a_state[StateBits-1] ||
+              !below(RankBits'(a_state[IndexBits:0]), same && enters ? j : j + 1));
+    end
+    assign there = there_q;
   end
 
   for (genvar j = K; j < 3 * Groups; j++) begin : gen_no_place
@@ -319,7 +341,7 @@ module photon_gatherer_coded_list #(
         .read_data_o(data)
     );
   end
-  assign gen_state[0].address = a_context_q;
+  assign gen_state[0].address = CountAhead ? in_context_i : a_context_q;
   assign gen_state[1].address = c_context_q;
   assign gen_state[2].address = read_context_i;
   assign a_state = gen_state[0].data;

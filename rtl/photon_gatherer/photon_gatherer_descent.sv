@@ -11,6 +11,7 @@ module photon_gatherer_descent #(
     parameter int unsigned Lists = 1,
     parameter int unsigned Sums = 1,
     parameter int unsigned Sets = 64,  // of the cache
+    parameter bit Wide = 1'b0,  // of several trees and lists
     localparam int unsigned ContextBits = Contexts > 1 ? $clog2(Contexts) : 1,
     localparam int unsigned TreeContexts = (Contexts + Trees - 1) / Trees,
     localparam int unsigned TreeContextBits = TreeContexts > 1 ? $clog2(TreeContexts) : 1,
@@ -163,6 +164,7 @@ module photon_gatherer_descent #(
 
   photon_gatherer_trees #(
       .Contexts(Contexts),
+      .Wide(Wide),
       .Trees(Trees),
       .Lists(Lists),
       .GlobalLines(GlobalLines),

@@ -18,6 +18,7 @@ module photon_gatherer_leaves #(
     parameter int unsigned CacheWays = 2,
     parameter int unsigned CacheMisses = 8,
     parameter int unsigned LineBeatBits = 128,
+    parameter bit Wide = 1'b0,  // of several trees and lists
     localparam int unsigned ContextBits = Contexts > 1 ? $clog2(Contexts) : 1,
     localparam int unsigned TreeContexts = (Contexts + Trees - 1) / Trees,
     localparam int unsigned TreeContextBits = TreeContexts > 1 ? $clog2(TreeContexts) : 1,
@@ -215,7 +216,8 @@ module photon_gatherer_leaves #(
       .CacheWays(CacheWays),
       .CacheMisses(CacheMisses),
       .LineBeatBits(LineBeatBits),
-      .Behind(Behind)
+      .Behind(Behind),
+      .Wide(Wide)
   ) beats (
       .clk_i(clk_i),
       .rst_i(rst_i),
@@ -273,7 +275,8 @@ module photon_gatherer_leaves #(
       .Sums(Sums),
       .Lanes(Lanes),
       .RowBits(RowBits),
-      .Behind(Behind)
+      .Behind(Behind),
+      .Wide(Wide)
   ) lists (
       .clk_i(clk_i),
       .rst_i(rst_i),

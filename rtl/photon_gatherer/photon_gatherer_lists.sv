@@ -11,6 +11,7 @@ module photon_gatherer_lists #(
     parameter int unsigned Lanes = 4,
     parameter int unsigned RowBits = 6,  // of the FIFO of beats
     parameter int unsigned Behind = 16,  // and how many rows may have left it
+    parameter bit Wide = 1'b0,  // of several trees and lists
     localparam int unsigned ContextBits = Contexts > 1 ? $clog2(Contexts) : 1,
     localparam int unsigned ListContexts = (Contexts + Lists - 1) / Lists,
     localparam int unsigned ListContextBits = ListContexts > 1 ? $clog2(ListContexts) : 1,
@@ -98,7 +99,8 @@ module photon_gatherer_lists #(
         .Contexts(ListContexts),
         .Lanes(Lanes),
         .RowBits(RowBits),
-        .Behind(Behind)
+        .Behind(Behind),
+        .Wide(Wide)
     ) candidates (
         .clk_i(clk_i),
         .rst_i(rst_i),

@@ -13,6 +13,8 @@ module photon_gatherer_pairs #(
     parameter int unsigned DirectionBits = 8,
     parameter int unsigned NormalBits = 8,
     parameter int unsigned RoomLater = 0,  // room that comes back is counted a cycle later, of any number of lanes
+    parameter bit ReadAlways = 1'b0,  // the directions of the next beat are read in each cycle, and kept here
+    parameter bit DistanceRows = 1'b0,  // in_d2_i comes when directions_i do
     localparam int unsigned ContextBits = Contexts > 1 ? $clog2(Contexts) : 1,
     localparam int unsigned Beats = Bucket / Lanes,
     localparam int unsigned BeatBits = Beats > 1 ? $clog2(Beats) : 1,
@@ -54,7 +56,7 @@ module photon_gatherer_pairs #(
   localparam int unsigned RoomBits = $clog2(Depth + 1);
 
   // ---- the beat to be tested ----
-  logic held_q, last_q, test, finished, merge, take, room_back, discard, returned, discarded;
+  logic held_q, last_q, begins, test, finished, merge, take, room_back, discard, returned, discarded;
   logic [RoomBits-1:0] room_q;
   logic [ContextBits-1:0] context_q;
   logic [BeatBits-1:0] beat_q;
@@ -110,18 +112,19 @@ module photon_gatherer_pairs #(
   // A beat without candidates is the end of the beat here, if that has not gone yet.
   assign merge = in_valid_i && in_mask_i == '0 && held_q;
   assign take = !held_q || finished;
-  assign direction_read_o = take && in_valid_i && !merge;
+  assign begins = take && in_valid_i && !merge;
+  assign direction_read_o = ReadAlways || begins;
   assign in_ready_o = merge || take;
 
   always_ff @(posedge clk_i) begin
     if (take) begin
-      held_q <= direction_read_o;
+      held_q <= begins;
       context_q <= in_context_i;
       beat_q <= in_beat_i;
       row_q <= in_row_i;
       last_q <= in_last_i;
       mask_q <= in_mask_i;
-      d2_q <= in_d2_i;
+      if (!DistanceRows) d2_q <= in_d2_i;
     end else begin
       if (test) mask_q <= rest;
       if (merge) last_q <= 1'b1;
@@ -146,6 +149,18 @@ module photon_gatherer_pairs #(
 
   assign normal_context_o = context_s_q[1];
 
+  // Whether block RAM reads is late. Those of a beat come a cycle after it begins.
+  /* verilator lint_off UNDRIVEN */
+  /* verilator lint_off UNUSEDSIGNAL */
+  logic directions_come;  // where ReadAlways
+  /* verilator lint_on UNUSEDSIGNAL */
+  /* verilator lint_on UNDRIVEN */
+  if (ReadAlways) begin : gen_come
+    logic begins_q;
+    always_ff @(posedge clk_i) begins_q <= begins;
+    assign directions_come = begins_q;
+  end
+
   always_ff @(posedge clk_i) begin
     valid_q <= {valid_q[Stages-2:0], test};
     leaf_last_q <= {leaf_last_q[Stages-2:0], finished && (last_q || merge)};
@@ -156,9 +171,21 @@ module photon_gatherer_pairs #(
       row_s_q[i] <= row_s_q[i-1];
     end
     group_q <= group;
-    directions_q <= directions_i;
+    directions_q <= ReadAlways && !directions_come ? directions_q : directions_i;
     normal_q <= normal_i;
     if (rst_i) valid_q <= '0;
+  end
+
+  // Distances from rows, chosen with the directions.
+  /* verilator lint_off UNDRIVEN */
+  /* verilator lint_off UNUSEDSIGNAL */
+  logic [Lanes*R2Bits-1:0] distances;  // where DistanceRows
+  /* verilator lint_on UNUSEDSIGNAL */
+  /* verilator lint_on UNDRIVEN */
+  if (DistanceRows) begin : gen_distances
+    logic [Lanes*R2Bits-1:0] distances_q;
+    always_ff @(posedge clk_i) distances_q <= ReadAlways && !directions_come ? distances_q : in_d2_i;
+    assign distances = distances_q;
   end
 
   for (genvar c = 0; c < 2; c++) begin : gen_tester
@@ -175,6 +202,20 @@ module photon_gatherer_pairs #(
     /* verilator lint_off UNUSEDSIGNAL */  // only its sign
     logic signed [D+N+1:0] difference;
     /* verilator lint_on UNUSEDSIGNAL */
+
+    /* verilator lint_off UNDRIVEN */
+    /* verilator lint_off UNUSEDSIGNAL */
+    logic [R2Bits-1:0] row_distance;  // where DistanceRows
+    /* verilator lint_on UNUSEDSIGNAL */
+    /* verilator lint_on UNDRIVEN */
+    if (DistanceRows) begin : gen_row_distance
+      logic [R2Bits-1:0] chosen;
+      always_comb begin
+        chosen = distances[R2Bits*((2*(Groups-1)+c)%Lanes)+:R2Bits];
+        for (int unsigned g = Groups - 1; g > 0; g--) if (group_q[g-1]) chosen = distances[R2Bits*((2*(g-1)+c)%Lanes)+:R2Bits];
+      end
+      assign row_distance = chosen;
+    end
 
     // Lane 2 g + c of the group; the last group if the others are empty.
     always_comb begin
@@ -216,6 +257,7 @@ module photon_gatherer_pairs #(
       candidate_q[0] <= {SlotBits'(beat_q * Lanes) + SlotBits'(lane), d2};
       code_q <= code;
       for (int unsigned i = 1; i < Stages; i++) candidate_q[i] <= candidate_q[i-1];
+      if (DistanceRows) candidate_q[1][R2Bits-1:0] <= row_distance;
       direction_q <= direction;
       sum_q <= (D + N + 1)'(product_q[0]) + (D + N + 1)'(product_q[1]);
       third_q <= (D + N + 1)'(product_q[2]);

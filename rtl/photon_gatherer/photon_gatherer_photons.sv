@@ -6,6 +6,7 @@ module photon_gatherer_photons #(
     parameter int unsigned K = 16,
     parameter int unsigned Contexts = 16,
     parameter int unsigned Trees = 1,  // tree t has the contexts c with c % Trees = t, as c / Trees
+    parameter bit Wide = 1'b0,  // of several trees and lists
     parameter int unsigned StoreBits = 98,
     localparam int unsigned ContextBits = Contexts > 1 ? $clog2(Contexts) : 1,
     localparam int unsigned TreeContexts = (Contexts + Trees - 1) / Trees,
@@ -48,6 +49,11 @@ module photon_gatherer_photons #(
 
   logic [1:0] state_q;
   logic [Contexts-1:0] done_q;
+  /* verilator lint_off UNDRIVEN */
+  /* verilator lint_off UNUSEDSIGNAL */
+  logic head_done;  // where Wide
+  /* verilator lint_on UNUSEDSIGNAL */
+  /* verilator lint_on UNDRIVEN */
   logic head_valid, head_taken, read, last, read_1_q, full_q;
   logic [ContextBits-1:0] head, context_out;
   logic [CountBits-1:0] left_q;
@@ -89,6 +95,12 @@ module photon_gatherer_photons #(
       free_context_o <= context_q;
     end
     assign context_out = context_q;
+    if (Wide) begin : gen_known
+      // Looked up from there, a cycle later.
+      logic known_q;
+      always_ff @(posedge clk_i) known_q <= state_q == Idle && head_valid && !rst_i;
+      assign head_done = known_q && done_q[context_q];
+    end
   end else begin : gen_queue
     assign context_out = head;
     assign free_o = head_taken;
@@ -97,7 +109,7 @@ module photon_gatherer_photons #(
 
   always_ff @(posedge clk_i) begin
     unique case (state_q)
-      Idle: if (head_valid && done_q[head]) state_q <= Ask;
+      Idle: if (Wide ? head_done : head_valid && done_q[head]) state_q <= Ask;
       Ask: if (snapshot_ready_i) state_q <= Wait;
       Wait: if (snapshot_i) state_q <= Stream;
       default: if (head_taken) state_q <= Idle;

@@ -3,7 +3,7 @@
 // its numbers are written when its sum is done, its reciprocal when that is; the head slot leaves when it is complete.
 // There are Slots of them, more than contexts, so a slow query does not stop those behind it. A flush takes a slot and
 // is complete at once. take_i holds one of the reciprocals' places for a query whose sum begins; of these modules there
-// are as many as of sums.
+// are as many as of sums, or more.
 //
 // What is written last has the lap of its slot beside it: how often, modulo 2, the slots had gone round when the query
 // took it. A slot is complete iff it shows the lap of the head. A flush writes it when it starts, so it waits where
@@ -17,6 +17,7 @@
 module photon_gatherer_results #(
     parameter int unsigned Slots = 64,
     parameter int unsigned Sums = 1,
+    parameter int unsigned Units = Sums,  // reciprocals at once, as many as sums or more
     parameter bit Far = photonloom_pkg::FarGatherers != 0,  // from block RAM
     // A result's words in two halves, where that takes fewer block RAMs.
     parameter bit Halves = Far && Sums == 1 && photonloom_pkg::ReciprocalBits != 0 && Slots > photonloom_pkg::LutRamWords && Slots <= 256,
@@ -168,8 +169,13 @@ module photon_gatherer_results #(
     localparam int unsigned UnitBits = SlotBits + 1 + MantissaBits + ExponentBits;
     logic [PlacesBits-1:0] places_q, taken;
     logic wait_valid;
-    logic [Sums-1:0] unit_ready, unit_done;
-    logic [Sums*UnitBits-1:0] unit_words;
+    logic [Units-1:0] unit_ready, unit_done;
+    /* verilator lint_off UNDRIVEN */
+    /* verilator lint_off UNUSEDSIGNAL */
+    logic [Units-1:0] takes;  // take_i, where there are more units than sums
+    /* verilator lint_on UNUSEDSIGNAL */
+    /* verilator lint_on UNDRIVEN */
+    logic [Units*UnitBits-1:0] unit_words;
     logic [UnitBits-1:0] unit_word;
     logic [SlotBits:0] wait_slot;
     logic [R2Bits-1:0] wait_r2;
@@ -181,6 +187,9 @@ module photon_gatherer_results #(
     /* verilator lint_on UNUSEDSIGNAL */
 
     assign take_ready_o = places_q >= PlacesBits'(Sums);
+    if (Units != Sums) begin : gen_takes
+      assign takes = Units'(take_i);
+    end
 
     fifo #(
         .Width(SlotBits + 1 + R2Bits),
@@ -197,7 +206,7 @@ module photon_gatherer_results #(
     );
 
     // The first unit that is free takes the oldest; of those that are done the first gives its result.
-    for (genvar u = 0; u < Sums; u++) begin : gen_unit
+    for (genvar u = 0; u < Units; u++) begin : gen_unit
       logic first_free, first_done;
       logic [SlotBits:0] slot_q;
       if (u == 0) begin : gen_first
@@ -228,9 +237,9 @@ module photon_gatherer_results #(
     always_comb begin
       unit_word = unit_words[0+:UnitBits];
       taken = '0;
-      for (int unsigned u = Sums; u > 0; u--) begin
+      for (int unsigned u = Units; u > 0; u--) begin
         if (unit_done[u-1]) unit_word = unit_words[UnitBits*(u-1)+:UnitBits];
-        taken = taken + PlacesBits'(take_i[u-1]);
+        taken = taken + (Units == Sums ? PlacesBits'(take_i[u-1]) : PlacesBits'(takes[u-1]));
       end
     end
 

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The walks of all contexts, on Trees trees: context c is at tree c % Trees, where it is number c / Trees. All trees
 // read one node memory, each on a port of its own. Their leaves become one stream: those of tree 0 go first, those of
-// the others wait in a queue each, past which a leaf goes that has nothing to wait for.
+// the others wait in a queue each, past which a leaf goes that has nothing to wait for. The stream has a register behind that
+// choice; Wide, each tree's leaves have one before it.
 //
 // A start enters its tree while that goes on with no other query. Of several trees it waits for that here, at least a
 // cycle: the ways on, to the queues and to the cache, are long and begin at a register.
@@ -16,6 +17,7 @@ module photon_gatherer_trees #(
     parameter int unsigned CausticLines = 0,
     parameter int unsigned NodeWords = 4096,
     parameter int unsigned Levels = 1,  // of a descent at once: 2 of one tree
+    parameter bit Wide = 1'b0,  // leaves have a register before the trees' are one stream
     localparam int unsigned ContextBits = Contexts > 1 ? $clog2(Contexts) : 1,
     localparam int unsigned TreeContexts = (Contexts + Trees - 1) / Trees,
     localparam int unsigned TreeContextBits = TreeContexts > 1 ? $clog2(TreeContexts) : 1,
@@ -166,14 +168,14 @@ module photon_gatherer_trees #(
   end
 
   for (genvar tree = 0; tree < Trees; tree++) begin : gen_tree
-    logic here, valid, map, first;
+    logic here, valid, valid_now, map, first;
     logic [TreeContextBits-1:0] context_here;
     logic [LineBits-1:0] line;
     logic [StackBits-1:0] stack, steps;
-    logic [LeafBits-1:0] leaf;
+    logic [LeafBits-1:0] leaf, leaf_now;
 
     assign here = (32'(root_context) & (Trees - 1)) == tree;
-    assign leaf = {ContextBits'(32'(context_here) * Trees + tree), map, first, line, stack, steps};
+    assign leaf_now = {ContextBits'(32'(context_here) * Trees + tree), map, first, line, stack, steps};
 
     photon_gatherer_tree #(
         .UnitContexts(Contexts),
@@ -201,7 +203,7 @@ module photon_gatherer_trees #(
         .start_context_i(TreeContextBits'(root_context >> $clog2(Trees))),
         .start_map_i(start_map_i),
         .start_position_i(start_position_i),
-        .leaf_valid_o(valid),
+        .leaf_valid_o(valid_now),
         .leaf_context_o(context_here),
         .leaf_map_o(map),
         .leaf_first_o(first),
@@ -223,6 +225,20 @@ module photon_gatherer_trees #(
         .nodes_o(node_step[tree]),
         .dropped_o(dropped[EventBits*tree+:EventBits])
     );
+
+    if (Wide) begin : gen_later
+      logic valid_q;
+      logic [LeafBits-1:0] leaf_q;
+      always_ff @(posedge clk_i) begin
+        valid_q <= valid_now && !rst_i;
+        leaf_q <= leaf_now;
+      end
+      assign valid = valid_q;
+      assign leaf = leaf_q;
+    end else begin : gen_now
+      assign valid = valid_now;
+      assign leaf = leaf_now;
+    end
 
     if (tree == 0) begin : gen_first
       assign leaf_valid[tree] = valid;
@@ -280,7 +296,7 @@ module photon_gatherer_trees #(
       leaf_valid_q <= any_leaf && !rst_i;
       leaf_q <= leaf;
     end
-    assign leaf_valid_o = leaf_valid_q;
-    assign {leaf_context_o, leaf_map_o, leaf_first_o, leaf_line_o, leaf_stack_o, leaf_steps_o} = leaf_q;
+    assign leaf_valid_o = Wide ? any_leaf : leaf_valid_q;
+    assign {leaf_context_o, leaf_map_o, leaf_first_o, leaf_line_o, leaf_stack_o, leaf_steps_o} = Wide ? leaf : leaf_q;
   end
 endmodule

@@ -125,6 +125,17 @@ std::vector<BenchPlan> plans() {
     p.cache_bytes = 5 * p.line_bytes() * 4;
     p.cache_misses = 8;
   });
+  // Lists of whole keys, whose ends meet at one sum with two reciprocals, as in fpga/fast/k8.
+  add("one_sum", [](Plan& p) {
+    p.k = 8;
+    p.contexts = 24;
+    p.nodes_per_cycle = p.candidates_per_cycle = 2;
+    p.lanes = 4;
+    p.cache_ways = 2;
+    p.cache_bytes = 2 * p.line_bytes() * 2;
+    p.cache_misses = 6;
+    p.parity = true;
+  });
   // No leaf cache: two beats of the line port are a part of a line.
   add("uncached", [](Plan& p) {
     p.contexts = 12;

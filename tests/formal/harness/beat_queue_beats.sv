@@ -2,7 +2,7 @@
 // sources: rtl/common/lut_ram.sv rtl/common/fifo.sv tests/formal/harness/stubs/block_ram.sv rtl/photon_gatherer/photon_gatherer_beat_queue.sv
 // photon_gatherer_beat_queue: one beat that is kept, any, is followed. It comes out as it went in, once, behind all that were
 // kept before it and before all that were kept after it, and stays offered until it is taken; its directions are read when it is
-// taken, its loads while at most Behind - 1 beats have left after it. Room is promised exactly where there is some; with Ahead
+// taken, with DistanceRows its distance too, its loads while at most Behind - 1 beats have left after it. Room is promised exactly where there is some; with Ahead
 // only where there is some, and where all of it has been free for two cycles. A line is
 // announced by issue_i only where ready_o is 1, and its beats come later, kept or not.
 //
@@ -12,6 +12,7 @@ module beat_queue_beats #(
     parameter int unsigned Room = 1,
     parameter int unsigned Lemmas = 0,
     parameter int unsigned Ahead = 0,
+    parameter bit DistanceRows = 1'b0,
     localparam int unsigned Beats = 2,
     localparam int unsigned FifoDepth = 16,
     localparam int unsigned Behind = 16,
@@ -46,7 +47,8 @@ module beat_queue_beats #(
       .DirectionBits(1),
       .LoadBits(3),
       .Behind(Behind),
-      .Ahead(Ahead)
+      .Ahead(Ahead),
+      .DistanceRows(DistanceRows)
   ) dut (
       .clk_i(clk_i),
       .rst_i(rst_i),
@@ -86,13 +88,14 @@ module beat_queue_beats #(
   logic [4:0] behind_q;
   logic [RowBits-1:0] row_q;
   logic [4:0] word_q;
+  logic d2_q;
   logic [2:0] load_q;
   logic keeps, picks, takes, comes;
   logic [4:0] word;
   logic directed_q, loaded_q, stalled_q;
   logic [4:0] shown_q;
   logic [RowBits-1:0] shown_row_q;
-  assign word  = {out_context, out_beat, out_last, out_mask, out_d2};
+  assign word  = {out_context, out_beat, out_last, out_mask, !DistanceRows && out_d2};
   assign keeps = in_valid_i && in_keep_i;
   assign picks = keeps && pick_i && !picked_q;
   assign takes = out_valid && out_ready_i;
@@ -103,7 +106,8 @@ module beat_queue_beats #(
     inside_q <= inside_q + 5'(keeps) - 5'(takes);
     if (picks) begin
       picked_q <= 1'b1;
-      word_q <= {in_context_i, in_beat_i, in_last_i, in_mask_i, in_d2_i};
+      word_q <= {in_context_i, in_beat_i, in_last_i, in_mask_i, !DistanceRows && in_d2_i};
+      d2_q <= in_d2_i;
       load_q <= in_load_i;
       ahead_q <= inside_q - 5'(takes);
     end else if (takes && ahead_q != '0) begin
@@ -133,9 +137,9 @@ module beat_queue_beats #(
 
   // The row of the beat, where the memories look.
   (* anyconst *) logic [RowBits-1:0] watched;
-  (* keep *) logic [RowBits-1:0] directions_watched, loads_watched, row;  // probes
+  (* keep *) logic [RowBits-1:0] directions_watched, loads_watched, distances_watched, row;  // probes
   always_comb begin
-    assume (directions_watched == watched && loads_watched == watched);
+    assume (directions_watched == watched && loads_watched == watched && (!DistanceRows || distances_watched == watched));
     if (picks) assume (row == watched);
     if (!rst_i) begin
       if (issue_i) assume (ready);
@@ -149,7 +153,7 @@ module beat_queue_beats #(
       if (!rst_i) begin
         if (picked_q && !out_q) assert (out_valid);
         if (comes) assert (word == word_q && out_row == watched);
-        if (directed_q) assert (directions == load_q[1:0]);
+        if (directed_q) assert (directions == load_q[1:0] && (!DistanceRows || out_d2 == d2_q));
         if (loaded_q) assert (load == load_q);
         if (stalled_q) assert (out_valid && word == shown_q && out_row == shown_row_q);
       end
@@ -177,6 +181,7 @@ module beat_queue_beats #(
   logic [9:0] placed;
   (* keep *) logic [2:0] row_load;
   (* keep *) logic [1:0] row_directions;
+  (* keep *) logic row_distance;
   assign place  = head + ahead_q;
   assign placed = words[10*place[3:0]+:10];
   if (Lemmas == 1) begin : gen_lemmas
@@ -193,10 +198,11 @@ module beat_queue_beats #(
         assert (behind_q <= 5'(Behind));
         if (!out_q) assert (behind_q == '0);
         if (!picked_q) assert (!directed_q);
-        if (picked_q) assert (behind_q == 5'(Behind) || (row_load == load_q && row_directions == load_q[1:0]));
+        if (DistanceRows && picked_q) assert (!word_q[0]);
+        if (picked_q) assert (behind_q == 5'(Behind) || (row_load == load_q && row_directions == load_q[1:0] && (!DistanceRows || row_distance == d2_q)));
         if (picked_q && !out_q) begin
           assert (ahead_q < inside_q);
-          assert (placed == {word_q[4:3], watched, word_q[2:0]});
+          assert (placed == {word_q[4:3], watched, word_q[2:1], DistanceRows ? d2_q : word_q[0]});
           // As many beats have come behind it as there are in the FIFO behind it.
           assert (row == RowBits'(watched + inside_q - ahead_q));
         end

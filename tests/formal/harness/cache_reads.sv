@@ -10,6 +10,8 @@ module cache_reads #(
     parameter int unsigned Sets = 2,
     parameter int unsigned Ways = 1,
     parameter int unsigned Misses = 2,
+    parameter bit UseLater = 1'b0,
+    parameter bit CompareStage = 1'b0,
     localparam int unsigned ClientBits = Clients > 1 ? $clog2(Clients) : 1,
     localparam int unsigned MissBits = Misses > 1 ? $clog2(Misses) : 1,
     localparam int unsigned SetBits = Sets > 1 ? $clog2(Sets) : 1,
@@ -47,7 +49,9 @@ module cache_reads #(
       .BeatBits(8),
       .Sets(Sets),
       .Ways(Ways),
-      .Misses(Misses)
+      .Misses(Misses),
+      .UseLater(UseLater),
+      .CompareStage(CompareStage)
   ) dut (
       .clk_i(clk_i),
       .rst_i(rst_i),

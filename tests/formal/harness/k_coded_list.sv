@@ -13,6 +13,7 @@ module k_coded_list #(
     parameter int unsigned IndexBits = 2,
     parameter int unsigned CodeBits = 2,
     parameter int unsigned ExponentBits = 1,
+    parameter bit CountAhead = 1'b0,
     localparam int unsigned KeyBits = R2Bits + IndexBits,
     localparam int unsigned PlaceBits = K > 1 ? $clog2(K) : 1,
     localparam int unsigned CountBits = $clog2(K + 1)
@@ -50,7 +51,8 @@ module k_coded_list #(
       .Contexts(2),
       .LoadBits(1),
       .CodeBits(CodeBits),
-      .ExponentBits(ExponentBits)
+      .ExponentBits(ExponentBits),
+      .CountAhead(CountAhead)
   ) dut (
       .clk_i(clk_i),
       .rst_i(rst_i),
