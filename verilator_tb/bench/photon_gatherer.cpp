@@ -125,7 +125,7 @@ std::vector<BenchPlan> plans() {
     p.cache_bytes = 5 * p.line_bytes() * 4;
     p.cache_misses = 8;
   });
-  // Lists of whole keys, whose ends meet at one sum with two reciprocals, as in fpga/fast/k8.
+  // Lists of whole keys beside several trees, whose ends meet at one sum with two reciprocals.
   add("one_sum", [](Plan& p) {
     p.k = 8;
     p.contexts = 24;
