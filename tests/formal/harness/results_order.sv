@@ -14,6 +14,7 @@ module results_order #(
     parameter  int unsigned Sums   = 2,
     parameter  bit          Far    = 1'b0,
     parameter  bit          Halves = 1'b0,
+    parameter  bit          FlushRow = 1'b0,
     localparam int unsigned Limit  = Sums > 1 ? 9 : Halves ? 8 : Far ? 7 : 5
 ) (
     input logic clk_i,
@@ -37,7 +38,8 @@ module results_order #(
       .Slots(4),
       .Sums(Sums),
       .Far(Far),
-      .Halves(Halves)
+      .Halves(Halves),
+      .FlushRow(FlushRow)
   ) dut (
       .clk_i(clk_i),
       .rst_i(rst_i),
