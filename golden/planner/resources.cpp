@@ -78,18 +78,10 @@ class Memories {
       blocks += instances * block_rams(width, depth);
       return;
     }
-    add_luts(width, depth, instances);
-    registers += instances * width;
-  }
-  void add_luts(int width, uint64_t depth, int instances) {
     const int deep = static_cast<int>((depth + 15) / 16);
     cells += instances * ((width + 3) / 4) * deep;
     choices += instances * width * (deep - 1);
-  }
-  // Of what is LUT RAM in other gatherers, and counted there with their contexts.
-  void add_instead_of_luts(int width, uint64_t depth, int instances = 1) {
-    add(width, depth, instances);
-    add_luts(width, depth, -instances);
+    registers += instances * width;
   }
 
   // The terms of a resource.
@@ -173,16 +165,6 @@ Memories gatherer_memories(const Plan& p) {
   m.add(2 * p.lanes * p.direction_bits, rows, lists);
   // Of several trees and lists, squared distances too (photon_gatherer_beat_queue).
   if (p.trees() > 1 && lists > 1) m.add(p.lanes * p.r2_bits(), rows, lists);
-  // And of whole keys what is kept of a query: its normal; its position and the offsets of its
-  // subtree at the tree, its position at the lanes, its counts.
-  const bool query_rows = p.trees() > 1 && lists > 1 && p.list_code_bits() == 0;
-  if (query_rows) {
-    m.add_instead_of_luts(3 * (p.normal_bits + 2), contexts_of(lists), lists);
-    m.add_instead_of_luts(3 * p.position_bits, contexts_of(p.trees()), p.trees());
-    m.add_instead_of_luts(3 * (p.position_bits + 1), contexts_of(p.trees()), p.trees());
-    if (p.cache_bytes != 0 && !p.compressed()) m.add_instead_of_luts(3 * p.position_bits, contexts);
-    m.add_instead_of_luts(2 * (p.line_bits() + 1), contexts);
-  }
 
   // Of a result: what is known of it at the start, at the end, and its reciprocal.
   const uint64_t most = p.lut_ram_words < 64 || p.lut_ram_words >= 512 ? (p.parity ? 128 : 512)
@@ -191,14 +173,7 @@ Memories gatherer_memories(const Plan& p) {
   const uint64_t slots = std::min(8 * contexts, std::max(most, 2 * contexts));
   const int body = p.count_bits() + p.r2_bits() + p.channels * p.flux_bits() +
                    2 * (p.line_bits() + 1) + p.index_bits() + 3;
-  const int head = p.pixel_bits() + p.sample_bits() + p.tag_bits() + 1;
-  if (query_rows && p.powers_per_cycle > 1) {
-    // Whether it is a flush stands there too.
-    m.add(head + 1, slots);
-    m.add_luts(1, slots, -1);
-  } else {
-    m.add(head, slots);
-  }
+  m.add(p.pixel_bits() + p.sample_bits() + p.tag_bits() + 1, slots);
   // Far ones keep a word of few in halves (photon_gatherer_results).
   if (p.far_gatherers() && p.powers_per_cycle == 1 && p.reciprocal_bits != 0 && slots <= 256 &&
       slots > static_cast<uint64_t>(p.lut_ram_words))

@@ -39,7 +39,6 @@ module cache #(
     parameter int unsigned Misses = 8,
     parameter bit UseLater = 1'b0,  // of cache_victim
     parameter bit CompareStage = 1'b0,  // a stage for the comparison of tags alone
-    parameter bit ClientAhead = 1'b0,  // out_client_o is given a cycle before its part
     localparam int unsigned ClientBits = Clients > 1 ? $clog2(Clients) : 1,
     localparam int unsigned MissBits = Misses > 1 ? $clog2(Misses) : 1,
     localparam int unsigned SetBits = Sets > 1 ? $clog2(Sets) : 1,
@@ -383,11 +382,9 @@ module cache #(
   );
 
   // ---- the reader: lines that have come go before hits ----
-  logic [ClientBits-1:0] out_client_q;
   logic reader_last, reader_free;
   logic [PartBits-1:0] reader_part_q;
 
-  assign out_client_o = ClientAhead ? reader_client_q : out_client_q;
   assign reader_last = Parts == 1 || reader_part_q == PartBits'(Parts - 1);
   assign reader_free = !reader_valid_q || reader_last;
   assign serve = any_filled && reader_free && ready_i;
@@ -414,7 +411,7 @@ module cache #(
       reader_part_q <= reader_part_q + 1'b1;
     end
     out_valid_o <= reader_valid_q;
-    out_client_q <= reader_client_q;
+    out_client_o <= reader_client_q;
     if (rst_i) begin
       hit_valid_q <= 1'b0;
       reader_valid_q <= 1'b0;

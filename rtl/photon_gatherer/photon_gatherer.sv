@@ -78,9 +78,6 @@ module photon_gatherer #(
   // Of several trees and lists the clock is what is short: what decides there is known a cycle earlier, or used a cycle later, and
   // distances wait in block RAM.
   localparam bit Wide = Trees > 1 && Lists > 1;
-  // What is kept of a query stands in block RAM there, instead of LUTs, unless lists have codes: those come with many photons, and
-  // then block RAM is what is short.
-  localparam bit QueryRows = Wide && photonloom_pkg::ListCodeBits == 0;
   localparam int unsigned TreeContextBits = Contexts > Trees ? $clog2((Contexts + Trees - 1) / Trees) : 1;
   localparam int unsigned ListContextBits = Contexts > Lists ? $clog2((Contexts + Lists - 1) / Lists) : 1;
   localparam int unsigned SumContextBits = Contexts > Sums ? $clog2((Contexts + Sums - 1) / Sums) : 1;
@@ -126,7 +123,6 @@ module photon_gatherer #(
       .Contexts(Contexts),
       .Levels(Levels),
       .Wide(Wide),
-      .QueryRows(QueryRows),
       .Trees(Trees),
       .Lists(Lists),
       .Sums(Sums),
@@ -204,7 +200,6 @@ module photon_gatherer #(
   photon_gatherer_leaves #(
       .Contexts(Contexts),
       .Wide(Wide),
-      .QueryRows(QueryRows),
       .Trees(Trees),
       .Lists(Lists),
       .Sums(Sums),
@@ -279,7 +274,6 @@ module photon_gatherer #(
   photon_gatherer_answers #(
       .Contexts(Contexts),
       .Wide(Wide),
-      .QueryRows(QueryRows),
       .Trees(Trees),
       .Lists(Lists),
       .Sums(Sums)

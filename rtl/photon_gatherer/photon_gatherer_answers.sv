@@ -15,7 +15,6 @@ module photon_gatherer_answers #(
     parameter int unsigned Lists = 1,
     parameter int unsigned Sums = 1,  // at most Lists
     parameter bit Wide = 1'b0,  // of several trees and lists
-    parameter bit QueryRows = 1'b0,  // what is kept of a query stands in block RAM
     localparam int unsigned ContextBits = Contexts > 1 ? $clog2(Contexts) : 1,
     localparam int unsigned TreeContexts = (Contexts + Trees - 1) / Trees,
     localparam int unsigned TreeContextBits = TreeContexts > 1 ? $clog2(TreeContexts) : 1,
@@ -271,8 +270,7 @@ module photon_gatherer_answers #(
   photon_gatherer_results #(
       .Slots(Slots),
       .Sums(Sums),
-      .Units(Units),
-      .FlushRow(QueryRows && Sums > 1)
+      .Units(Units)
   ) results (
       .clk_i(clk_i),
       .rst_i(rst_i),

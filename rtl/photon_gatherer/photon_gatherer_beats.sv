@@ -17,7 +17,6 @@ module photon_gatherer_beats #(
     parameter int unsigned LineBeatBits = 128,
     parameter int unsigned Behind = 16,  // beats that may be between a queue and its list
     parameter bit Wide = 1'b0,  // of several trees and lists
-    parameter bit QueryRows = 1'b0,  // what is kept of a query stands in block RAM
     localparam int unsigned ContextBits = Contexts > 1 ? $clog2(Contexts) : 1,
     localparam int unsigned ListContexts = (Contexts + Lists - 1) / Lists,
     localparam int unsigned ListContextBits = ListContexts > 1 ? $clog2(ListContexts) : 1,
@@ -102,8 +101,6 @@ module photon_gatherer_beats #(
   localparam int unsigned RecordBits = photonloom_pkg::RecordBits;
   localparam int unsigned SlotHeaderBits = photonloom_pkg::SlotHeaderBits;
   localparam int unsigned HeaderBits = Compressed ? Bucket * SlotHeaderBits : 1;
-  // The cache knows a cycle before a part whose it is: then its position is read.
-  localparam bit PositionRows = QueryRows && Sets != 0 && !Compressed;
 
   if (8 * photonloom_pkg::PhotonBytes < RecordBits + SlotHeaderBits) begin : gen_bad_photon
     photon_bytes_must_hold_all_fields_of_a_photon bad_photon ();
@@ -117,13 +114,6 @@ module photon_gatherer_beats #(
   logic [Lanes-1:0] line_used;
   logic [3*PositionBits-1:0] position;
   logic [ContextBits-1:0] position_context;
-  /* verilator lint_off UNDRIVEN */
-  /* verilator lint_off UNUSEDSIGNAL */
-  // where PositionRows
-  logic [ContextBits-1:0] context_ahead;
-  logic [3*PositionBits-1:0] row_position;
-  /* verilator lint_on UNUSEDSIGNAL */
-  /* verilator lint_on UNDRIVEN */
   logic [3*(PositionBits+1)-1:0] lane_query;
   logic read_valid;
   logic [ContextBits-1:0] read_context;
@@ -133,7 +123,6 @@ module photon_gatherer_beats #(
   logic [R2Bits-1:0] lane_bound;
 
   if (Sets != 0) begin : gen_cache
-    logic [ContextBits-1:0] client;
     cache #(
         .AddressBits(AddressBits + 1),
         .Clients(Contexts),
@@ -148,8 +137,7 @@ module photon_gatherer_beats #(
         .Ways(CacheWays),
         .Misses(CacheMisses),
         .UseLater(Wide),
-        .CompareStage(Wide),
-        .ClientAhead(PositionRows)
+        .CompareStage(Wide)
     ) leaf_cache (
         .clk_i(clk_i),
         .rst_i(rst_i),
@@ -162,7 +150,7 @@ module photon_gatherer_beats #(
         .ready_i(queue_ready == '1),
         .issue_o(line_issue),
         .out_valid_o(read_valid),
-        .out_client_o(client),
+        .out_client_o(read_context),
         .out_part_o(read_beat),
         .out_data_o(read_records),
         .out_header_o(read_header),
@@ -178,19 +166,6 @@ module photon_gatherer_beats #(
         .miss_o(miss_o),
         .tag_wrong_o(tag_wrong_o)
     );
-    if (PositionRows) begin : gen_ahead
-      logic [ContextBits-1:0] context_q;
-      logic [3*PositionBits-1:0] position_q;
-      always_ff @(posedge clk_i) begin
-        context_q  <= client;
-        position_q <= position;
-      end
-      assign context_ahead = client;
-      assign read_context = context_q;
-      assign row_position = position_q;
-    end else begin : gen_now
-      assign read_context = client;
-    end
   end else begin : gen_uncached
     photon_gatherer_uncached #(
         .Contexts(Contexts),
@@ -239,32 +214,17 @@ module photon_gatherer_beats #(
     assign line_wrong_context_o = '0;
   end
 
-  if (PositionRows) begin : gen_rows
-    block_ram #(
-        .Width(3 * PositionBits),
-        .Depth(Contexts)
-    ) positions (
-        .clk_i(clk_i),
-        .write_i(start_i),
-        .write_address_i(start_context_i),
-        .write_data_i(start_position_i),
-        .read_i(1'b1),
-        .read_address_i(position_context),
-        .read_data_o(position)
-    );
-  end else begin : gen_luts
-    lut_ram #(
-        .Width(3 * PositionBits),
-        .Depth(Contexts)
-    ) positions (
-        .clk_i(clk_i),
-        .write_i(start_i),
-        .write_address_i(start_context_i),
-        .write_data_i(start_position_i),
-        .read_address_i(position_context),
-        .read_data_o(position)
-    );
-  end
+  lut_ram #(
+      .Width(3 * PositionBits),
+      .Depth(Contexts)
+  ) positions (
+      .clk_i(clk_i),
+      .write_i(start_i),
+      .write_address_i(start_context_i),
+      .write_data_i(start_position_i),
+      .read_address_i(position_context),
+      .read_data_o(position)
+  );
 
   // ---- what the lanes measure: positions and the query's, or both less the line's corner ----
   assign next_ready_o = !leaf_valid_i;
@@ -317,10 +277,9 @@ module photon_gatherer_beats #(
     assign line_photons = read_records;
     assign line_used = '0;
     assign {line_last_o, line_more_o, line_next_o} = '0;
-    assign position_context = PositionRows ? context_ahead : lane_context;
+    assign position_context = lane_context;
     for (genvar c = 0; c < 3; c++) begin : gen_coordinate
-      assign lane_query[(PositionBits+1)*c+:PositionBits+1] =
-          {1'b0, PositionRows ? row_position[PositionBits*c+:PositionBits] : position[PositionBits*c+:PositionBits]};
+      assign lane_query[(PositionBits+1)*c+:PositionBits+1] = {1'b0, position[PositionBits*c+:PositionBits]};
     end
   end
 

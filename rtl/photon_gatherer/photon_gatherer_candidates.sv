@@ -19,7 +19,6 @@ module photon_gatherer_candidates #(
     parameter int unsigned Behind = 16,  // rows of beats that may have left the FIFO
     // Of several trees and lists (Wide) and of far gatherers the clock is what is short: what decides is known earlier, for more LUTs.
     parameter bit Wide = 1'b0,
-    parameter bit QueryRows = 1'b0,  // what is kept of a query stands in block RAM
     localparam int unsigned ContextBits = Contexts > 1 ? $clog2(Contexts) : 1,
     localparam int unsigned K = photonloom_pkg::K,
     localparam int unsigned CountBits = photonloom_pkg::CountBits,
@@ -108,32 +107,17 @@ module photon_gatherer_candidates #(
   logic [1:0] pair_front;
   logic [2*CandidateBits-1:0] pair_candidates;
 
-  if (QueryRows) begin : gen_rows
-    block_ram #(
-        .Width(3 * (NormalBits + 2)),
-        .Depth(Contexts)
-    ) normals (
-        .clk_i(clk_i),
-        .write_i(search_i),
-        .write_address_i(search_context_i),
-        .write_data_i(search_normal_i),
-        .read_i(1'b1),
-        .read_address_i(normal_context),
-        .read_data_o(normal)
-    );
-  end else begin : gen_luts
-    lut_ram #(
-        .Width(3 * (NormalBits + 2)),
-        .Depth(Contexts)
-    ) normals (
-        .clk_i(clk_i),
-        .write_i(search_i),
-        .write_address_i(search_context_i),
-        .write_data_i(search_normal_i),
-        .read_address_i(normal_context),
-        .read_data_o(normal)
-    );
-  end
+  lut_ram #(
+      .Width(3 * (NormalBits + 2)),
+      .Depth(Contexts)
+  ) normals (
+      .clk_i(clk_i),
+      .write_i(search_i),
+      .write_address_i(search_context_i),
+      .write_data_i(search_normal_i),
+      .read_address_i(normal_context),
+      .read_data_o(normal)
+  );
 
   photon_gatherer_pairs #(
       .R2Bits(R2Bits),
@@ -145,8 +129,7 @@ module photon_gatherer_candidates #(
       .NormalBits(NormalBits),
       .RoomLater(32'(Far)),
       .ReadAlways(Wide),
-      .DistanceRows(Wide),
-      .NormalAhead(QueryRows)
+      .DistanceRows(Wide)
   ) pairs (
       .clk_i(clk_i),
       .rst_i(rst_i),

@@ -12,7 +12,6 @@ module photon_gatherer_descent #(
     parameter int unsigned Sums = 1,
     parameter int unsigned Sets = 64,  // of the cache
     parameter bit Wide = 1'b0,  // of several trees and lists
-    parameter bit QueryRows = 1'b0,  // what is kept of a query stands in block RAM
     localparam int unsigned ContextBits = Contexts > 1 ? $clog2(Contexts) : 1,
     localparam int unsigned TreeContexts = (Contexts + Trees - 1) / Trees,
     localparam int unsigned TreeContextBits = TreeContexts > 1 ? $clog2(TreeContexts) : 1,
@@ -166,7 +165,6 @@ module photon_gatherer_descent #(
   photon_gatherer_trees #(
       .Contexts(Contexts),
       .Wide(Wide),
-      .QueryRows(QueryRows),
       .Trees(Trees),
       .Lists(Lists),
       .GlobalLines(GlobalLines),

@@ -14,7 +14,6 @@ module photon_gatherer_leaf_state #(
     parameter int unsigned Trees = 1,
     parameter int unsigned Lists = 1,
     parameter int unsigned Sums = 1,
-    parameter bit QueryRows = 1'b0,  // counts that go on stand in block RAM
     localparam int unsigned ContextBits = Contexts > 1 ? $clog2(Contexts) : 1,
     localparam int unsigned TreeContexts = (Contexts + Trees - 1) / Trees,
     localparam int unsigned TreeContextBits = TreeContexts > 1 ? $clog2(TreeContexts) : 1,
@@ -87,32 +86,17 @@ module photon_gatherer_leaf_state #(
   assign nodes_next = nodes_q + NodeBits'(counted_steps_q);
   assign leaf_stop = photonloom_pkg::LeafLimit != 0 && 32'(leaves_next) == photonloom_pkg::LeafLimit;
 
-  if (QueryRows) begin : gen_rows
-    block_ram #(
-        .Width(2 * NodeBits),
-        .Depth(Contexts)
-    ) counts_to_step (
-        .clk_i(clk_i),
-        .write_i(counted_valid_q),
-        .write_address_i(counted_context_q),
-        .write_data_i({leaves_next, nodes_next}),
-        .read_i(1'b1),
-        .read_address_i(leaf_context_i),
-        .read_data_o({leaves_stored, nodes_stored})
-    );
-  end else begin : gen_luts
-    lut_ram #(
-        .Width(2 * NodeBits),
-        .Depth(Contexts)
-    ) counts_to_step (
-        .clk_i(clk_i),
-        .write_i(counted_valid_q),
-        .write_address_i(counted_context_q),
-        .write_data_i({leaves_next, nodes_next}),
-        .read_address_i(leaf_context_q),
-        .read_data_o({leaves_stored, nodes_stored})
-    );
-  end
+  lut_ram #(
+      .Width(2 * NodeBits),
+      .Depth(Contexts)
+  ) counts_to_step (
+      .clk_i(clk_i),
+      .write_i(counted_valid_q),
+      .write_address_i(counted_context_q),
+      .write_data_i({leaves_next, nodes_next}),
+      .read_address_i(leaf_context_q),
+      .read_data_o({leaves_stored, nodes_stored})
+  );
   for (genvar sum = 0; sum < Sums; sum++) begin : gen_sum
     lut_ram #(
         .Width(2 * NodeBits),

@@ -19,7 +19,6 @@ module photon_gatherer_leaves #(
     parameter int unsigned CacheMisses = 8,
     parameter int unsigned LineBeatBits = 128,
     parameter bit Wide = 1'b0,  // of several trees and lists
-    parameter bit QueryRows = 1'b0,  // what is kept of a query stands in block RAM
     localparam int unsigned ContextBits = Contexts > 1 ? $clog2(Contexts) : 1,
     localparam int unsigned TreeContexts = (Contexts + Trees - 1) / Trees,
     localparam int unsigned TreeContextBits = TreeContexts > 1 ? $clog2(TreeContexts) : 1,
@@ -173,8 +172,7 @@ module photon_gatherer_leaves #(
       .Contexts(Contexts),
       .Trees(Trees),
       .Lists(Lists),
-      .Sums(Sums),
-      .QueryRows(QueryRows)
+      .Sums(Sums)
   ) state (
       .clk_i(clk_i),
       .rst_i(rst_i),
@@ -219,8 +217,7 @@ module photon_gatherer_leaves #(
       .CacheMisses(CacheMisses),
       .LineBeatBits(LineBeatBits),
       .Behind(Behind),
-      .Wide(Wide),
-      .QueryRows(QueryRows)
+      .Wide(Wide)
   ) beats (
       .clk_i(clk_i),
       .rst_i(rst_i),
@@ -279,8 +276,7 @@ module photon_gatherer_leaves #(
       .Lanes(Lanes),
       .RowBits(RowBits),
       .Behind(Behind),
-      .Wide(Wide),
-      .QueryRows(QueryRows)
+      .Wide(Wide)
   ) lists (
       .clk_i(clk_i),
       .rst_i(rst_i),

@@ -12,7 +12,6 @@ module photon_gatherer_lists #(
     parameter int unsigned RowBits = 6,  // of the FIFO of beats
     parameter int unsigned Behind = 16,  // and how many rows may have left it
     parameter bit Wide = 1'b0,  // of several trees and lists
-    parameter bit QueryRows = 1'b0,  // what is kept of a query stands in block RAM
     localparam int unsigned ContextBits = Contexts > 1 ? $clog2(Contexts) : 1,
     localparam int unsigned ListContexts = (Contexts + Lists - 1) / Lists,
     localparam int unsigned ListContextBits = ListContexts > 1 ? $clog2(ListContexts) : 1,
@@ -101,8 +100,7 @@ module photon_gatherer_lists #(
         .Lanes(Lanes),
         .RowBits(RowBits),
         .Behind(Behind),
-        .Wide(Wide),
-        .QueryRows(QueryRows)
+        .Wide(Wide)
     ) candidates (
         .clk_i(clk_i),
         .rst_i(rst_i),

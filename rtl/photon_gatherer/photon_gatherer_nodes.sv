@@ -19,7 +19,6 @@ module photon_gatherer_nodes #(
     parameter int unsigned StackBits = 5,      // of a stack pointer
     parameter int unsigned DistanceBits = 34,  // of a scaled squared distance
     parameter int unsigned Parity = 0,
-    parameter bit ContextAhead = 1'b0,  // context_o is of stage 0, a cycle before what is read
     localparam int unsigned ContextBits = Contexts > 1 ? $clog2(Contexts) : 1,
     localparam int unsigned NodeBits = LineBits + 1,
     localparam int unsigned NodeAddressBits = NodeWords > 1 ? $clog2(NodeWords) : 1,
@@ -31,7 +30,7 @@ module photon_gatherer_nodes #(
     // node memory: the word is there in the cycle after its address
     output logic [NodeAddressBits-1:0] node_address_o,
     input  logic [PositionBits+1+Parity:0] node_data_i,  // axis, split
-    // context state, of the context in stage 1
+    // context state, read by context in stage 1
     output logic [    ContextBits-1:0] context_o,
     input  logic [ 3*PositionBits-1:0] query_i,
     input  logic [   3*OffsetBits-1:0] offsets_i,        // not used for a first descent
@@ -83,7 +82,7 @@ module photon_gatherer_nodes #(
   logic [StackBits-1:0] stack_1_q, start_1_q;
   logic signed [NodeBits+1:0] line_1;  // of the left child, were it a leaf
 
-  assign context_o = ContextAhead ? context_0_q : context_1_q;
+  assign context_o = context_1_q;
   assign map_o = map_1_q;
   assign line_1 = signed'({1'b0, node_1_q, 1'b0}) - signed'((NodeBits + 2)'(lines_i));
 

@@ -15,7 +15,6 @@ module photon_gatherer_pairs #(
     parameter int unsigned RoomLater = 0,  // room that comes back is counted a cycle later, of any number of lanes
     parameter bit ReadAlways = 1'b0,  // the directions of the next beat are read in each cycle, and kept here
     parameter bit DistanceRows = 1'b0,  // in_d2_i comes when directions_i do
-    parameter bit NormalAhead = 1'b0,  // normal_context_o is a cycle before normal_i
     localparam int unsigned ContextBits = Contexts > 1 ? $clog2(Contexts) : 1,
     localparam int unsigned Beats = Bucket / Lanes,
     localparam int unsigned BeatBits = Beats > 1 ? $clog2(Beats) : 1,
@@ -148,7 +147,7 @@ module photon_gatherer_pairs #(
   logic [1:0] front;
   logic [2*CandidateBits-1:0] tested;
 
-  assign normal_context_o = context_s_q[NormalAhead?0 : 1];
+  assign normal_context_o = context_s_q[1];
 
   // Whether block RAM reads is late. Those of a beat come a cycle after it begins.
   /* verilator lint_off UNDRIVEN */

@@ -21,7 +21,6 @@ module photon_gatherer_results #(
     parameter bit Far = photonloom_pkg::FarGatherers != 0,  // from block RAM
     // A result's words in two halves, where that takes fewer block RAMs.
     parameter bit Halves = Far && Sums == 1 && photonloom_pkg::ReciprocalBits != 0 && Slots > photonloom_pkg::LutRamWords && Slots <= 256,
-    parameter bit FlushRow = 1'b0,  // whether a slot is a flush's stands in block RAM: of several sums
     localparam int unsigned SlotBits = $clog2(Slots)
 ) (
     input  logic                                                            clk_i,
@@ -109,47 +108,31 @@ module photon_gatherer_results #(
     assign flush_slot = tail_q;
   end
 
-  // Whether a slot is a flush's clears most of a result: it comes from LUTs and a register, for block RAM would be late; or from
-  // there and a register, where a result waits another cycle for its lap.
-  if (FlushRow) begin : gen_flush_row
-    block_ram #(
-        .Width(1 + HeadBits),
-        .Depth(Slots)
-    ) heads (
-        .clk_i(clk_i),
-        .write_i(start_i),
-        .write_address_i(tail_q[SlotBits-1:0]),
-        .write_data_i({start_flush_i, start_pixel_i, start_sample_i, start_tag_i, start_map_i}),
-        .read_i(1'b1),
-        .read_address_i(head_q[SlotBits-1:0]),
-        .read_data_o({flush_word, head_word})
-    );
-  end else begin : gen_flush_luts
-    block_ram #(
-        .Width(HeadBits),
-        .Depth(Slots)
-    ) heads (
-        .clk_i(clk_i),
-        .write_i(start_i),
-        .write_address_i(tail_q[SlotBits-1:0]),
-        .write_data_i({start_pixel_i, start_sample_i, start_tag_i, start_map_i}),
-        .read_i(1'b1),
-        .read_address_i(head_q[SlotBits-1:0]),
-        .read_data_o(head_word)
-    );
+  block_ram #(
+      .Width(HeadBits),
+      .Depth(Slots)
+  ) heads (
+      .clk_i(clk_i),
+      .write_i(start_i),
+      .write_address_i(tail_q[SlotBits-1:0]),
+      .write_data_i({start_pixel_i, start_sample_i, start_tag_i, start_map_i}),
+      .read_i(1'b1),
+      .read_address_i(head_q[SlotBits-1:0]),
+      .read_data_o(head_word)
+  );
 
-    lut_ram #(
-        .Width(1),
-        .Depth(Slots)
-    ) flushes (
-        .clk_i(clk_i),
-        .write_i(start_i),
-        .write_address_i(tail_q[SlotBits-1:0]),
-        .write_data_i(start_flush_i),
-        .read_address_i(head_q[SlotBits-1:0]),
-        .read_data_o(flush_word)
-    );
-  end
+  // Whether a slot is a flush's clears most of a result: it comes from LUTs and a register, for block RAM would be late.
+  lut_ram #(
+      .Width(1),
+      .Depth(Slots)
+  ) flushes (
+      .clk_i(clk_i),
+      .write_i(start_i),
+      .write_address_i(tail_q[SlotBits-1:0]),
+      .write_data_i(start_flush_i),
+      .read_address_i(head_q[SlotBits-1:0]),
+      .read_data_o(flush_word)
+  );
   always_ff @(posedge clk_i) flush_q <= flush_word;
 
   // ---- the head slot ----

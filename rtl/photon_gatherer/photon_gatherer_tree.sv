@@ -19,7 +19,6 @@ module photon_gatherer_tree #(
     parameter int unsigned CausticLines = 0,
     parameter int unsigned NodeWords = 4096,
     parameter int unsigned Levels = 1,  // of a descent at once
-    parameter bit QueryRows = 1'b0,  // what is kept of a query stands in block RAM
     parameter int unsigned GlobalWords = 2048,  // where 2: of photon_gatherer_pair_memory
     parameter int unsigned GlobalUpper = 1,
     parameter int unsigned CausticUpper = 1,
@@ -156,55 +155,28 @@ module photon_gatherer_tree #(
   logic [R2Bits-1:0] stack_bound;
   logic [PushBits-1:0] push_entry;
 
-  if (QueryRows) begin : gen_rows
-    block_ram #(
-        .Width(3 * PositionBits),
-        .Depth(Contexts)
-    ) positions (
-        .clk_i(clk_i),
-        .write_i(start_i),
-        .write_address_i(start_context_i),
-        .write_data_i(start_position_i),
-        .read_i(1'b1),
-        .read_address_i(node_context),
-        .read_data_o(node_position)
-    );
-    block_ram #(
-        .Width(OffsetsBits),
-        .Depth(Contexts)
-    ) offsets (
-        .clk_i(clk_i),
-        .write_i(subtree),
-        .write_address_i(subtree_context),
-        .write_data_i(subtree_offsets),
-        .read_i(1'b1),
-        .read_address_i(node_context),
-        .read_data_o(node_offsets)
-    );
-  end else begin : gen_luts
-    lut_ram #(
-        .Width(3 * PositionBits),
-        .Depth(Contexts)
-    ) positions (
-        .clk_i(clk_i),
-        .write_i(start_i),
-        .write_address_i(start_context_i),
-        .write_data_i(start_position_i),
-        .read_address_i(node_context),
-        .read_data_o(node_position)
-    );
-    lut_ram #(
-        .Width(OffsetsBits),
-        .Depth(Contexts)
-    ) offsets (
-        .clk_i(clk_i),
-        .write_i(subtree),
-        .write_address_i(subtree_context),
-        .write_data_i(subtree_offsets),
-        .read_address_i(node_context),
-        .read_data_o(node_offsets)
-    );
-  end
+  lut_ram #(
+      .Width(3 * PositionBits),
+      .Depth(Contexts)
+  ) positions (
+      .clk_i(clk_i),
+      .write_i(start_i),
+      .write_address_i(start_context_i),
+      .write_data_i(start_position_i),
+      .read_address_i(node_context),
+      .read_data_o(node_position)
+  );
+  lut_ram #(
+      .Width(OffsetsBits),
+      .Depth(Contexts)
+  ) offsets (
+      .clk_i(clk_i),
+      .write_i(subtree),
+      .write_address_i(subtree_context),
+      .write_data_i(subtree_offsets),
+      .read_address_i(node_context),
+      .read_data_o(node_offsets)
+  );
 
   if (Levels == 1) begin : gen_level
     photon_gatherer_nodes #(
@@ -212,7 +184,6 @@ module photon_gatherer_tree #(
         .LineBits(LineBits),
         .Contexts(Contexts),
         .NodeWords(NodeWords),
-        .ContextAhead(QueryRows),
         .CausticBase(GlobalLines),
         .EpsilonFactor(photonloom_pkg::EpsilonFactor),
         .StackBits(StackBits),

@@ -18,7 +18,6 @@ module photon_gatherer_trees #(
     parameter int unsigned NodeWords = 4096,
     parameter int unsigned Levels = 1,  // of a descent at once: 2 of one tree
     parameter bit Wide = 1'b0,  // leaves have a register before the trees' are one stream
-    parameter bit QueryRows = 1'b0,  // what is kept of a query stands in block RAM
     localparam int unsigned ContextBits = Contexts > 1 ? $clog2(Contexts) : 1,
     localparam int unsigned TreeContexts = (Contexts + Trees - 1) / Trees,
     localparam int unsigned TreeContextBits = TreeContexts > 1 ? $clog2(TreeContexts) : 1,
@@ -187,7 +186,6 @@ module photon_gatherer_trees #(
         .CausticLines(CausticLines),
         .NodeWords(NodeWords),
         .Levels(Levels),
-        .QueryRows(QueryRows),
         .GlobalWords(PairWords - CausticWords),
         .GlobalUpper(GlobalLevels % 2),
         .CausticUpper(CausticLevels % 2),

@@ -12,7 +12,6 @@ module cache_reads #(
     parameter int unsigned Misses = 2,
     parameter bit UseLater = 1'b0,
     parameter bit CompareStage = 1'b0,
-    parameter bit ClientAhead = 1'b0,
     localparam int unsigned ClientBits = Clients > 1 ? $clog2(Clients) : 1,
     localparam int unsigned MissBits = Misses > 1 ? $clog2(Misses) : 1,
     localparam int unsigned SetBits = Sets > 1 ? $clog2(Sets) : 1,
@@ -34,7 +33,7 @@ module cache_reads #(
   (* anyconst *) logic [AddressBits-1:0] watched;  // one bit set
 
   logic issue, out_valid, out_data, line_req_valid;
-  logic [ClientBits-1:0] out_client, client;
+  logic [ClientBits-1:0] out_client;
   logic [PartBits-1:0] out_part;
   logic [AddressBits-1:0] line_req_addr;
   logic [MissBits-1:0] line_req_tag;
@@ -52,8 +51,7 @@ module cache_reads #(
       .Ways(Ways),
       .Misses(Misses),
       .UseLater(UseLater),
-      .CompareStage(CompareStage),
-      .ClientAhead(ClientAhead)
+      .CompareStage(CompareStage)
   ) dut (
       .clk_i(clk_i),
       .rst_i(rst_i),
@@ -66,7 +64,7 @@ module cache_reads #(
       .ready_i(ready_i),
       .issue_o(issue),
       .out_valid_o(out_valid),
-      .out_client_o(client),
+      .out_client_o(out_client),
       .out_part_o(out_part),
       .out_data_o(out_data),
       .line_req_valid_o(line_req_valid),
@@ -79,14 +77,6 @@ module cache_reads #(
       .hit_o(),
       .miss_o()
   );
-
-  if (ClientAhead) begin : gen_ahead
-    logic [ClientBits-1:0] client_q;
-    always_ff @(posedge clk_i) client_q <= client;
-    assign out_client = client_q;
-  end else begin : gen_now
-    assign out_client = client;
-  end
 
   logic started_q = 1'b0;
   always_ff @(posedge clk_i) started_q <= 1'b1;

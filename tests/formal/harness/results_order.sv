@@ -14,7 +14,6 @@ module results_order #(
     parameter  int unsigned Sums   = 2,
     parameter  bit          Far    = 1'b0,
     parameter  bit          Halves = 1'b0,
-    parameter  bit          FlushRow = 1'b0,
     localparam int unsigned Limit  = Sums > 1 ? 9 : Halves ? 8 : Far ? 7 : 5
 ) (
     input logic clk_i,
@@ -38,8 +37,7 @@ module results_order #(
       .Slots(4),
       .Sums(Sums),
       .Far(Far),
-      .Halves(Halves),
-      .FlushRow(FlushRow)
+      .Halves(Halves)
   ) dut (
       .clk_i(clk_i),
       .rst_i(rst_i),
