@@ -11,7 +11,9 @@
 //
 //   stage 0  choose a request    1  tag memory    2  held ways    3  compare, decide    hit: wait for the reader
 //
-// With CompareStage it is decided in a stage 4 of its own, by what was compared before it: for clocks at which both are too long.
+// With CompareStage it is decided in a stage 4 of its own, by what was compared before it: for clocks at which both are too long. Then what
+// is held, and which way a miss takes, is known a cycle ahead: what might begin to be held meanwhile counts as held. And of
+// hits two wait for the reader, so that none needs to know of it in its own cycle.
 //
 // ready_i says that there is room for a line and issue_o that one begins: its parts follow from the second cycle after,
 // straight from the memory of cache_lines, and must be taken. Line port: beats of a line in order and not interleaved, lines in any
@@ -37,7 +39,6 @@ module cache #(
     parameter int unsigned Sets = 64,
     parameter int unsigned Ways = 2,
     parameter int unsigned Misses = 8,
-    parameter bit UseLater = 1'b0,  // of cache_victim
     parameter bit CompareStage = 1'b0,  // a stage for the comparison of tags alone
     localparam int unsigned ClientBits = Clients > 1 ? $clog2(Clients) : 1,
     localparam int unsigned MissBits = Misses > 1 ? $clog2(Misses) : 1,
@@ -115,7 +116,7 @@ module cache #(
   logic [Ways-1:0] tag_odd, tag_odd_3;
   logic expel;  // a line is forgotten
   logic [PlaceBits-1:0] expel_place;
-  logic [Ways-1:0] pending_2, pending_3_q;  // of the set decided next, of the one decided
+  logic [Ways-1:0] pending_2, pending_3_q;  // of the set of stage 2, of stage 3
 
   assign set_1 = SetBits'(address_1_q) & set_mask_i;
   assign set_2 = SetBits'(address_2_q) & set_mask_i;
@@ -187,7 +188,16 @@ module cache #(
   logic hit_valid_q, reader_valid_q, hit_take, hit_room, retry;
   logic [PlaceBits-1:0] hit_place_q, hit_place, reader_place_q;
   logic [ClientBits-1:0] hit_client_q, hit_client, reader_client_q;
-  logic [Ways-1:0] held;
+  logic [Ways-1:0] held;  // with CompareStage of the set decided next
+  /* verilator lint_off UNDRIVEN */
+  /* verilator lint_off UNUSEDSIGNAL */
+  // with CompareStage: every way is held of the set decided, the second hit that waits, and sets that are the one decided next
+  logic [Ways-1:0] pending_4_q;
+  logic all_held_q, second_valid_q, same_second, same_reader;
+  logic [PlaceBits-1:0] second_place_q;
+  logic [ClientBits-1:0] second_client_q;
+  /* verilator lint_on UNUSEDSIGNAL */
+  /* verilator lint_on UNDRIVEN */
   logic same_3, same_hit, hit_same_q, reader_same_q;  // the set decided next, that of the hit, the one read: set_d
   logic [WayBits-1:0] victim;
   logic found, hits, free_q;  // free: an entry of the misses
@@ -198,17 +208,36 @@ module cache #(
     for (int unsigned w = 0; w < Ways; w++) begin
       match[w] = !bypass_i && !tag_odd_3[w] && tags_3_q[TagBits*w+:TagBits] == {1'b1, address_3_q};
       if (match[w]) hit_way = WayBits'(w);
-      held[w] = pending_3_q[w] || (hit_valid_q && hit_same_q && hit_place_q[0+:WayBits] == WayBits'(w)) ||
+      held[w] = CompareStage ? pending_3_q[w] || (valid_d && same_3 && match_d[w]) ||
+          (hit_valid_q && same_hit && hit_place_q[0+:WayBits] == WayBits'(w)) ||
+          (second_valid_q && same_second && second_place_q[0+:WayBits] == WayBits'(w)) ||
+          (reader_valid_q && same_reader && reader_place_q[0+:WayBits] == WayBits'(w)) :
+          pending_3_q[w] || (hit_valid_q && hit_same_q && hit_place_q[0+:WayBits] == WayBits'(w)) ||
           (reader_valid_q && reader_same_q && reader_place_q[0+:WayBits] == WayBits'(w));
     end
+  end
+
+  if (CompareStage) begin : gen_ahead
+    always_ff @(posedge clk_i) begin
+      pending_4_q <= pending_3_q;
+      all_held_q <= held == '1;
+      second_valid_q <= !hit_room && (second_valid_q || hits) && !rst_i;
+      if (!second_valid_q) begin
+        second_place_q <= {set_d, hit_way_d};
+        second_client_q <= client_d;
+      end
+    end
+    assign same_second = set_ahead == second_place_q[WayBits+:SetBits];
+    assign same_reader = set_ahead == reader_place_q[WayBits+:SetBits];
   end
 
   assign found = match_d != '0;
   assign hit_room = !hit_valid_q || hit_take;
   assign hit_place = hit_valid_q ? hit_place_q : {set_d, hit_way_d};
   assign hit_client = hit_valid_q ? hit_client_q : client_d;
-  assign hits = (CompareStage ? valid_d && !stale_d : valid_3_q && !stale_3_q) && (match_d & ~pending_3_q) != '0 && hit_room;
-  assign allocate = (CompareStage ? valid_d && !stale_d : valid_3_q && !stale_3_q) && !found && free_q && held != '1 && !line_req_valid_o;
+  assign hits = (CompareStage ? valid_d && !stale_d : valid_3_q && !stale_3_q) && (match_d & ~(CompareStage ? pending_4_q : pending_3_q)) != '0 &&
+      (CompareStage ? !second_valid_q : hit_room);
+  assign allocate = (CompareStage ? valid_d && !stale_d : valid_3_q && !stale_3_q) && !found && free_q && (CompareStage ? !all_held_q : held != '1) && !line_req_valid_o;
   assign retry = valid_d && !hits && !allocate;
   assign {hit_o, miss_o} = {hits, allocate};
 
@@ -256,7 +285,7 @@ module cache #(
   cache_victim #(
       .Sets(Sets),
       .Ways(Ways),
-      .UseLater(UseLater)
+      .Ahead(CompareStage)
   ) to_take (
       .clk_i(clk_i),
       .rst_i(rst_i),
@@ -327,7 +356,7 @@ module cache #(
     for (int unsigned w = 0; w < Ways; w++) begin
       pending_2[w] = 1'b0;
       for (int unsigned m = 0; m < Misses; m++)
-        if (busy_q[m] && miss_place_q[m] == {set_ahead, WayBits'(w)}) pending_2[w] = 1'b1;
+        if (busy_q[m] && miss_place_q[m] == {set_2, WayBits'(w)}) pending_2[w] = 1'b1;
     end
     any_filled = filled_q != '0;
     serve_entry = '0;
@@ -398,9 +427,9 @@ module cache #(
     reader_same_q <= !reader_free ? set_ahead == reader_place_q[WayBits+:SetBits] :
         any_filled ? set_ahead == serve_place[WayBits+:SetBits] : hit_valid_q ? same_hit : same_3;
     if (hit_room) begin
-      hit_valid_q <= hits && (hit_valid_q || !hit_take);
-      hit_place_q <= {set_d, hit_way_d};
-      hit_client_q <= client_d;
+      hit_valid_q <= CompareStage ? second_valid_q || (hits && (hit_valid_q || !hit_take)) : hits && (hit_valid_q || !hit_take);
+      hit_place_q <= (CompareStage ? second_valid_q : 1'b0) ? second_place_q : {set_d, hit_way_d};
+      hit_client_q <= (CompareStage ? second_valid_q : 1'b0) ? second_client_q : client_d;
     end
     if (reader_free) begin
       reader_valid_q <= issue_o;

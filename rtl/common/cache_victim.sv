@@ -3,14 +3,14 @@
 // all were, the next in turn. A bit a way says that its line was asked for since all others of the set were: a use sets it,
 // and clears the others of the set where all would be set. One turn serves all sets and advances with every miss.
 //
-// set_ahead_i is read; in the cycle after, set_i is what it was, held_i and the way of a hit belong to it, and victim_o is
-// there in that cycle. Uses of one set in cycles that follow on each other may lose one of their bits; with UseLater, by
-// which a use is written a cycle later, those two cycles apart too. clear_i clears the bits of set_i. A choice a cycle. Not
-// recently used: Tanenbaum, Modern Operating Systems, of pages.
+// set_ahead_i is read; in the cycle after, set_i is what it was, the way of a hit belongs to it, and victim_o is there, chosen in that
+// cycle by held_i. With Ahead it is chosen a cycle before, by held_i of set_ahead_i, and a use is written a cycle later. Uses of one set in
+// cycles that follow on each other may lose one of their bits, with Ahead those two cycles apart too. clear_i clears the bits of set_i. A choice a
+// cycle, but with Ahead none of a cycle that follows on a miss. Not recently used: Tanenbaum, Modern Operating Systems, of pages.
 module cache_victim #(
     parameter int unsigned Sets = 64,
     parameter int unsigned Ways = 2,
-    parameter bit UseLater = 1'b0,
+    parameter bit Ahead = 1'b0,
     localparam int unsigned SetBits = Sets > 1 ? $clog2(Sets) : 1,
     localparam int unsigned WayBits = Ways > 1 ? $clog2(Ways) : 1
 ) (
@@ -26,14 +26,15 @@ module cache_victim #(
     output logic [WayBits-1:0] victim_o
 );
   if (Ways > 1) begin : gen_ways
-    logic [Ways-1:0] used_q, used_ahead, spared, now, used;
-    logic [WayBits-1:0] turn_q;
+    logic [Ways-1:0] used_q, used_ahead, was_used, spared, now, used;
+    logic [WayBits-1:0] turn_q, choice;
 
+    assign was_used = Ahead ? used_ahead : used_q;
     always_comb begin
-      spared = (held_i | used_q) == '1 ? held_i : held_i | used_q;
-      victim_o = '0;
-      for (int unsigned w = Ways; w > 0; w--) if (!spared[w-1]) victim_o = WayBits'(w - 1);
-      for (int unsigned w = Ways; w > 0; w--) if (!spared[w-1] && WayBits'(w - 1) >= turn_q) victim_o = WayBits'(w - 1);
+      spared = (held_i | was_used) == '1 ? held_i : held_i | was_used;
+      choice = '0;
+      for (int unsigned w = Ways; w > 0; w--) if (!spared[w-1]) choice = WayBits'(w - 1);
+      for (int unsigned w = Ways; w > 0; w--) if (!spared[w-1] && WayBits'(w - 1) >= turn_q) choice = WayBits'(w - 1);
     end
 
     assign now = Ways'(1) << (miss_i ? victim_o : hit_way_i);
@@ -42,23 +43,28 @@ module cache_victim #(
     // Which way is used is known late: its bit may be written from registers.
     /* verilator lint_off UNDRIVEN */
     /* verilator lint_off UNUSEDSIGNAL */
-    // where UseLater
+    // where Ahead
     logic later_write;
     logic [SetBits-1:0] later_set;
     logic [Ways-1:0] later_used;
     /* verilator lint_on UNUSEDSIGNAL */
     /* verilator lint_on UNDRIVEN */
-    if (UseLater) begin : gen_later
+    if (Ahead) begin : gen_ahead
       logic write_q, clear_q;
       logic [SetBits-1:0] set_q;
       logic [Ways-1:0] before_q, now_q;
+      logic [WayBits-1:0] victim_q;
+      assign victim_o = victim_q;
       always_ff @(posedge clk_i) begin
+        victim_q <= choice;
         write_q <= clear_i || hit_i || miss_i;
         {clear_q, set_q, before_q, now_q} <= {clear_i, set_i, used_q, now};
       end
       assign later_write = write_q;
       assign later_set = set_q;
       assign later_used = clear_q ? '0 : (before_q | now_q) == '1 ? now_q : before_q | now_q;
+    end else begin : gen_now
+      assign victim_o = choice;
     end
 
     lut_ram #(
@@ -66,9 +72,9 @@ module cache_victim #(
         .Depth(Sets > 1 ? Sets : 2)
     ) used_ways (
         .clk_i(clk_i),
-        .write_i(UseLater ? later_write : clear_i || hit_i || miss_i),
-        .write_address_i(UseLater ? later_set : set_i),
-        .write_data_i(UseLater ? later_used : clear_i ? '0 : used),
+        .write_i(Ahead ? later_write : clear_i || hit_i || miss_i),
+        .write_address_i(Ahead ? later_set : set_i),
+        .write_data_i(Ahead ? later_used : clear_i ? '0 : used),
         .read_address_i(set_ahead_i),
         .read_data_o(used_ahead)
     );

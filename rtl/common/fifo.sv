@@ -4,10 +4,13 @@
 //
 // Ahead: while there is room in_i is written in every cycle, and in_valid_i only says whether it stays. So in_valid_i may be
 // late; it does not go to every bit's write enable.
+//
+// ValidAhead: whether it holds a word is a register, where it is else a comparison of both pointers.
 module fifo #(
     parameter int unsigned Width = 8,
     parameter int unsigned Depth = 16,
-    parameter int unsigned Ahead = 0
+    parameter int unsigned Ahead = 0,
+    parameter bit ValidAhead = 1'b0
 ) (
     input  logic             clk_i,
     input  logic             rst_i,
@@ -26,11 +29,22 @@ module fifo #(
 
   logic [AddressBits:0] head_q, tail_q;
   logic push, pop;
+  /* verilator lint_off UNDRIVEN */
+  /* verilator lint_off UNUSEDSIGNAL */
+  logic valid_q;  // where ValidAhead
+  /* verilator lint_on UNUSEDSIGNAL */
+  /* verilator lint_on UNDRIVEN */
 
   assign in_ready_o = head_q != {~tail_q[AddressBits], tail_q[AddressBits-1:0]};
-  assign out_valid_o = head_q != tail_q;
+  assign out_valid_o = ValidAhead ? valid_q : head_q != tail_q;
   assign push = in_valid_i && in_ready_o;
   assign pop = out_valid_o && out_ready_i;
+
+  if (ValidAhead) begin : gen_valid_ahead
+    logic last;
+    assign last = tail_q == head_q + 1'b1;
+    always_ff @(posedge clk_i) valid_q <= !rst_i && (push || (valid_q && !(pop && last)));
+  end
 
   lut_ram #(
       .Width(Width),

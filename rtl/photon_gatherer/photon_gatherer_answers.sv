@@ -215,7 +215,8 @@ module photon_gatherer_answers #(
         .MantissaBits(photonloom_pkg::MantissaBits),
         .ExponentBits(ExponentBits),
         .FluxBits(photonloom_pkg::FluxBits),
-        .RideBits(RideBits)
+        .RideBits(RideBits),
+        .ReadAhead(Wide && Sums == 1)
     ) sum (
         .clk_i(clk_i),
         .rst_i(rst_i),
@@ -270,7 +271,8 @@ module photon_gatherer_answers #(
   photon_gatherer_results #(
       .Slots(Slots),
       .Sums(Sums),
-      .Units(Units)
+      .Units(Units),
+      .Wide(Wide)
   ) results (
       .clk_i(clk_i),
       .rst_i(rst_i),
@@ -312,6 +314,7 @@ module photon_gatherer_answers #(
       .Contexts(Contexts),
       .Trees(Trees),
       .Wide(Wide),
+      .MoveLater(Wide && Sums == 1),
       .StoreBits(StoreBits)
   ) photons (
       .clk_i(clk_i),

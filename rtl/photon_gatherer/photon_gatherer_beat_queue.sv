@@ -16,7 +16,8 @@ module photon_gatherer_beat_queue #(
     parameter int unsigned LoadBits = 48,      // direction, mantissas, exponent of a photon
     parameter int unsigned Behind = 16,        // beats that may be between the FIFO and the list
     // Of many lanes it is known late whether one is near. Then beats are written before that, since each has room for it; and the room
-    // that comes back is counted a cycle later, as if a line were issued in each.
+    // that comes back is counted a cycle later, as if a line were issued in each: room for three lines is what it takes to issue one in
+    // each cycle.
     parameter int unsigned Ahead = Lanes > 4 ? 1 : 0,
     parameter bit DistanceRows = 1'b0,
     localparam int unsigned ContextBits = Contexts > 1 ? $clog2(Contexts) : 1,

@@ -136,7 +136,6 @@ module photon_gatherer_beats #(
         .Sets(Sets),
         .Ways(CacheWays),
         .Misses(CacheMisses),
-        .UseLater(Wide),
         .CompareStage(Wide)
     ) leaf_cache (
         .clk_i(clk_i),
@@ -345,6 +344,7 @@ module photon_gatherer_beats #(
         .DirectionBits(DirectionBits),
         .LoadBits(LoadBits),
         .Behind(Behind),
+        .Ahead(Lanes > 4 || (Wide && 3 * Beats <= 16) ? 1 : 0),
         .DistanceRows(Wide)
     ) queue (
         .clk_i(clk_i),

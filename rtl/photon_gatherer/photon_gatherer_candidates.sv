@@ -186,6 +186,7 @@ module photon_gatherer_candidates #(
   /* verilator lint_off UNUSEDSIGNAL */
   // Only where Coded: the other list is always ready. Each use says so itself, so that nothing of it is left there.
   logic list_ready, list_waits_q;
+  logic hand_two_q;  // where Wide: the hand's mask, which chooses a candidate's every bit, does not decide besides what is taken
   logic rows_left_q;  // where Coded: a beat may be taken
   /* verilator lint_on UNUSEDSIGNAL */
   /* verilator lint_on UNDRIVEN */
@@ -238,7 +239,7 @@ module photon_gatherer_candidates #(
 
   // ---- the pair in hand: a token a cycle ----
   assign line_context_o = wait_context_q;
-  assign hand_two = hand_mask_q == 2'b11;
+  assign hand_two = Wide ? hand_two_q : hand_mask_q == 2'b11;
   assign hand_free = (!hand_q || !hand_two) && !(Coded && !list_ready);
   assign hand_end = hand_q && !hand_two && hand_last_q;
   assign ask = start_i || snapshot_i;
@@ -266,6 +267,13 @@ module photon_gatherer_candidates #(
     if (rst_i) begin
       hand_q <= 1'b0;
       ended_q <= 1'b0;
+    end
+  end
+
+  if (Wide) begin : gen_hand_two
+    always_ff @(posedge clk_i) begin
+      if (hand_free) hand_two_q <= !ask && (wait_mask_q & wait_near) == 2'b11;
+      else if (!(Coded && !list_ready)) hand_two_q <= 1'b0;
     end
   end
 

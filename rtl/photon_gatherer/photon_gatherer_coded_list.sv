@@ -14,7 +14,7 @@
 // the list holds the K smallest of what came. So the loop ends at its rank, whatever was in doubt; an entry that is in doubt
 // without need costs only its cycles.
 //
-// One candidate a cycle, any context; 4 cycles for each entry that is compared whole. ready_o is low meanwhile, and all that
+// One candidate a cycle, any context; 4 cycles for each entry that is compared whole, of more than 24 places with CountAhead 5. ready_o is low meanwhile, and all that
 // is in stages 0 to c stays. What goes with the tokens beside this module, loads and ends of leaves, has to stay too.
 //
 // Starts, slot store and bounds are those of photon_gatherer_list, a cycle later.
@@ -180,15 +180,21 @@ module photon_gatherer_coded_list #(
   end
 
   if (CountAhead) begin : gen_there_ahead
-    // The token that is written meanwhile has a place more, and where it is a start there are none.
+    // The token that is written meanwhile has a place more, and where it is a start there are none. Whether it enters is known late,
+    // so it chooses between both answers; while it is in doubt nothing is taken.
     logic [K-1:0] there_q;
-    logic same;
+    logic [K:0] now;  // place j - 1 has an entry
+    logic same, more, none;
     assign same = c_context_q == in_context_i;
+    assign more = same && c_candidate_q && below(c_rank_q, K);
+    assign none = same && c_start_q;
+    always_comb begin
+      now[0] = 1'b1;
+      for (int unsigned j = 0; j < K; j++) now[j+1] = a_state[StateBits-1] || !below(RankBits'(a_state[IndexBits:0]), j + 1);
+    end
     always_ff @(posedge clk_i) begin
       if (!c_doubt_q)
-        for (int unsigned j = 0; j < K; j++)
-          there_q[j] <= !(same && c_start_q) && (a_state[StateBits-1] ||
-              !below(RankBits'(a_state[IndexBits:0]), same && enters ? j : j + 1));
+        for (int unsigned j = 0; j < K; j++) there_q[j] <= !none && (more ? now[j] : now[j+1]);
     end
     assign there = there_q;
   end
@@ -226,14 +232,26 @@ module photon_gatherer_coded_list #(
   assign doubt = b_candidate_q && equal_b_q != '0;
 
   // ---- stage c in doubt: the entry at its rank: place | key, from block RAM | register | compare, and the next one ----
-  logic [3:0] step_q;
+  // Which of many places it is has a cycle of its own.
+  localparam int Steps = CountAhead && K > 24 ? 5 : 4;
+  logic [Steps-1:0] step_q;
   logic [PlaceBits-1:0] probe_place, probe_place_q;
   logic [KeyBits-1:0] probe_key, probe_key_q;
   logic probe_less;
 
+  /* verilator lint_off UNDRIVEN */
+  /* verilator lint_off UNUSEDSIGNAL */
+  logic [K-1:0] at_rank_q;
+  /* verilator lint_on UNUSEDSIGNAL */
+  /* verilator lint_on UNDRIVEN */
+
+  if (Steps == 5) begin : gen_choice
+    always_ff @(posedge clk_i) for (int unsigned j = 0; j < K; j++) at_rank_q[j] <= c_rank_q == RankBits'(j);
+  end
   always_comb begin
     probe_place = '0;
-    for (int unsigned j = 0; j < K; j++) if (c_rank_q == RankBits'(j)) probe_place = probe_place | order[PlaceBits*j+:PlaceBits];
+    for (int unsigned j = 0; j < K; j++)
+      if (Steps == 5 ? at_rank_q[j] : c_rank_q == RankBits'(j)) probe_place = probe_place | order[PlaceBits*j+:PlaceBits];
   end
   less_than #(
       .Width(KeyBits)
@@ -242,7 +260,7 @@ module photon_gatherer_coded_list #(
       .b_i(c_key_q),
       .less_o(probe_less)
   );
-  assign resolved = (step_q[0] && c_rank_q >= RankBits'(c_count)) || (step_q[3] && !probe_less);
+  assign resolved = (step_q[0] && c_rank_q >= RankBits'(c_count)) || (step_q[Steps-1] && !probe_less);
   assign settled = c_candidate_q && !c_doubt_q;
   assign enters = settled && below(c_rank_q, K);
 
@@ -250,8 +268,8 @@ module photon_gatherer_coded_list #(
     probe_place_q <= probe_place;
     probe_key_q <= probe_key;
     if (c_doubt_q) begin
-      step_q <= {step_q[2:0], step_q[3]};
-      if (step_q[3] && probe_less) c_rank_q <= c_rank_q + 1'b1;
+      step_q <= {step_q[Steps-2:0], step_q[Steps-1]};
+      if (step_q[Steps-1] && probe_less) c_rank_q <= c_rank_q + 1'b1;
       c_doubt_q <= !resolved;
     end else begin
       a_candidate_q <= in_valid_i && in_candidate_i;
@@ -278,7 +296,7 @@ module photon_gatherer_coded_list #(
       c_code_q <= b_code_q;
       c_rank_q <= rank;
       c_doubt_q <= doubt;
-      step_q <= 4'd1;
+      step_q <= Steps'(4'd1);
     end
     if (rst_i) begin
       a_candidate_q <= 1'b0;

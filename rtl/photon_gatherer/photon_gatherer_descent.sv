@@ -129,7 +129,8 @@ module photon_gatherer_descent #(
   photon_gatherer_start #(
       .Contexts(Contexts),
       .Trees(Trees),
-      .Sums(Sums)
+      .Sums(Sums),
+      .Wide(Wide)
   ) starts (
       .clk_i(clk_i),
       .rst_i(rst_i),

@@ -93,6 +93,22 @@ module photon_gatherer_lists #(
   logic [Lists*(IndexBits+1)-1:0] insertions;
   logic [Lists*K*PlaceBits-1:0] snapshot_places;
 
+  // Whether a start or a snapshot is asked of a list decides whether a pair goes on there, which is late: it is known a cycle ahead.
+  // Lists of whole keys have no time for that, since a query starts with its token.
+  localparam bit AskLater = Wide && photonloom_pkg::ListCodeBits != 0;
+  /* verilator lint_off UNDRIVEN */
+  /* verilator lint_off UNUSEDSIGNAL */
+  logic [Lists-1:0] token_q, snapshot_q;  // where AskLater
+  /* verilator lint_on UNUSEDSIGNAL */
+  /* verilator lint_on UNDRIVEN */
+  if (AskLater) begin : gen_ask_later
+    always_ff @(posedge clk_i)
+      for (int unsigned l = 0; l < Lists; l++) begin
+        token_q[l] <= token_i && (32'(token_context_i) & (Lists - 1)) == l && !token_taken[l] && !rst_i;
+        snapshot_q[l] <= snapshot_i && (32'(snapshot_context_i) & (Lists - 1)) == l && !snapshot_taken[l] && !rst_i;
+      end
+  end
+
   for (genvar l = 0; l < Lists; l++) begin : gen_list
     localparam int unsigned Sum = l % Sums;
     photon_gatherer_candidates #(
@@ -107,7 +123,7 @@ module photon_gatherer_lists #(
         .search_i(start_i && (32'(start_context_i) & (Lists - 1)) == l),
         .search_context_i(ListContextBits'(start_context_i >> $clog2(Lists))),
         .search_normal_i(start_normal_i),
-        .start_i(token_i && (32'(token_context_i) & (Lists - 1)) == l),
+        .start_i(AskLater ? token_q[l] : token_i && (32'(token_context_i) & (Lists - 1)) == l),
         .start_taken_o(token_taken[l]),
         .start_context_i(ListContextBits'(token_context_i >> $clog2(Lists))),
         .start_r2_max_i(token_r2_max_i),
@@ -138,7 +154,7 @@ module photon_gatherer_lists #(
         .store_context_i(store_context_i[ListContextBits*l+:ListContextBits]),
         .store_place_i(store_place_i[PlaceBits*l+:PlaceBits]),
         .store_word_o(store_word_o[StoreBits*l+:StoreBits]),
-        .snapshot_i(snapshot_i && (32'(snapshot_context_i) & (Lists - 1)) == l),
+        .snapshot_i(AskLater ? snapshot_q[l] : snapshot_i && (32'(snapshot_context_i) & (Lists - 1)) == l),
         .snapshot_taken_o(snapshot_taken[l]),
         .snapshot_context_i(ListContextBits'(snapshot_context_i >> $clog2(Lists))),
         .snapshot_done_o(snapshot_done[l]),

@@ -13,7 +13,7 @@ module photon_gatherer_pairs #(
     parameter int unsigned DirectionBits = 8,
     parameter int unsigned NormalBits = 8,
     parameter int unsigned RoomLater = 0,  // room that comes back is counted a cycle later, of any number of lanes
-    parameter bit ReadAlways = 1'b0,  // the directions of the next beat are read in each cycle, and kept here
+    parameter bit ReadAlways = 1'b0,  // the directions of the next beat are read in each cycle, and kept here; whether a pair waits, or has room, is a register
     parameter bit DistanceRows = 1'b0,  // in_d2_i comes when directions_i do
     localparam int unsigned ContextBits = Contexts > 1 ? $clog2(Contexts) : 1,
     localparam int unsigned Beats = Bucket / Lanes,
@@ -58,6 +58,11 @@ module photon_gatherer_pairs #(
   // ---- the beat to be tested ----
   logic held_q, last_q, begins, test, finished, merge, take, room_back, discard, returned, discarded;
   logic [RoomBits-1:0] room_q;
+  /* verilator lint_off UNDRIVEN */
+  /* verilator lint_off UNUSEDSIGNAL */
+  logic some_room_q;  // where ReadAlways
+  /* verilator lint_on UNUSEDSIGNAL */
+  /* verilator lint_on UNDRIVEN */
   logic [ContextBits-1:0] context_q;
   logic [BeatBits-1:0] beat_q;
   logic [RowBits-1:0] row_q;
@@ -78,7 +83,7 @@ module photon_gatherer_pairs #(
       end
     end
   end
-  assign test = held_q && room_q != '0;
+  assign test = held_q && (ReadAlways ? some_room_q : room_q != '0);
 
   // Of many groups it is known ahead whether one is left: block RAM, which lies far away, waits for the end of a beat.
   if (Groups > 2) begin : gen_ahead
@@ -107,6 +112,12 @@ module photon_gatherer_pairs #(
     assign finished = test && rest == '0;
     assign returned = room_back;
     assign discarded = discard;
+  end
+
+  if (ReadAlways) begin : gen_some_room
+    logic [RoomBits-1:0] room;
+    assign room = room_q - RoomBits'(test) + RoomBits'(returned) + RoomBits'(discarded);
+    always_ff @(posedge clk_i) some_room_q <= rst_i || room != '0;
   end
 
   // A beat without candidates is the end of the beat here, if that has not gone yet.
@@ -289,7 +300,8 @@ module photon_gatherer_pairs #(
   fifo #(
       .Width(PairBits),
       .Depth(Depth),
-      .Ahead(RoomLater)
+      .Ahead(RoomLater),
+      .ValidAhead(ReadAlways)
   ) pairs (
       .clk_i(clk_i),
       .rst_i(rst_i),

@@ -7,6 +7,7 @@ module photon_gatherer_photons #(
     parameter int unsigned Contexts = 16,
     parameter int unsigned Trees = 1,  // tree t has the contexts c with c % Trees = t, as c / Trees
     parameter bit Wide = 1'b0,  // of several trees and lists
+    parameter bit MoveLater = 1'b0,  // the next photon is known a cycle after one is read: whether it is, is late
     parameter int unsigned StoreBits = 98,
     localparam int unsigned ContextBits = Contexts > 1 ? $clog2(Contexts) : 1,
     localparam int unsigned TreeContexts = (Contexts + Trees - 1) / Trees,
@@ -55,6 +56,7 @@ module photon_gatherer_photons #(
   /* verilator lint_on UNUSEDSIGNAL */
   /* verilator lint_on UNDRIVEN */
   logic head_valid, head_taken, read, last, read_1_q, full_q;
+  logic moved;  // a photon that was read is left behind
   logic [ContextBits-1:0] head, context_out;
   logic [CountBits-1:0] left_q;
   logic [K*PlaceBits-1:0] places_q;
@@ -83,7 +85,8 @@ module photon_gatherer_photons #(
   assign read_place_o = places_q[0+:PlaceBits];
   assign read = read_valid_o && read_ready_i;
   assign last = left_q == CountBits'(1);
-  assign head_taken = state_q == Stream && (left_q == '0 || (read && last));
+  assign moved = MoveLater ? read_1_q : read;
+  assign head_taken = state_q == Stream && (left_q == '0 || (moved && last));
 
   // The context whose photons leave. Of several trees the contexts are many and the ways to what holds them are long: they
   // begin at a register instead of the queue's memory, and the context is free a cycle later.
@@ -117,7 +120,7 @@ module photon_gatherer_photons #(
     if (snapshot_i) begin
       left_q <= snapshot_count_i;
       places_q <= snapshot_places_i;
-    end else if (read) begin
+    end else if (moved) begin
       left_q <= left_q - 1'b1;
       places_q <= places_q >> PlaceBits;
     end
@@ -132,7 +135,7 @@ module photon_gatherer_photons #(
     else if (out_valid_o && out_ready_i) full_q <= 1'b0;
     read_1_q <= read;
     if (read_1_q) out_data_o <= read_data_i;
-    if (read) out_last_o <= last;
+    if (moved) out_last_o <= last;
     if (read_1_q) out_valid_o <= 1'b1;
     else if (out_ready_i) out_valid_o <= 1'b0;
     if (rst_i) begin

@@ -7,17 +7,18 @@
 //
 // What is written last has the lap of its slot beside it: how often, modulo 2, the slots had gone round when the query
 // took it. A slot is complete iff it shows the lap of the head. A flush writes it when it starts, so it waits where
-// another is written; of several sums, where that is known late, its start does not wait, but that word and the next flush. After reset, which takes Slots cycles, all show the other lap. Starts are at least two cycles apart.
+// another is written; of several sums, or Wide, where that is known late, its start does not wait, but that word and the next flush. After reset, which takes Slots cycles, all show the other lap. Starts are at least two cycles apart.
 //
 // Of one sum and far from block RAM (Far) what a query finished with is kept in halves (block_ram_halves): sums end at least two
 // cycles apart, and the head slot stands longer than it takes.
 //
 // Latency from finish to output 4 cycles, with a reciprocal 5 more than that takes; one result each 3 cycles at best, of several
-// sums and where results come from far a cycle more of each, in halves two.
+// sums, Wide and where results come from far a cycle more of each, in halves two.
 module photon_gatherer_results #(
     parameter int unsigned Slots = 64,
     parameter int unsigned Sums = 1,
     parameter int unsigned Units = Sums,  // reciprocals at once, as many as sums or more
+    parameter bit Wide = 1'b0,  // of several trees and lists
     parameter bit Far = photonloom_pkg::FarGatherers != 0,  // from block RAM
     // A result's words in two halves, where that takes fewer block RAMs.
     parameter bit Halves = Far && Sums == 1 && photonloom_pkg::ReciprocalBits != 0 && Slots > photonloom_pkg::LutRamWords && Slots <= 256,
@@ -60,6 +61,7 @@ module photon_gatherer_results #(
   localparam int unsigned InsertBits = photonloom_pkg::IndexBits + 1;
   localparam int unsigned HeadBits = photonloom_pkg::PixelBits + photonloom_pkg::SampleBits + photonloom_pkg::TagBits + 1;
   localparam int unsigned BodyBits = CountBits + R2Bits + FluxBits + 2 * NodeBits + InsertBits + 2;
+  localparam bit FlushRows = Wide && Sums == 1;
   localparam bit HasReciprocal = photonloom_pkg::ReciprocalBits != 0;
   localparam logic [1:0] Wait = 2'd0, Look = 2'd1, Out = 2'd2;
 
@@ -85,7 +87,7 @@ module photon_gatherer_results #(
   assign done_lap = sweeping_q || (done ? done_slot_lap : flush_slot[SlotBits]);
 
   // ---- the word of a flush ----
-  if (Sums > 1) begin : gen_flush_register
+  if (Sums > 1 || Wide) begin : gen_flush_register
     logic due_q;
     logic [SlotBits:0] slot_q;
     always_ff @(posedge clk_i) begin
@@ -121,18 +123,34 @@ module photon_gatherer_results #(
       .read_data_o(head_word)
   );
 
-  // Whether a slot is a flush's clears most of a result: it comes from LUTs and a register, for block RAM would be late.
-  lut_ram #(
-      .Width(1),
-      .Depth(Slots)
-  ) flushes (
-      .clk_i(clk_i),
-      .write_i(start_i),
-      .write_address_i(tail_q[SlotBits-1:0]),
-      .write_data_i(start_flush_i),
-      .read_address_i(head_q[SlotBits-1:0]),
-      .read_data_o(flush_word)
-  );
+  // Whether a slot is a flush's clears most of a result: it comes from LUTs and a register, for block RAM would be late. Where the
+  // lap is looked at a cycle later anyway, and there is one sum, it comes from block RAM and a register.
+  if (FlushRows) begin : gen_flush_rows
+    block_ram #(
+        .Width(1),
+        .Depth(Slots)
+    ) flushes (
+        .clk_i(clk_i),
+        .write_i(start_i),
+        .write_address_i(tail_q[SlotBits-1:0]),
+        .write_data_i(start_flush_i),
+        .read_i(1'b1),
+        .read_address_i(head_q[SlotBits-1:0]),
+        .read_data_o(flush_word)
+    );
+  end else begin : gen_flush_bits
+    lut_ram #(
+        .Width(1),
+        .Depth(Slots)
+    ) flushes (
+        .clk_i(clk_i),
+        .write_i(start_i),
+        .write_address_i(tail_q[SlotBits-1:0]),
+        .write_data_i(start_flush_i),
+        .read_address_i(head_q[SlotBits-1:0]),
+        .read_data_o(flush_word)
+    );
+  end
   always_ff @(posedge clk_i) flush_q <= flush_word;
 
   // ---- the head slot ----
@@ -354,9 +372,9 @@ module photon_gatherer_results #(
   assign result_valid_o = state_q == Out;
   assign complete = occupied_q && settled && lap_seen == head_q[SlotBits];
 
-  // Of several sums, or of gatherers that lie far from their block RAM, the lap, which comes from there late, has a register and is
+  // Of several sums, of several trees and lists, or of gatherers that lie far from their block RAM, the lap, which comes from there late, has a register and is
   // looked at a cycle later; where there are halves one more, for both to come.
-  if (Sums > 1 || Far) begin : gen_lap_register
+  if (Sums > 1 || Wide || Far) begin : gen_lap_register
     logic lap_q, settled_2_q, look_q;
     /* verilator lint_off UNUSEDSIGNAL */  // of words that are whole
     /* verilator lint_off UNDRIVEN */

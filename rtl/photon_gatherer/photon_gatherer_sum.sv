@@ -16,6 +16,7 @@ module photon_gatherer_sum #(
     parameter int unsigned ExponentBits = 5,
     parameter int unsigned FluxBits = 44,
     parameter int unsigned RideBits = 18,  // what else goes with a query
+    parameter bit ReadAhead = 1'b0,  // of one sum: whether it reads is a register
     localparam int unsigned ContextBits = Contexts > 1 ? $clog2(Contexts) : 1,
     localparam int unsigned PlaceBits = K > 1 ? $clog2(K) : 1,
     localparam int unsigned CountBits = $clog2(K + 1),
@@ -53,6 +54,11 @@ module photon_gatherer_sum #(
   logic [CountBits-1:0] left_q, count_q;
   logic [PlaceBits-1:0] place_q;
   logic [RideBits-1:0] ride_q;
+  /* verilator lint_off UNDRIVEN */
+  /* verilator lint_off UNUSEDSIGNAL */
+  logic reads_q;  // where ReadAhead
+  /* verilator lint_on UNUSEDSIGNAL */
+  /* verilator lint_on UNDRIVEN */
 
   if (Sums == 1) begin : gen_always
     assign turn = 1'b1;
@@ -65,7 +71,10 @@ module photon_gatherer_sum #(
 
   assign last = (empty_q || left_q == CountBits'(1)) && turn;
   assign in_ready_o = !active_q;
-  assign read_o = active_q && !empty_q && (turn || left_q != CountBits'(1));
+  assign read_o = ReadAhead ? reads_q : active_q && !empty_q && (turn || left_q != CountBits'(1));
+  if (ReadAhead) begin : gen_read_ahead
+    always_ff @(posedge clk_i) reads_q <= !rst_i && (in_ready_o ? in_valid_i && in_count_i != '0 : reads_q && !last);
+  end
   assign read_context_o = context_q;
   assign read_place_o = place_q;
   assign free_o = active_q && last;

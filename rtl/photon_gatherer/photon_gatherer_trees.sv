@@ -255,7 +255,8 @@ module photon_gatherer_trees #(
       assign leaves[LeafBits*tree+:LeafBits] = waiting ? oldest : leaf;
       fifo #(
           .Width(LeafBits),
-          .Depth(Depth)
+          .Depth(Depth),
+          .ValidAhead(Wide)
       ) queue (
           .clk_i(clk_i),
           .rst_i(rst_i),

@@ -116,7 +116,7 @@ std::vector<BenchPlan> plans() {
     p.lut_ram_words = 128;
   });
   add("fast", [](Plan& p) {  // every width, as in fpga/fast
-    p.k = 12;
+    p.k = 26;
     p.contexts = 48;
     p.nodes_per_cycle = 2;
     p.lanes = 8;

@@ -10,7 +10,6 @@ module cache_reads #(
     parameter int unsigned Sets = 2,
     parameter int unsigned Ways = 1,
     parameter int unsigned Misses = 2,
-    parameter bit UseLater = 1'b0,
     parameter bit CompareStage = 1'b0,
     localparam int unsigned ClientBits = Clients > 1 ? $clog2(Clients) : 1,
     localparam int unsigned MissBits = Misses > 1 ? $clog2(Misses) : 1,
@@ -50,7 +49,6 @@ module cache_reads #(
       .Sets(Sets),
       .Ways(Ways),
       .Misses(Misses),
-      .UseLater(UseLater),
       .CompareStage(CompareStage)
   ) dut (
       .clk_i(clk_i),

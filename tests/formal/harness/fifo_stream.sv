@@ -4,6 +4,7 @@
 module fifo_stream #(
     parameter int unsigned Depth = 4,
     parameter int unsigned Ahead = 0,
+    parameter bit ValidAhead = 1'b0,
     parameter int unsigned Order = 1,
     parameter int unsigned Law = 1,
     parameter int unsigned Progress = 1
@@ -19,7 +20,8 @@ module fifo_stream #(
   fifo #(
       .Width(1),
       .Depth(Depth),
-      .Ahead(Ahead)
+      .Ahead(Ahead),
+      .ValidAhead(ValidAhead)
   ) dut (
       .clk_i(clk_i),
       .rst_i(rst_i),

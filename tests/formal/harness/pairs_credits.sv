@@ -6,6 +6,7 @@ module pairs_credits #(
     parameter int unsigned Lemmas = 0,
     parameter int unsigned Lanes = 2,
     parameter int unsigned RoomLater = 0,
+    parameter bit ReadAlways = 1'b0,
     localparam int unsigned Depth = 8
 ) (
     input logic clk_i,
@@ -33,7 +34,8 @@ module pairs_credits #(
       .RowBits(1),
       .DirectionBits(2),
       .NormalBits(2),
-      .RoomLater(RoomLater)
+      .RoomLater(RoomLater),
+      .ReadAlways(ReadAlways)
   ) dut (
       .clk_i(clk_i),
       .rst_i(rst_i),
@@ -63,6 +65,7 @@ module pairs_credits #(
   (* keep *) logic [5:0] stages;  // probe
   (* keep *) logic fifo_push, fifo_ready;  // probes
   (* keep *) logic room_back, discarded;  // of many lanes or RoomLater, probes: room that is counted in the next cycle
+  (* keep *) logic some_room, holds;  // where ReadAlways, probes: registers
   logic [3:0] going, back;
   assign back = Lanes > 4 || RoomLater != 0 ? 4'(room_back) + 4'(discarded) : 4'd0;
   always_comb begin
@@ -90,6 +93,7 @@ module pairs_credits #(
   if (Lemmas == 1) begin : gen_lemmas
     always_comb begin
       if (!rst_i) assert (6'(room) + 6'(back) + 6'(going) + 6'(4'(tail - head)) == 6'(Depth));
+      if (!rst_i && ReadAlways) assert (some_room == (room != '0) && holds == (head != tail));
     end
   end
 endmodule
