@@ -314,7 +314,7 @@ module photon_gatherer_answers #(
       .Contexts(Contexts),
       .Trees(Trees),
       .Wide(Wide),
-      .MoveLater(Wide && Sums == 1),
+      .MoveLater(Wide && Lists > Sums),
       .StoreBits(StoreBits)
   ) photons (
       .clk_i(clk_i),
