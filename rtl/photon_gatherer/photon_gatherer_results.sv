@@ -123,8 +123,8 @@ module photon_gatherer_results #(
       .read_data_o(head_word)
   );
 
-  // Whether a slot is a flush's clears most of a result: it comes from LUTs and a register, for block RAM would be late. Where the
-  // lap is looked at a cycle later anyway, and there is one sum, it comes from block RAM and a register.
+  // Whether a slot is a flush's clears most of a result: it comes from LUTs and a register, for block RAM would be late. Wide, with
+  // one sum, it comes from block RAM and a register: the lap is looked at a cycle later there.
   if (FlushRows) begin : gen_flush_rows
     block_ram #(
         .Width(1),

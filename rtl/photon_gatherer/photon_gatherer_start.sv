@@ -18,7 +18,7 @@ module photon_gatherer_start #(
     parameter int unsigned Sums = 1,  // sum s has the contexts c with c % Sums = s, as c / Sums
     parameter bit TokenFirst = photonloom_pkg::ListCodeBits != 0,
     parameter bit Far = photonloom_pkg::FarGatherers != 0,  // from where it is known whether a slot is free
-    parameter bit Wide = 1'b0,  // of several trees and lists: starts are at least three cycles apart
+    parameter bit Wide = 1'b0,  // of several trees and lists: contexts are taken at least three cycles apart
     localparam int unsigned ContextBits = Contexts > 1 ? $clog2(Contexts) : 1,
     localparam int unsigned SumContexts = (Contexts + Sums - 1) / Sums,
     localparam int unsigned SumContextBits = SumContexts > 1 ? $clog2(SumContexts) : 1,
