@@ -174,6 +174,10 @@ Memories gatherer_memories(const Plan& p) {
   const int body = p.count_bits() + p.r2_bits() + p.channels * p.flux_bits() +
                    2 * (p.line_bits() + 1) + p.index_bits() + 3;
   m.add(p.pixel_bits() + p.sample_bits() + p.tag_bits() + 1, slots);
+  // Of several trees and lists with one sum, whether it is a flush; of others that is LUT RAM.
+  if (p.trees() > 1 && lists > 1 && p.powers_per_cycle == 1 &&
+      slots > static_cast<uint64_t>(p.lut_ram_words))
+    m.add(1, slots);
   // Far ones keep a word of few in halves (photon_gatherer_results).
   if (p.far_gatherers() && p.powers_per_cycle == 1 && p.reciprocal_bits != 0 && slots <= 256 &&
       slots > static_cast<uint64_t>(p.lut_ram_words))
