@@ -100,6 +100,7 @@ module photon_gatherer_answers #(
   localparam int unsigned UnitsOfSum = (ReciprocalCycles + K) / (K + 1);
   localparam int unsigned UnitsOfLists = UnitsOfSum < Lists ? UnitsOfSum : Lists;
   localparam int unsigned Units = Wide && UnitsOfLists > Sums ? UnitsOfLists : Sums;
+  localparam bit ManyLists = Wide && Lists > 2;  // their slot stores are far apart
   localparam int unsigned RideBits = SlotBits + 1 + R2Bits + 2 * NodeBits + IndexBits + 1;
   localparam int unsigned FluxesBits = photonloom_pkg::Channels * photonloom_pkg::FluxBits;
   localparam int unsigned SumBits = CountBits + RideBits + FluxesBits;
@@ -156,6 +157,9 @@ module photon_gatherer_answers #(
 
   // ---- sums ----
   logic place_free;
+  /* verilator lint_off UNUSEDSIGNAL */  // one list's photons take its word as it is
+  logic [Lists*StoreBits-1:0] words;  // of the slot stores
+  /* verilator lint_on UNUSEDSIGNAL */
   logic [SlotBits:0] start_slot, sum_slot;
   logic [Sums-1:0] sum_take, sum_read, sum_valid;
   logic [Sums*SlotBits-1:0] take_slot;
@@ -192,17 +196,24 @@ module photon_gatherer_answers #(
         .read_data_o(done_slot)
     );
 
-    // The power is in the slot store of the list that had the context a cycle ago.
+    // The power is in the slot store of the list that had the context when it was read: a cycle ago, of many lists two.
     if (Choices == 1) begin : gen_one_store
-      assign power = store_word_i[StoreBits*s+StoreBits-1-:PowerBits];
+      assign power = words[StoreBits*s+StoreBits-1-:PowerBits];
     end else begin : gen_stores
-      logic [SumContextBits-1:0] context_q;
+      logic [SumContextBits-1:0] context_q, context_read;
       always_ff @(posedge clk_i) context_q <= sum_read_context[SumContextBits*s+:SumContextBits];
       always_comb begin
         power = '0;
         for (int unsigned i = 0; i < Choices; i++)
-          if ((32'(context_q) & (Choices - 1)) == i)
-            power = power | store_word_i[StoreBits*(Sums*i+s)+StoreBits-1-:PowerBits];
+          if ((32'(context_read) & (Choices - 1)) == i)
+            power = power | words[StoreBits*(Sums*i+s)+StoreBits-1-:PowerBits];
+      end
+      if (ManyLists) begin : gen_read_later
+        logic [SumContextBits-1:0] context_2_q;
+        always_ff @(posedge clk_i) context_2_q <= context_q;
+        assign context_read = context_2_q;
+      end else begin : gen_read
+        assign context_read = context_q;
       end
     end
 
@@ -216,7 +227,8 @@ module photon_gatherer_answers #(
         .ExponentBits(ExponentBits),
         .FluxBits(photonloom_pkg::FluxBits),
         .RideBits(RideBits),
-        .ReadAhead(Wide && Sums == 1)
+        .ReadAhead(Wide && Sums == 1),
+        .WordLater(ManyLists)
     ) sum (
         .clk_i(clk_i),
         .rst_i(rst_i),
@@ -272,7 +284,8 @@ module photon_gatherer_answers #(
       .Slots(Slots),
       .Sums(Sums),
       .Units(Units),
-      .Wide(Wide)
+      .Wide(Wide),
+      .BodyLater(ManyLists)
   ) results (
       .clk_i(clk_i),
       .rst_i(rst_i),
@@ -315,6 +328,7 @@ module photon_gatherer_answers #(
       .Trees(Trees),
       .Wide(Wide),
       .MoveLater(Wide && Lists > Sums),
+      .WordLater(ManyLists),
       .StoreBits(StoreBits)
   ) photons (
       .clk_i(clk_i),
@@ -352,6 +366,15 @@ module photon_gatherer_answers #(
   end
 
   // ---- the slot stores ----
+  // Where they are many, a register before what chooses among them.
+  if (ManyLists) begin : gen_words_register
+    logic [Lists*StoreBits-1:0] words_q;
+    always_ff @(posedge clk_i) words_q <= store_word_i;
+    assign words = words_q;
+  end else begin : gen_words_at_once
+    assign words = store_word_i;
+  end
+
   for (genvar l = 0; l < Lists; l++) begin : gen_store
     localparam int unsigned Sum = l % Sums;
     logic [SumContextBits-1:0] context_summed;
@@ -365,12 +388,19 @@ module photon_gatherer_answers #(
   if (Lists == 1) begin : gen_one_word
     assign read_word = store_word_i;
   end else begin : gen_words
-    logic [ContextBits-1:0] context_q;
+    logic [ContextBits-1:0] context_q, word_context;
     always_ff @(posedge clk_i) context_q <= photons_read_context;
+    if (ManyLists) begin : gen_later
+      logic [ContextBits-1:0] context_2_q;
+      always_ff @(posedge clk_i) context_2_q <= context_q;
+      assign word_context = context_2_q;
+    end else begin : gen_at_once
+      assign word_context = context_q;
+    end
     always_comb begin
       read_word = '0;
       for (int unsigned l = 0; l < Lists; l++)
-        if ((32'(context_q) & (Lists - 1)) == l) read_word = read_word | store_word_i[StoreBits*l+:StoreBits];
+        if ((32'(word_context) & (Lists - 1)) == l) read_word = read_word | words[StoreBits*l+:StoreBits];
     end
   end
 endmodule

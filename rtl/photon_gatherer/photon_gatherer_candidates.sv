@@ -97,7 +97,7 @@ module photon_gatherer_candidates #(
   // Far: the bounds of the pair that waits and of the next one are both read, before it is known which it will be, and in hand a
   // candidate has the exponent of its code.
   localparam bit Far = Wide || photonloom_pkg::FarGatherers != 0;
-  localparam int unsigned ExponentBits = 3;
+  localparam int unsigned ExponentBits = photonloom_pkg::ListCodeBits < 20 ? 4 : 3;  // with 16 bits, 4 leave the coarsest codes 10 bits of their keys of 42, 3 only 8
   localparam int unsigned KeyLow = IndexBits > 8 ? 8 : IndexBits;  // of the index in a code; less than a mantissa's bits
 
   logic [ContextBits-1:0] normal_context, pair_context;
@@ -378,7 +378,8 @@ module photon_gatherer_candidates #(
         .CodeBits(photonloom_pkg::ListCodeBits),
         .ExponentBits(ExponentBits),
         .Known(Known),
-        .CountAhead(Wide)
+        .CountAhead(Wide),
+        .WriteLater(Wide && K > 24)
     ) list (
         .clk_i(clk_i),
         .rst_i(rst_i),

@@ -17,6 +17,11 @@
 // One candidate a cycle, any context; 4 cycles for each entry that is compared whole, of more than 24 places with CountAhead 5. ready_o is low meanwhile, and all that
 // is in stages 0 to c stays. What goes with the tokens beside this module, loads and ends of leaves, has to stay too.
 //
+// Of many places far apart it is late to write a code in stage c. With WriteLater it waits in registers of a stage d, which stays while
+// stage c is in doubt (the bound's stage d does not), and who is in stage a meanwhile is compared with three whole keys instead of
+// two. If that entry takes a new place, the place does not count as taken yet; if it takes the place of the last, the last is still
+// compared: a candidate that lies behind an entry which is gone lies behind K others too.
+//
 // Starts, slot store and bounds are those of photon_gatherer_list, a cycle later.
 module photon_gatherer_coded_list #(
     parameter int unsigned K = 16,
@@ -28,6 +33,7 @@ module photon_gatherer_coded_list #(
     parameter int unsigned ExponentBits = 3,
     parameter int unsigned Known = 0,  // a token brings the exponent of its code above its d2
     parameter bit CountAhead = 1'b0,  // which places have an entry is known in stage 0, with what is written then
+    parameter bit WriteLater = 1'b0,  // with CountAhead: a code is written a cycle after it is known whether it enters
     localparam int unsigned ContextBits = Contexts > 1 ? $clog2(Contexts) : 1,
     localparam int unsigned PlaceBits = K > 1 ? $clog2(K) : 1,
     localparam int unsigned CountBits = $clog2(K + 1),
@@ -69,7 +75,7 @@ module photon_gatherer_coded_list #(
     output logic                           insert_o
 );
   localparam int unsigned KeyBits = R2Bits + IndexBits;
-  localparam int unsigned RankBits = $clog2(K + 3);
+  localparam int unsigned RankBits = $clog2(K + 3 + 32'(WriteLater));
   localparam int unsigned Low = IndexBits > 8 ? IndexBits - 8 : 0;  // of the index, in no code: what differs in these alone is rare
   localparam int unsigned DoubtBits = CodeBits > 16 ? 16 : CodeBits;
   localparam int unsigned StateBits = IndexBits + 2;  // full, insertions
@@ -100,12 +106,25 @@ module photon_gatherer_coded_list #(
   logic [StateBits-1:0] a_state, c_state, c_state_next, read_state;
   logic [CountBits-1:0] c_count;
 
-  // ---- stage c, where everything is written ----
+  // ---- stage d, where WriteLater: the code that is written, and its whole key ----
+  /* verilator lint_off UNDRIVEN */
+  /* verilator lint_off UNUSEDSIGNAL */
+  logic [CodeBits-1:0] later_code_q;
+  logic [ContextBits-1:0] later_context_q;
+  logic [K-1:0] later_write;
+  logic ahead_d_q;
+  /* verilator lint_on UNUSEDSIGNAL */
+  /* verilator lint_on UNDRIVEN */
+
+  // ---- stage c, where everything else is written ----
   logic [RankBits-1:0] rank, c_rank_q;
   logic [K*PlaceBits-1:0] order;
   logic [PlaceBits-1:0] place;
   logic c_full, doubt, c_doubt_q, resolved, settled, enters;
 
+  if (WriteLater && !CountAhead) begin : gen_bad_write
+    a_place_taken_now_must_not_count write_later_needs_count_ahead ();
+  end
   if (Known != 0) begin : gen_known
     photon_gatherer_known_code #(
         .KeyBits(KeyBits - Low),
@@ -165,9 +184,9 @@ module photon_gatherer_coded_list #(
         .Depth(Contexts)
     ) codes (
         .clk_i(clk_i),
-        .write_i(enters && place == PlaceBits'(j)),
-        .write_address_i(c_context_q),
-        .write_data_i(c_code_q),
+        .write_i(WriteLater ? later_write[j] : enters && place == PlaceBits'(j)),
+        .write_address_i(WriteLater ? later_context_q : c_context_q),
+        .write_data_i(WriteLater ? later_code_q : c_code_q),
         .read_address_i(a_context_q),
         .read_data_o(word)
     );
@@ -181,7 +200,7 @@ module photon_gatherer_coded_list #(
 
   if (CountAhead) begin : gen_there_ahead
     // The token that is written meanwhile has a place more, and where it is a start there are none. Whether it enters is known late,
-    // so it chooses between both answers; while it is in doubt nothing is taken.
+    // so it chooses between both answers; while it is in doubt nothing is taken. Where its code is written later, it has none yet.
     logic [K-1:0] there_q;
     logic [K:0] now;  // place j - 1 has an entry
     logic same, more, none;
@@ -194,7 +213,7 @@ module photon_gatherer_coded_list #(
     end
     always_ff @(posedge clk_i) begin
       if (!c_doubt_q)
-        for (int unsigned j = 0; j < K; j++) there_q[j] <= !none && (more ? now[j] : now[j+1]);
+        for (int unsigned j = 0; j < K; j++) there_q[j] <= !none && (more && !WriteLater ? now[j] : now[j+1]);
     end
     assign there = there_q;
   end
@@ -223,6 +242,7 @@ module photon_gatherer_coded_list #(
   always_comb begin
     for (int unsigned g = 0; g < Groups; g++) part[g] = RankBits'(smaller_b_q[2*g+:2]);
     part[Groups] = sum(RankBits'(ahead_b_q), RankBits'(ahead_c_q));
+    if (WriteLater) part[Groups] = RankBits'({(ahead_b_q && ahead_c_q) || (ahead_d_q && (ahead_b_q || ahead_c_q)), ahead_b_q ^ ahead_c_q ^ ahead_d_q});
     for (int unsigned n = Groups + 1; n > 1; n = (n + 1) / 2) begin
       for (int unsigned i = 0; i < n / 2; i++) part[i] = sum(part[2*i], part[2*i+1]);
       if (n % 2 != 0) part[n/2] = part[n-1];
@@ -309,6 +329,43 @@ module photon_gatherer_coded_list #(
       c_start_q <= 1'b0;
       c_snapshot_q <= 1'b0;
       c_doubt_q <= 1'b0;
+    end
+  end
+
+  // ---- stage d, where WriteLater; it stays where the others do ----
+  if (WriteLater) begin : gen_later
+    // A place in two digits of its own.
+    localparam int unsigned LowBits = PlaceBits / 2;
+    localparam int unsigned HighBits = PlaceBits - LowBits;
+    logic enters_q, less_d;
+    logic [(1<<LowBits)-1:0] low_q;
+    logic [(1<<HighBits)-1:0] high_q;
+    logic [KeyBits-1:0] key_q;
+
+    less_than #(
+        .Width(KeyBits)
+    ) compare_d (
+        .a_i(key_q),
+        .b_i(a_key_q),
+        .less_o(less_d)
+    );
+    for (genvar j = 0; j < K; j++) begin : gen_write
+      assign later_write[j] = !c_doubt_q && high_q[j>>LowBits] && low_q[j%(1<<LowBits)];
+    end
+    always_ff @(posedge clk_i) begin
+      if (!c_doubt_q) begin
+        enters_q <= enters;
+        for (int unsigned i = 0; i < (1 << LowBits); i++) low_q[i] <= enters && 32'(place) % (1 << LowBits) == i;
+        for (int unsigned i = 0; i < (1 << HighBits); i++) high_q[i] <= 32'(place) >> LowBits == i;
+        later_context_q <= c_context_q;
+        later_code_q <= c_code_q;
+        key_q <= c_key_q;
+        ahead_d_q <= enters_q && later_context_q == a_context_q && less_d;
+      end
+      if (rst_i) begin
+        enters_q <= 1'b0;
+        low_q <= '0;
+      end
     end
   end
 
@@ -445,7 +502,7 @@ module photon_gatherer_coded_list #(
       .write_i(store_q),
       .write_address_i({store_context_q, store_place_q}),
       .write_data_i({load_i, d_key_q}),
-      .read_i(store_read_i),
+      .read_i(WriteLater ? 1'b1 : store_read_i),  // whether it is read is late
       .read_address_i({store_context_i, store_place_i}),
       .read_data_o(store_word_o)
   );

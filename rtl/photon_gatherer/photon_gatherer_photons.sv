@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // The photons of queries that want them, in the order of those queries and in (d2, index) order within each. Waits for
 // the oldest such query to finish, takes a snapshot of its list's places (a token through the candidates' pipeline),
-// reads them from the slot store whenever the sum does not, and gives the context free. One photon in three cycles.
+// reads them from the slot store whenever the sum does not, and gives the context free. One photon in three cycles, with WordLater in four.
 module photon_gatherer_photons #(
     parameter int unsigned K = 16,
     parameter int unsigned Contexts = 16,
     parameter int unsigned Trees = 1,  // tree t has the contexts c with c % Trees = t, as c / Trees
     parameter bit Wide = 1'b0,  // of several trees and lists
     parameter bit MoveLater = 1'b0,  // the next photon is known a cycle after one is read: whether it is, is late
+    parameter bit WordLater = 1'b0,  // a word of the slot store comes a cycle later
     parameter int unsigned StoreBits = 98,
     localparam int unsigned ContextBits = Contexts > 1 ? $clog2(Contexts) : 1,
     localparam int unsigned TreeContexts = (Contexts + Trees - 1) / Trees,
@@ -30,7 +31,7 @@ module photon_gatherer_photons #(
     input  logic                             snapshot_i,
     input  logic [            CountBits-1:0] snapshot_count_i,
     input  logic [          K*PlaceBits-1:0] snapshot_places_i,
-    // slot store: data a cycle after the address
+    // slot store: data a cycle after the address, with WordLater two
     output logic                             read_valid_o,
     input  logic                             read_ready_i,
     output logic [          ContextBits-1:0] read_context_o,
@@ -55,7 +56,7 @@ module photon_gatherer_photons #(
   logic head_done;  // where Wide
   /* verilator lint_on UNUSEDSIGNAL */
   /* verilator lint_on UNDRIVEN */
-  logic head_valid, head_taken, read, last, read_1_q, full_q;
+  logic head_valid, head_taken, read, last, read_1_q, full_q, comes;
   logic moved;  // a photon that was read is left behind
   logic [ContextBits-1:0] head, context_out;
   logic [CountBits-1:0] left_q;
@@ -86,6 +87,13 @@ module photon_gatherer_photons #(
   assign read = read_valid_o && read_ready_i;
   assign last = left_q == CountBits'(1);
   assign moved = MoveLater ? read_1_q : read;
+  if (WordLater) begin : gen_comes_later
+    logic read_2_q;
+    always_ff @(posedge clk_i) read_2_q <= read_1_q && !rst_i;
+    assign comes = read_2_q;
+  end else begin : gen_comes
+    assign comes = read_1_q;
+  end
   assign head_taken = state_q == Stream && (left_q == '0 || (moved && last));
 
   // The context whose photons leave. Of several trees the contexts are many and the ways to what holds them are long: they
@@ -134,9 +142,9 @@ module photon_gatherer_photons #(
     if (read) full_q <= 1'b1;
     else if (out_valid_o && out_ready_i) full_q <= 1'b0;
     read_1_q <= read;
-    if (read_1_q) out_data_o <= read_data_i;
+    if (comes) out_data_o <= read_data_i;
     if (moved) out_last_o <= last;
-    if (read_1_q) out_valid_o <= 1'b1;
+    if (comes) out_valid_o <= 1'b1;
     else if (out_ready_i) out_valid_o <= 1'b0;
     if (rst_i) begin
       state_q <= Idle;

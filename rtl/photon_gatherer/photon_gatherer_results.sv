@@ -19,6 +19,8 @@ module photon_gatherer_results #(
     parameter int unsigned Sums = 1,
     parameter int unsigned Units = Sums,  // reciprocals at once, as many as sums or more
     parameter bit Wide = 1'b0,  // of several trees and lists
+    // With reciprocals, what a query finished with is written a cycle later, long before its reciprocal, with which a result is complete.
+    parameter bit BodyLater = 1'b0,
     parameter bit Far = photonloom_pkg::FarGatherers != 0,  // from block RAM
     // A result's words in two halves, where that takes fewer block RAMs.
     parameter bit Halves = Far && Sums == 1 && photonloom_pkg::ReciprocalBits != 0 && Slots > photonloom_pkg::LutRamWords && Slots <= 256,
@@ -165,6 +167,14 @@ module photon_gatherer_results #(
   logic [InsertBits-1:0] insertions;
   photonloom_pkg::gather_result_t result;
   logic [BodyBits-1:0] finish_body;
+  /* verilator lint_off UNDRIVEN */
+  /* verilator lint_off UNUSEDSIGNAL */
+  // where BodyLater
+  logic later_q;
+  logic [SlotBits-1:0] later_slot_q;
+  logic [BodyBits-1:0] later_body_q;
+  /* verilator lint_on UNUSEDSIGNAL */
+  /* verilator lint_on UNDRIVEN */
 
   assign {pixel, sample, tag, map} = head_word;
   assign {count, r2, flux, nodes, leaves, insertions, full, clamped} = flush_q ? '0 : body_word;
@@ -178,6 +188,14 @@ module photon_gatherer_results #(
     finish_count_i == CountBits'(photonloom_pkg::K),
     finish_r2_i < photonloom_pkg::R2Floor
   };
+
+  if (BodyLater) begin : gen_later
+    always_ff @(posedge clk_i) begin
+      later_q <= finish_i && !rst_i;
+      later_slot_q <= finish_slot_i[SlotBits-1:0];
+      later_body_q <= finish_body;
+    end
+  end
 
   if (HasReciprocal) begin : gen_reciprocal
     localparam int unsigned MantissaBits = photonloom_pkg::ReciprocalBits + 1;
@@ -280,9 +298,9 @@ module photon_gatherer_results #(
           .Depth(Slots)
       ) bodies (
           .clk_i(clk_i),
-          .write_i(finish_i),
-          .write_address_i(finish_slot_i[SlotBits-1:0]),
-          .write_data_i(finish_body),
+          .write_i(BodyLater ? later_q : finish_i),
+          .write_address_i(BodyLater ? later_slot_q : finish_slot_i[SlotBits-1:0]),
+          .write_data_i(BodyLater ? later_body_q : finish_body),
           .read_i(1'b1),
           .read_address_i(head_q[SlotBits-1:0]),
           .read_data_o(body_word)

@@ -17,6 +17,7 @@ module photon_gatherer_sum #(
     parameter int unsigned FluxBits = 44,
     parameter int unsigned RideBits = 18,  // what else goes with a query
     parameter bit ReadAhead = 1'b0,  // of one sum: whether it reads is a register
+    parameter bit WordLater = 1'b0,  // a word of the slot store comes a cycle later, from a register
     localparam int unsigned ContextBits = Contexts > 1 ? $clog2(Contexts) : 1,
     localparam int unsigned PlaceBits = K > 1 ? $clog2(K) : 1,
     localparam int unsigned CountBits = $clog2(K + 1),
@@ -30,7 +31,7 @@ module photon_gatherer_sum #(
     input  logic [      ContextBits-1:0] in_context_i,
     input  logic [        CountBits-1:0] in_count_i,
     input  logic [         RideBits-1:0] in_ride_i,
-    // slot store: data a cycle after the address
+    // slot store: data a cycle after the address, with WordLater two
     output logic                         read_o,
     output logic [      ContextBits-1:0] read_context_o,
     output logic [        PlaceBits-1:0] read_place_o,
@@ -110,9 +111,11 @@ module photon_gatherer_sum #(
   logic [Channels*ProductBits-1:0] product_q;
   logic [Channels*FluxBits-1:0] value_q, flux_q;
   logic [PowerBits-1:0] power_q;  // nothing between block RAM and its register
+  logic [PowerBits-1:0] power;
   logic [ExponentBits-1:0] exponent;
 
-  assign exponent = power_q[PowerBits-1-:ExponentBits];
+  assign power = WordLater ? read_power_i : power_q;
+  assign exponent = power[PowerBits-1-:ExponentBits];
 
   always_ff @(posedge clk_i) begin
     active_s_q <= {active_s_q[Stages-2:0], active_q};
@@ -125,7 +128,7 @@ module photon_gatherer_sum #(
       ride_s_q[i] <= ride_s_q[i-1];
     end
     power_q <= read_power_i;
-    mantissas_q <= power_q[Channels*MantissaBits-1:0];
+    mantissas_q <= power[Channels*MantissaBits-1:0];
     for (int unsigned i = 0; i < FactorBits; i++) factor_q[i] <= exponent[StepBits-1:0] == StepBits'(i);
     step_q <= ExponentBits > 4 && exponent[ExponentBits-1];
     step_2_q <= step_q;

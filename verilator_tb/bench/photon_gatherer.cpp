@@ -116,7 +116,7 @@ std::vector<BenchPlan> plans() {
     p.lut_ram_words = 128;
   });
   add("fast", [](Plan& p) {  // every width, as in fpga/fast
-    p.k = 26;
+    p.k = 29;                // ranks of three ahead need a bit more
     p.contexts = 48;
     p.nodes_per_cycle = 2;
     p.lanes = 8;
@@ -146,13 +146,14 @@ std::vector<BenchPlan> plans() {
     p.parity = true;
   });
   // A line in one beat, straight to as many lanes, two of each part; more contexts than places
-  // behind the lanes.
+  // behind the lanes; no reciprocals.
   add("uncached_wide", [](Plan& p) {
     p.contexts = 48;
     p.cache_bytes = 0;
     p.lanes = p.bucket;
     p.beat_bits = 8 * p.line_bytes();
     p.nodes_per_cycle = p.candidates_per_cycle = p.powers_per_cycle = 2;
+    p.reciprocal_bits = 0;
   });
   // Of a board with five gatherers: two levels of a descent at once, of a map whose upper nodes are
   // of even levels and one whose are of odd ones.

@@ -14,6 +14,7 @@ module k_coded_list #(
     parameter int unsigned CodeBits = 2,
     parameter int unsigned ExponentBits = 1,
     parameter bit CountAhead = 1'b0,
+    parameter bit WriteLater = 1'b0,
     localparam int unsigned KeyBits = R2Bits + IndexBits,
     localparam int unsigned PlaceBits = K > 1 ? $clog2(K) : 1,
     localparam int unsigned CountBits = $clog2(K + 1)
@@ -52,7 +53,8 @@ module k_coded_list #(
       .LoadBits(1),
       .CodeBits(CodeBits),
       .ExponentBits(ExponentBits),
-      .CountAhead(CountAhead)
+      .CountAhead(CountAhead),
+      .WriteLater(WriteLater)
   ) dut (
       .clk_i(clk_i),
       .rst_i(rst_i),
