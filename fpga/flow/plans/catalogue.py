@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The plans that are measured: fpga/plans.toml, and the files that it stands for."""
+import tempfile
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -69,21 +70,36 @@ def plan_file(name: str) -> Path:
     return PLANS / f"{name}.toml"
 
 
-def write_plans(catalogue: Catalogue) -> None:
-    """fpga/plans/NAME.toml of every plan, and the plans of make fpga and make area-check that follow from gatherer.toml."""
-    def vary(variation: Variation, path: Path) -> None:
-        run([PHOTONLOOM, "plan", str(ROOT / "fpga" / f"{variation.base}.toml"), "-o", str(path)] +
-            set_options(variation.settings))
+def variations_of(catalogue: Catalogue) -> dict[Path, Variation]:
+    """Where each plan stands that follows from another one: fpga/plans, and what make fpga, fpga-fast and area-check route."""
+    return ({ROOT / "fpga" / f"{name}.toml": variation for name, variation in catalogue.derived.items()} |
+            {plan_file(name): variation for name, variation in catalogue.variations.items()})
 
+
+def vary(variation: Variation, path: Path) -> None:
+    run([PHOTONLOOM, "plan", str(ROOT / "fpga" / f"{variation.base}.toml"), "-o", str(path)] +
+        set_options(variation.settings))
+
+
+def write_plans(catalogue: Catalogue) -> None:
+    """Every plan of the catalogue. Those of scenes are bases too, as are variations of later ones."""
     PLANS.mkdir(exist_ok=True)
-    for name, variation in catalogue.derived.items():
-        path = ROOT / "fpga" / f"{name}.toml"
-        path.parent.mkdir(exist_ok=True)
-        vary(variation, path)
     for name, arguments in catalogue.scenes.items():
         run([PHOTONLOOM, "plan", *arguments, "-o", str(plan_file(name))], cwd=ROOT)
-    for name, variation in catalogue.variations.items():
-        vary(variation, plan_file(name))
+    for path, variation in variations_of(catalogue).items():
+        path.parent.mkdir(exist_ok=True)
+        vary(variation, path)
+
+
+def check_plans(catalogue: Catalogue) -> None:
+    """Fails at a plan that is not what fpga/plans.toml makes of its base. Those of scenes are left out: they take their photons."""
+    with tempfile.TemporaryDirectory() as folder:
+        made = Path(folder, "plan.toml")
+        for path, variation in variations_of(catalogue).items():
+            vary(variation, made)
+            if describe(made)["hash"] != describe(path)["hash"]:
+                raise Failure(f"{path.relative_to(ROOT)} is not what fpga/plans.toml makes of fpga/{variation.base}.toml; "
+                              "mend the one that is wrong; scripts/fpga-plans --plans-only writes the plans")
 
 
 def facts_of(name: str) -> PlanFacts:

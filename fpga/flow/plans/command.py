@@ -10,7 +10,7 @@ import os
 
 from flow.arguments import whole
 from flow.package import UNITS
-from flow.plans.catalogue import Catalogue, read_catalogue, write_plans
+from flow.plans.catalogue import Catalogue, check_plans, read_catalogue, write_plans
 from flow.plans.fit import Fits, fit
 from flow.plans.measurements import DATA, WORK, Measurements, jobs_of, measure, merge
 from flow.plans.pages import header, page
@@ -67,11 +67,12 @@ def measured_now(o: argparse.Namespace, catalogue: Catalogue) -> Measurements | 
 
 
 def check(catalogue: Catalogue, data: Measurements, fitted: Fits) -> None:
-    """Fails where what is committed is not what the measurements give."""
+    """Fails where what is committed is not what the measurements give, or a plan not what the catalogue does."""
     if read_text(HEADER) != header(fitted) or page(catalogue, data, fitted) not in read_text(PAGE):
         raise Failure("golden/planner/resource_fit.hpp or docs/fpga-plans.md is not what fpga/plans.json gives; "
                       "scripts/fpga-plans --fit writes them")
-    say("coefficients and page are those of fpga/plans.json")
+    check_plans(catalogue)
+    say("coefficients and page are those of fpga/plans.json, plans those of fpga/plans.toml")
 
 
 def main() -> int:
