@@ -3,7 +3,7 @@
 `photonloom plan` predicts resources. Writes the plans (fpga/plans/), the measurements (fpga/plans.json), the coefficients
 (golden/planner/resource_fit.hpp; build again to use them) and docs/fpga-plans.md. What was measured of the same sources
 before is kept in build/fpga-plans. With --fit it only fits the committed measurements again, with --check it tells
-whether coefficients and page are those of the measurements."""
+whether coefficients and page are those of the measurements, and plans those of fpga/plans.toml."""
 import argparse
 import concurrent.futures
 import os
@@ -31,7 +31,7 @@ def options(catalogue: Catalogue) -> argparse.Namespace:
     p.add_argument("--no-route", action="store_true", help="synthesis alone")
     p.add_argument("--plans-only", action="store_true", help="write the plans alone")
     p.add_argument("--fit", action="store_true", help="fit the committed measurements again")
-    p.add_argument("--check", action="store_true", help="tell whether the fit is that of the committed measurements")
+    p.add_argument("--check", action="store_true", help="tell whether the fit is that of the committed measurements, and plans those of fpga/plans.toml")
     p.add_argument("--jobs", type=whole(1), default=os.cpu_count())
     o = p.parse_args()
     if (o.units or o.update) and not o.plans:
