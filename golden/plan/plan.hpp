@@ -160,10 +160,10 @@ struct Plan {
   int count_bits() const { return clog2(static_cast<uint64_t>(k) + 1); }
   // Of many places, of all lists of a gatherer, codes of keys are compared, and whole keys are in
   // block RAM. 0: keys are compared whole, since of few places codes save little for a block RAM.
-  // Of far gatherers there are so many that it is LUTs that are short.
+  // Of far gatherers of more than 8 places there are so many that it is LUTs that are short.
   // Four lists have shorter ones: 2 % more cycles at k = 50, for a LUT RAM less of each place.
   int list_code_bits() const {
-    if (k * candidates_per_cycle <= 24 && !far_gatherers()) return 0;
+    if (k * candidates_per_cycle <= 24 && !(far_gatherers() && k > 8)) return 0;
     return candidates_per_cycle == 4 ? 16 : 20;
   }
   int power_bits() const {
@@ -232,10 +232,21 @@ struct Plan {
   int photon_ram_row() const {
     return photon_ram_is_divided() && line_beats() <= 4 ? line_beats() : 1;
   }
-  // Five and more gatherers whose lists have more than 8 places fill so much of a board's part that
-  // they lie far from its dispatcher: what they give has a register more on its way, and which of
-  // them gets the next query, and whether there is room for it, is known a cycle ahead.
-  bool far_gatherers() const { return gatherers > 4 && k > 8; }
+  // Five and more gatherers whose lists have more than 8 places, and gatherers beside a reorder
+  // buffer and a cache before an SDRAM, fill so much of a board's part that they lie far from its
+  // dispatcher: what they give has a register more on its way, and which of them gets the next
+  // query, and whether there is room for it, is known a cycle ahead.
+  bool far_gatherers() const {
+    return (gatherers > 4 && k > 8) || (gatherers > 1 && photon_memory == PhotonMemory::kSdram);
+  }
+  // Queries that a board's prefetcher (rtl/board/line_prefetcher.sv) looks at ahead, 0 for none: so
+  // many that the lines of a region of the map are on their way while the one before is searched,
+  // and no more than the cache before the SDRAM keeps lines for, four of it each.
+  int prefetch_queries() const {
+    if (gatherers == 1 || photon_memory != PhotonMemory::kSdram) return 0;
+    const int lines = board_cache_bytes / line_bytes();
+    return lines >= 512 ? 128 : lines >= 256 ? 64 : 0;
+  }
   // Two nodes a cycle are those of two trees or, of far gatherers, two levels of one.
   int trees() const { return far_gatherers() ? 1 : nodes_per_cycle; }
   int node_levels() const { return nodes_per_cycle / trees(); }

@@ -114,6 +114,21 @@ void add_cached_lines(Memories& m, const Plan& p, int slot_bits, uint64_t lines,
     m.add(p.bucket * slot_bits + parity, lines);
 }
 
+// Bits of a slice that is one block of so many words: none is chosen between blocks behind it.
+int slice_bits(uint64_t words) {
+  const int address = clog2(words);
+  return address >= 14   ? 1
+         : address == 13 ? 2
+         : address == 12 ? 4
+         : address == 11 ? 9
+         : address == 10 ? 18
+                         : 36;
+}
+void add_slices(Memories& m, int width, uint64_t words) {
+  for (int left = width; left > 0; left -= slice_bits(words))
+    m.add(std::min(left, slice_bits(words)), words);
+}
+
 Memories gatherer_memories(const Plan& p) {
   Memories m(p);
   const auto sets = static_cast<uint64_t>(p.cache_bytes / (p.line_bytes() * p.cache_ways));
@@ -132,21 +147,15 @@ Memories gatherer_memories(const Plan& p) {
     return p.node_levels() == 1 ? lines : lines > 1 ? uint64_t{1} << (clog2(lines) - 1) : 0;
   };
   const uint64_t nodes = std::max<uint64_t>(2, words(p.global) + words(p.caustic));
-  const int address = clog2(nodes);
-  const int slice = address >= 14   ? 1
-                    : address == 13 ? 2
-                    : address == 12 ? 4
-                    : address == 11 ? 9
-                    : address == 10 ? 18
-                                    : 36;
   // Two trees read on both ports of a block, which has 18 bits there at most.
-  const int widest = p.trees() > 1 ? std::min(slice, 18) : slice;
+  const int node_bits = p.position_bits + 2 + parity_bits(p);
+  const int widest = std::min(slice_bits(nodes), 18);
   for (int word = 0; word < (p.node_levels() > 1 ? 3 : 1); word++)
-    for (int left = p.position_bits + 2 + parity_bits(p); left > 0; left -= widest)
-      if (p.trees() > 1)
+    if (p.trees() > 1)
+      for (int left = node_bits; left > 0; left -= widest)
         m.add_two_reads(std::min(left, widest), nodes);
-      else
-        m.add(std::min(left, widest), nodes);
+    else
+      add_slices(m, node_bits, nodes);
 
   // Trees and lists have their contexts each.
   const auto contexts_of = [&](int parts) {
@@ -230,11 +239,15 @@ Memories reorder_memories(const Plan& p) {
   Memories m(p);
   const auto packets = static_cast<uint64_t>(p.reorder_packets),
              bins = static_cast<uint64_t>(p.reorder_bins);
-  // As pool_ram divides them: the power of two, and what is beyond where that is much.
+  // As pool_ram divides them: the power of two, from 8,192 on in slices, and what is beyond where
+  // that is much.
   const auto pool = [&](int width, uint64_t depth) {
     const uint64_t main = std::bit_floor(depth), rest = depth - main;
     if (main < 512 || rest == 0) return m.add(width, depth);
-    m.add(width, main);
+    if (main < 8192)
+      m.add(width, main);
+    else
+      add_slices(m, width, main);
     if (rest > 64) m.add(width, rest);
   };
   const uint64_t nodes = packets + 16;
@@ -372,6 +385,13 @@ int photon_memory_blocks(const Plan& p) {
   Memories m(p);
   add_cached_lines(m, p, kept_bits(p), sets * kWays, static_cast<uint64_t>(beats), 64);
   m.add(p.line_address_bits() + 2 + parity_bits(p), sets, kWays);
+  // The prefetcher's queries and its nodes.
+  if (p.prefetch_queries() != 0) {
+    m.add(PacketLayout::of<GatherQuery>(p).bits(), static_cast<uint64_t>(p.prefetch_queries()));
+    add_slices(
+        m, 2 + p.position_bits,
+        (p.global.present ? p.lines(p.global) : 0) + (p.caustic.present ? p.lines(p.caustic) : 0));
+  }
   return m.blocks;
 }
 

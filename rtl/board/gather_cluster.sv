@@ -4,13 +4,16 @@
 // them go (docs/reorder_buffer.md; only a flush empties it); reorder_i changes while nothing is inside.
 //
 // The packets are those of photon_gatherer, whatever Gatherers is. Configuration writes go to all gatherers, while nothing
-// is inside. Line ports are the gatherers' own side by side, gatherer 0 lowest, for photon_ram or photon_sdram.
+// is inside. Line ports are the gatherers' own side by side, gatherer 0 lowest, and above them that of line_prefetcher, where there
+// is one; for photon_ram or photon_sdram.
 //
 // Throughput: Gatherers times that of photon_gatherer until the line memory is busy; one query and one result a cycle at
 // best. Latency: that of the gatherer and 7 cycles, and the reorder buffer's.
 module gather_cluster #(
     parameter int unsigned Gatherers = photonloom_pkg::Gatherers,
     parameter int unsigned BeatBits = photonloom_pkg::LineBeatBits,
+    localparam int unsigned Ahead = photonloom_pkg::PrefetchQueries,  // queries that line_prefetcher looks at ahead
+    localparam int unsigned Ports = Gatherers + (Ahead != 0 ? 1 : 0),  // the prefetcher's is the highest
     localparam int unsigned TagBits = photonloom_pkg::LineTagBits,
     localparam int unsigned LineBits = photonloom_pkg::LineAddressBits,
     localparam int unsigned Parity = photonloom_pkg::Parity,
@@ -32,18 +35,20 @@ module gather_cluster #(
     input  logic                              photon_ready_i,
     output photonloom_pkg::gather_photon_t    photon_o,
     // leaf lines; an address is {map, line}
-    output logic [             Gatherers-1:0] line_req_valid_o,
-    input  logic [             Gatherers-1:0] line_req_ready_i,
-    output logic [Gatherers*(LineBits+1)-1:0] line_req_addr_o,
-    output logic [     Gatherers*TagBits-1:0] line_req_tag_o,
-    input  logic [             Gatherers-1:0] line_rsp_valid_i,
-    input  logic [     Gatherers*TagBits-1:0] line_rsp_tag_i,
-    input  logic [   Gatherers*ReplyBits-1:0] line_rsp_data_i,
+    output logic [                 Ports-1:0] line_req_valid_o,
+    input  logic [                 Ports-1:0] line_req_ready_i,
+    output logic [    Ports*(LineBits+1)-1:0] line_req_addr_o,
+    output logic [         Ports*TagBits-1:0] line_req_tag_o,
+    input  logic [                 Ports-1:0] line_rsp_valid_i,
+    input  logic [         Ports*TagBits-1:0] line_rsp_tag_i,
+    /* verilator lint_off UNUSEDSIGNAL */  // what the prefetcher asked for is not looked at
+    input  logic [       Ports*ReplyBits-1:0] line_rsp_data_i,
+    /* verilator lint_on UNUSEDSIGNAL */
     // node memory and registers of every gatherer, written while nothing is inside
     input  logic                              cfg_valid_i,
     input  logic [                      23:0] cfg_addr_i,
     input  logic [                      63:0] cfg_data_i,
-    output logic                              busy_o,            // a packet is inside, or waits at an output
+    output logic                              busy_o,            // a packet is inside, or waits at an output; or a line is fetched ahead
     // counted since reset
     output logic [                      39:0] count_busy_o,  // cycles with a packet inside
     output logic [                      39:0] count_queries_o,  // results fetched, flushes apart
@@ -62,27 +67,84 @@ module gather_cluster #(
   localparam int unsigned PhotonBits = photonloom_pkg::GatherPhotonPacketBits;
 
   // ---- order ----
-  logic reorder_in_ready, reorder_out_valid, deal_valid, deal_ready;
-  photonloom_pkg::gather_query_t reorder_out, deal;
+  logic come_valid, come_ready, reorder_in_ready, reorder_out_valid, deal_valid, dealt_valid, deal_ready;
+  /* verilator lint_off UNDRIVEN */
+  /* verilator lint_off UNUSEDSIGNAL */
+  logic prefetcher_ready, prefetcher_busy;  // where Ahead is not 0
+  /* verilator lint_on UNUSEDSIGNAL */
+  /* verilator lint_on UNDRIVEN */
+  photonloom_pkg::gather_query_t come, reorder_out, deal, dealt;
+  logic cfg_valid_q;
+  logic [23:0] cfg_addr_q;
+  logic [63:0] cfg_data_q;
 
   /* verilator lint_off PINCONNECTEMPTY */  // counters that nobody reads are not built
   reorder_buffer reorder (
       .clk_i(clk_i),
       .rst_i(rst_i),
-      .in_valid_i(in_valid_i && reorder_i),
+      .in_valid_i(come_valid && reorder_i),
       .in_ready_o(reorder_in_ready),
-      .in_i(in_i),
+      .in_i(come),
       .out_valid_o(reorder_out_valid),
-      .out_ready_i(reorder_i && deal_ready),
+      .out_ready_i(reorder_i && (Ahead != 0 ? prefetcher_ready : deal_ready)),
       .out_o(reorder_out),
       .count_packets_o(),
       .count_flushes_o(),
       .count_cycles_busy_o(),
       .count_choice_waits_o()
   );
-  assign in_ready_o = reorder_i ? reorder_in_ready : deal_ready;
-  assign deal_valid = reorder_i ? reorder_out_valid : in_valid_i;
-  assign deal = reorder_i ? reorder_out : in_i;
+  assign come_ready = reorder_i ? reorder_in_ready : Ahead != 0 ? prefetcher_ready : deal_ready;
+  assign deal_valid = reorder_i ? reorder_out_valid : come_valid;
+  assign deal = reorder_i ? reorder_out : come;
+
+  // Before an SDRAM a skid buffer, since the reorder buffer fills much of the part.
+  if (photonloom_pkg::PhotonMemory != 0 && photonloom_pkg::FarGatherers != 0) begin : gen_incoming
+    skid_buffer #(
+        .Width(QueryBits)
+    ) incoming (
+        .clk_i(clk_i),
+        .rst_i(rst_i),
+        .in_valid_i(in_valid_i),
+        .in_ready_o(in_ready_o),
+        .in_i(in_i),
+        .out_valid_o(come_valid),
+        .out_ready_i(come_ready),
+        .out_o(come)
+    );
+  end else begin : gen_straight
+    assign come_valid = in_valid_i;
+    assign in_ready_o = come_ready;
+    assign come = in_i;
+  end
+
+  if (Ahead != 0) begin : gen_prefetcher
+    line_prefetcher #(
+        .Ahead(Ahead),
+        .BeatBits(BeatBits)
+    ) prefetcher (
+        .clk_i(clk_i),
+        .rst_i(rst_i),
+        .cfg_valid_i(cfg_valid_q),
+        .cfg_addr_i(cfg_addr_q),
+        .cfg_data_i(cfg_data_q),
+        .in_valid_i(deal_valid),
+        .in_ready_o(prefetcher_ready),
+        .in_i(deal),
+        .out_valid_o(dealt_valid),
+        .out_ready_i(deal_ready),
+        .out_o(dealt),
+        .line_req_valid_o(line_req_valid_o[Ports-1]),
+        .line_req_ready_i(line_req_ready_i[Ports-1]),
+        .line_req_addr_o(line_req_addr_o[(LineBits+1)*(Ports-1)+:LineBits+1]),
+        .line_req_tag_o(line_req_tag_o[TagBits*(Ports-1)+:TagBits]),
+        .line_rsp_valid_i(line_rsp_valid_i[Ports-1]),
+        .line_rsp_tag_i(line_rsp_tag_i[TagBits*(Ports-1)+:TagBits]),
+        .busy_o(prefetcher_busy)
+    );
+  end else begin : gen_no_prefetcher
+    assign dealt_valid = deal_valid;
+    assign dealt = deal;
+  end
 
   // ---- gatherers ----
   logic [Gatherers-1:0] query_valid, query_ready, result_valid, result_ready, photon_valid, photon_ready;
@@ -100,9 +162,9 @@ module gather_cluster #(
   ) dispatcher (
       .clk_i(clk_i),
       .rst_i(rst_i),
-      .in_valid_i(deal_valid),
+      .in_valid_i(dealt_valid),
       .in_ready_o(deal_ready),
-      .in_i(deal),
+      .in_i(dealt),
       .result_valid_o(result_valid_o),
       .result_ready_i(result_ready_i),
       .result_o(result_o),
@@ -124,9 +186,6 @@ module gather_cluster #(
   );
 
   // A copy of the write port each cycle later: one net to all of them would be long.
-  logic cfg_valid_q;
-  logic [23:0] cfg_addr_q;
-  logic [63:0] cfg_data_q;
   always_ff @(posedge clk_i) begin
     cfg_valid_q <= cfg_valid_i && !rst_i;
     cfg_addr_q <= cfg_addr_i;
@@ -186,7 +245,7 @@ module gather_cluster #(
   logic [InsideBits-1:0] inside_q, owed_q;
   logic photon_taken_last;
   assign photon_taken_last = photon_valid_o && photon_ready_i && photon_o.last;
-  assign busy_o = inside_q != '0 || owed_q != '0;
+  assign busy_o = inside_q != '0 || owed_q != '0 || (Ahead != 0 ? prefetcher_busy : 1'b0);
 
   always_ff @(posedge clk_i) begin
     inside_q <= inside_q + InsideBits'(in_valid_i && in_ready_o) - InsideBits'(result_valid_o && result_ready_i);
@@ -215,7 +274,7 @@ module gather_cluster #(
   end
 
   always_ff @(posedge clk_i) begin
-    line_taken_q <= line_req_valid_o & line_req_ready_i;
+    line_taken_q <= Gatherers'(line_req_valid_o & line_req_ready_i);
     step_q <= {
       StepBits'(in_valid_i && in_ready_o && reorder_i),
       StepBits'(photon_valid_o && !photon_ready_i),

@@ -376,7 +376,7 @@ module gather_dispatcher #(
   );
   // The choice among so many words of LUT RAM, whose photons are next, and which gatherer's that makes, would be too much for a
   // cycle.
-  if (PhotonDepth > 128) begin : gen_turn_register
+  if (PhotonDepth > 128 || Far != 0) begin : gen_turn_register
     skid_buffer #(
         .Width(SourceBits)
     ) turn_next (

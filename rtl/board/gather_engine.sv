@@ -67,10 +67,11 @@ module gather_engine #(
   localparam int unsigned AddressBits = photonloom_pkg::LineAddressBits + 1;
   localparam int unsigned ReplyBits = BeatBits + photonloom_pkg::Parity;
 
-  logic [Gatherers-1:0] line_req_valid, line_req_ready, line_rsp_valid;
-  logic [Gatherers*AddressBits-1:0] line_req_addr;
-  logic [Gatherers*TagBits-1:0] line_req_tag, line_rsp_tag;
-  logic [Gatherers*ReplyBits-1:0] line_rsp_data;
+  localparam int unsigned Ports = Gatherers + (photonloom_pkg::PrefetchQueries != 0 ? 1 : 0);
+  logic [Ports-1:0] line_req_valid, line_req_ready, line_rsp_valid;
+  logic [Ports*AddressBits-1:0] line_req_addr;
+  logic [Ports*TagBits-1:0] line_req_tag, line_rsp_tag;
+  logic [Ports*ReplyBits-1:0] line_rsp_data;
   logic [31:0] cluster_faults, memory_faults;
   assign count_faults_o = cluster_faults + memory_faults;
 
@@ -128,7 +129,7 @@ module gather_engine #(
     assign sdram_dq_oe_o = 1'b0;
 
     photon_ram #(
-        .Gatherers(Gatherers),
+        .Gatherers(Ports),
         .BeatBits(BeatBits)
     ) memory (
         .clk_i(clk_i),
@@ -151,7 +152,7 @@ module gather_engine #(
     );
   end else begin : gen_sdram
     photon_sdram #(
-        .Gatherers(Gatherers),
+        .Gatherers(Ports),
         .BeatBits(BeatBits)
     ) memory (
         .clk_i(clk_i),

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Photon lines in an SDR SDRAM, shared by Gatherers gatherers through one cache of whole lines in block RAM
+// Photon lines in an SDR SDRAM, shared by Gatherers gatherers (and whatever else asks for lines, which counts as one) through one cache of whole lines in block RAM
 // (docs/photon_memory.md). Global line l lies at byte l * stride, the caustic map's lines behind the global map's; stride is
 // the power of two not under a line's bytes.
 //
 // Line ports are those of photon_gatherer, side by side, gatherer 0 lowest; a beat holds whole photons. A line from the cache
-// comes 9 cycles after its request where nobody else asks, a beat a cycle. The SDRAM and its clock are behind sdram_lines.
+// comes 10 cycles after its request where nobody else asks, a beat a cycle. The SDRAM and its clock are behind sdram_lines.
 //
 // With photonloom_pkg::Parity the cache has parity, and a beat of a reply one bit more, the highest: it is not right, or the
 // line asked for is beyond its map.
@@ -144,7 +144,8 @@ module photon_sdram #(
       .Parity(Parity),
       .Sets(Sets),
       .Ways(CacheWays),
-      .Misses(CacheMisses)
+      .Misses(CacheMisses),
+      .CompareStage(1'b1)
   ) lines (
       .clk_i(clk_i),
       .rst_i(rst_i),

@@ -52,15 +52,17 @@ module sdram_lines #(
   localparam int unsigned RspDepth = 1 << $clog2(Outstanding * WideWords);
 
   // ---- to the SDRAM's clock: {write, address, data}; words before lines ----
-  logic go_valid, go_ready, line_go;
+  logic go_valid, go_ready, line_go, line_taken;
   logic [23:0] sdram_address;
   logic [OutBits-1:0] outstanding_q;
   logic sdram_valid, sdram_ready, sdram_write;
   logic [31:0] sdram_data;
 
   assign line_go = line_req_valid_i && outstanding_q != OutBits'(Outstanding) && !write_valid_i;
-  assign go_valid = (write_valid_i ? write_inside_i : line_go) && !rst_i;
+  // In reset nothing is taken. What is held in reset itself need not know: rst_i goes a long way.
+  assign go_valid = write_valid_i ? write_inside_i : line_go;
   assign write_taken_o = write_valid_i && (go_ready || !write_inside_i) && !rst_i;
+  assign line_taken = line_go && go_ready;
   assign line_req_ready_o = outstanding_q != OutBits'(Outstanding) && !write_valid_i && go_ready && !rst_i;
 
   async_fifo #(
@@ -133,6 +135,8 @@ module sdram_lines #(
   /* verilator lint_off UNUSEDSIGNAL */  // has room for all lines outstanding
   logic back_ready, tags_ready;
   /* verilator lint_on UNUSEDSIGNAL */
+  logic came;
+  logic [63:0] came_data;
   async_fifo #(
       .Width(64),
       .Depth(RspDepth)
@@ -144,31 +148,37 @@ module sdram_lines #(
       .in_i(wide_q),
       .out_clk_i(clk_i),
       .out_rst_i(rst_i),
-      .out_valid_o(line_rsp_valid_o),
+      .out_valid_o(came),
       .out_ready_i(1'b1),
-      .out_o(line_rsp_data_o)
+      .out_o(came_data)
   );
 
   logic [WideBits-1:0] wide_count_q;
-  logic tag_valid;
-  assign done_o = line_rsp_valid_o && wide_count_q == WideBits'(WideWords - 1);
+  logic tag_valid, came_last;
+  logic [TagBits-1:0] came_tag;
+  assign came_last = came && wide_count_q == WideBits'(WideWords - 1);
   fifo #(
       .Width(TagBits),
       .Depth(Outstanding)
   ) tags (
       .clk_i(clk_i),
       .rst_i(rst_i),
-      .in_valid_i(line_req_valid_i && line_req_ready_o),
+      .in_valid_i(line_taken),
       .in_ready_o(tags_ready),
       .in_i(line_req_tag_i),
       .out_valid_o(tag_valid),
-      .out_ready_i(done_o),
-      .out_o(line_rsp_tag_o)
+      .out_ready_i(came_last),
+      .out_o(came_tag)
   );
 
+  // Whether a word came is a comparison, and far from where lines are kept.
   always_ff @(posedge clk_i) begin
-    if (line_rsp_valid_o) wide_count_q <= done_o ? '0 : wide_count_q + 1'b1;
-    outstanding_q <= outstanding_q + OutBits'(line_req_valid_i && line_req_ready_o) - OutBits'(done_o);
+    line_rsp_valid_o <= came && !rst_i;
+    line_rsp_data_o <= came_data;
+    line_rsp_tag_o <= came_tag;
+    done_o <= came_last && !rst_i;
+    if (came) wide_count_q <= came_last ? '0 : wide_count_q + 1'b1;
+    outstanding_q <= outstanding_q + OutBits'(line_taken) - OutBits'(came_last);
     if (rst_i) begin
       wide_count_q <= '0;
       outstanding_q <= '0;
@@ -177,7 +187,7 @@ module sdram_lines #(
   assign busy_o = outstanding_q != '0;
 
 `ifndef SYNTHESIS
-  always_ff @(posedge clk_i) if (!rst_i) assert (!line_rsp_valid_o || tag_valid);
+  always_ff @(posedge clk_i) if (!rst_i) assert (!came || tag_valid);
   always_ff @(posedge clk_sdram_i) if (!rst_sdram_i) assert (!wide_valid_q || back_ready);
 `endif
 endmodule

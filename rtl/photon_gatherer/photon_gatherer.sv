@@ -78,6 +78,7 @@ module photon_gatherer #(
   // Of several trees and lists the clock is what is short: what decides there is known a cycle earlier, or used a cycle later, and
   // distances wait in block RAM.
   localparam bit Wide = Trees > 1 && Lists > 1;
+  localparam bit StartLater = photonloom_pkg::FarGatherers != 0 && CacheBytes != 0;
   localparam int unsigned TreeContextBits = Contexts > Trees ? $clog2((Contexts + Trees - 1) / Trees) : 1;
   localparam int unsigned ListContextBits = Contexts > Lists ? $clog2((Contexts + Lists - 1) / Lists) : 1;
   localparam int unsigned SumContextBits = Contexts > Sums ? $clog2((Contexts + Sums - 1) / Sums) : 1;
@@ -271,9 +272,31 @@ module photon_gatherer #(
       .insertions_o(insertions)
   );
 
+  // Of far gatherers with a leaf cache, those before an SDRAM, what starts comes a cycle later to where results wait: they lie
+  // far from the tree. What starts next does so two cycles later at the earliest, when a slot taken counts.
+  logic answers_start, answers_search;
+  logic [ContextBits-1:0] answers_context;
+  photonloom_pkg::gather_query_t answers_query;
+  if (StartLater) begin : gen_start_later
+    logic start_q, search_q;
+    logic [ContextBits-1:0] context_q;
+    photonloom_pkg::gather_query_t query_q;
+    always_ff @(posedge clk_i) begin
+      {start_q, search_q} <= rst_i ? '0 : {start, search};
+      {context_q, query_q} <= {search_context, query};
+    end
+    assign {answers_start, answers_search, answers_context, answers_query} = {start_q, search_q, context_q, query_q};
+  end else begin : gen_start_now
+    assign answers_start = start;
+    assign answers_search = search;
+    assign answers_context = search_context;
+    assign answers_query = query;
+  end
+
   photon_gatherer_answers #(
       .Contexts(Contexts),
       .Wide(Wide),
+      .StartLater(StartLater),
       .Trees(Trees),
       .Lists(Lists),
       .Sums(Sums)
@@ -282,10 +305,10 @@ module photon_gatherer #(
       .rst_i(rst_i),
       .slot_ready_o(slot_ready),
       .flush_ready_o(flush_ready),
-      .start_i(start),
-      .search_i(search),
-      .search_context_i(search_context),
-      .query_i(query),
+      .start_i(answers_start),
+      .search_i(answers_search),
+      .search_context_i(answers_context),
+      .query_i(answers_query),
       .tree_done_i(tree_done),
       .tree_done_context_i(tree_done_context),
       .empty_done_i(empty_done),

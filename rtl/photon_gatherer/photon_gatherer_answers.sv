@@ -15,6 +15,7 @@ module photon_gatherer_answers #(
     parameter int unsigned Lists = 1,
     parameter int unsigned Sums = 1,  // at most Lists
     parameter bit Wide = 1'b0,  // of several trees and lists
+    parameter bit StartLater = 1'b0,  // start_i and search_i come a cycle after a query or flush starts
     localparam int unsigned ContextBits = Contexts > 1 ? $clog2(Contexts) : 1,
     localparam int unsigned TreeContexts = (Contexts + Trees - 1) / Trees,
     localparam int unsigned TreeContextBits = TreeContexts > 1 ? $clog2(TreeContexts) : 1,
@@ -285,7 +286,8 @@ module photon_gatherer_answers #(
       .Sums(Sums),
       .Units(Units),
       .Wide(Wide),
-      .BodyLater(ManyLists)
+      .BodyLater(ManyLists),
+      .StartLater(StartLater)
   ) results (
       .clk_i(clk_i),
       .rst_i(rst_i),

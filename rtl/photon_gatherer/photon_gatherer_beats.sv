@@ -17,6 +17,7 @@ module photon_gatherer_beats #(
     parameter int unsigned LineBeatBits = 128,
     parameter int unsigned Behind = 16,  // beats that may be between a queue and its list
     parameter bit Wide = 1'b0,  // of several trees and lists
+    parameter bit WriteAlways = Wide,  // rows are written before it is known whether a beat is kept, where they are few
     localparam int unsigned ContextBits = Contexts > 1 ? $clog2(Contexts) : 1,
     localparam int unsigned ListContexts = (Contexts + Lists - 1) / Lists,
     localparam int unsigned ListContextBits = ListContexts > 1 ? $clog2(ListContexts) : 1,
@@ -344,7 +345,7 @@ module photon_gatherer_beats #(
         .DirectionBits(DirectionBits),
         .LoadBits(LoadBits),
         .Behind(Behind),
-        .Ahead(Lanes > 4 || (Wide && 3 * Beats <= 16) ? 1 : 0),
+        .Ahead(Lanes > 4 || (WriteAlways && 3 * Beats <= 16) ? 1 : 0),
         .DistanceRows(Wide)
     ) queue (
         .clk_i(clk_i),

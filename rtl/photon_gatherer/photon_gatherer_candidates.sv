@@ -19,6 +19,7 @@ module photon_gatherer_candidates #(
     parameter int unsigned Behind = 16,  // rows of beats that may have left the FIFO
     // Of several trees and lists (Wide) and of far gatherers the clock is what is short: what decides is known earlier, for more LUTs.
     parameter bit Wide = 1'b0,
+    parameter bit ReadAlways = Wide,  // as in photon_gatherer_pairs
     localparam int unsigned ContextBits = Contexts > 1 ? $clog2(Contexts) : 1,
     localparam int unsigned K = photonloom_pkg::K,
     localparam int unsigned CountBits = photonloom_pkg::CountBits,
@@ -128,7 +129,7 @@ module photon_gatherer_candidates #(
       .DirectionBits(DirectionBits),
       .NormalBits(NormalBits),
       .RoomLater(32'(Far)),
-      .ReadAlways(Wide),
+      .ReadAlways(ReadAlways),
       .DistanceRows(Wide)
   ) pairs (
       .clk_i(clk_i),

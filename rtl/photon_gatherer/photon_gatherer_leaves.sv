@@ -208,6 +208,9 @@ module photon_gatherer_leaves #(
   logic [2*Lists*Lanes*DirectionBits-1:0] directions;
   logic [Lists*Lanes*LoadBits-1:0] loads;
 
+  // Of far gatherers with a leaf cache, those before an SDRAM, it is late whether a beat waits and whether it is kept.
+  localparam bit ReadAlways = Wide || (photonloom_pkg::FarGatherers != 0 && Sets != 0);
+
   photon_gatherer_beats #(
       .Contexts(Contexts),
       .Lists(Lists),
@@ -217,7 +220,8 @@ module photon_gatherer_leaves #(
       .CacheMisses(CacheMisses),
       .LineBeatBits(LineBeatBits),
       .Behind(Behind),
-      .Wide(Wide)
+      .Wide(Wide),
+      .WriteAlways(ReadAlways)
   ) beats (
       .clk_i(clk_i),
       .rst_i(rst_i),
@@ -276,7 +280,8 @@ module photon_gatherer_leaves #(
       .Lanes(Lanes),
       .RowBits(RowBits),
       .Behind(Behind),
-      .Wide(Wide)
+      .Wide(Wide),
+      .ReadAlways(ReadAlways)
   ) lists (
       .clk_i(clk_i),
       .rst_i(rst_i),

@@ -12,6 +12,7 @@ module photon_gatherer_lists #(
     parameter int unsigned RowBits = 6,  // of the FIFO of beats
     parameter int unsigned Behind = 16,  // and how many rows may have left it
     parameter bit Wide = 1'b0,  // of several trees and lists
+    parameter bit ReadAlways = Wide,  // as in photon_gatherer_pairs
     localparam int unsigned ContextBits = Contexts > 1 ? $clog2(Contexts) : 1,
     localparam int unsigned ListContexts = (Contexts + Lists - 1) / Lists,
     localparam int unsigned ListContextBits = ListContexts > 1 ? $clog2(ListContexts) : 1,
@@ -116,7 +117,8 @@ module photon_gatherer_lists #(
         .Lanes(Lanes),
         .RowBits(RowBits),
         .Behind(Behind),
-        .Wide(Wide)
+        .Wide(Wide),
+        .ReadAlways(ReadAlways)
     ) candidates (
         .clk_i(clk_i),
         .rst_i(rst_i),

@@ -21,6 +21,8 @@ module photon_gatherer_results #(
     parameter bit Wide = 1'b0,  // of several trees and lists
     // With reciprocals, what a query finished with is written a cycle later, long before its reciprocal, with which a result is complete.
     parameter bit BodyLater = 1'b0,
+    // A start is told of a cycle late: a slot more stays free, and a flush is written when that is possible.
+    parameter bit StartLater = 1'b0,
     parameter bit Far = photonloom_pkg::FarGatherers != 0,  // from block RAM
     // A result's words in two halves, where that takes fewer block RAMs.
     parameter bit Halves = Far && Sums == 1 && photonloom_pkg::ReciprocalBits != 0 && Slots > photonloom_pkg::LutRamWords && Slots <= 256,
@@ -79,6 +81,11 @@ module photon_gatherer_results #(
   logic done, done_write, done_slot_lap, done_lap, lap;
   logic [SlotBits-1:0] done_slot, done_address;
   logic flush_waits, flush_start, flush_now, settled, lap_seen;
+  /* verilator lint_off UNDRIVEN */
+  /* verilator lint_off UNUSEDSIGNAL */
+  logic last_free;  // where StartLater: one slot is free, or as if it were
+  /* verilator lint_on UNUSEDSIGNAL */
+  /* verilator lint_on UNDRIVEN */
   logic [SlotBits:0] flush_slot;
 
   assign start_ready_o = ready_q;
@@ -89,7 +96,7 @@ module photon_gatherer_results #(
   assign done_lap = sweeping_q || (done ? done_slot_lap : flush_slot[SlotBits]);
 
   // ---- the word of a flush ----
-  if (Sums > 1 || Wide) begin : gen_flush_register
+  if (Sums > 1 || Wide || StartLater) begin : gen_flush_register
     logic due_q;
     logic [SlotBits:0] slot_q;
     always_ff @(posedge clk_i) begin
@@ -415,6 +422,12 @@ module photon_gatherer_results #(
     assign settled = settled_q;
   end
 
+  if (StartLater) begin : gen_last_free
+    logic [SlotBits:0] next;
+    assign next = tail_q + 1'b1;
+    assign last_free = next == {~head_q[SlotBits], head_q[SlotBits-1:0]};
+  end
+
   always_ff @(posedge clk_i) begin
     unique case (state_q)
       Wait: state_q <= Look;
@@ -429,7 +442,7 @@ module photon_gatherer_results #(
       end
     endcase
     if (start_i) tail_q <= tail_q + 1'b1;
-    ready_q <= !sweeping_q && tail_q != {~head_q[SlotBits], head_q[SlotBits-1:0]};
+    ready_q <= !sweeping_q && tail_q != {~head_q[SlotBits], head_q[SlotBits-1:0]} && !(StartLater ? last_free : 1'b0);
     // What was written in the cycle before was not read.
     occupied_q <= tail_q != head_q;
     settled_q <= !(done_write && done_address == head_q[SlotBits-1:0]);

@@ -2,7 +2,8 @@
 // A block_ram of any depth, its rule for collisions included, whose depth is little more than a power of two: block RAM up
 // to the power of two, the few words beyond it in LUT RAM (block RAM where they are more than 64). One memory of such a
 // depth would take half as many blocks again and a multiplexer behind each bit. A read takes two cycles: each part has a
-// register behind it, and the choice between them comes after that.
+// register behind it, and the choice between them comes after that. A power of two of 8,192 and more is in slices so narrow that a
+// slice is one block.
 module pool_ram #(
     parameter int unsigned Width = 8,
     parameter int unsigned Depth = 528,
@@ -35,6 +36,8 @@ module pool_ram #(
     );
   end else begin : gen_split
     localparam int unsigned RestBits = Rest > 1 ? $clog2(Rest) : 1;
+    // Of 8,192 words and more: slices that are a block of that depth each, so that nothing is chosen between a block and its register.
+    localparam int unsigned Widest = AddressBits >= 15 ? 1 : AddressBits == 14 ? 2 : Width;
     logic write_rest, read_rest_q, read_rest2_q;
     logic [Width-1:0] main_data, rest_data, main_q, rest_q;
     assign write_rest = write_address_i[AddressBits-1];
@@ -46,18 +49,21 @@ module pool_ram #(
       rest_q <= rest_data;
     end
 
-    block_ram #(
-        .Width(Width),
-        .Depth(Main)
-    ) main_words (
-        .clk_i(clk_i),
-        .write_i(write_i && !write_rest),
-        .write_address_i(write_address_i[AddressBits-2:0]),
-        .write_data_i(write_data_i),
-        .read_i(1'b1),
-        .read_address_i(read_address_i[AddressBits-2:0]),
-        .read_data_o(main_data)
-    );
+    for (genvar low = 0; low < Width; low = low + Widest) begin : gen_slice
+      localparam int unsigned Slice = Width - low < Widest ? Width - low : Widest;
+      block_ram #(
+          .Width(Slice),
+          .Depth(Main)
+      ) main_words (
+          .clk_i(clk_i),
+          .write_i(write_i && !write_rest),
+          .write_address_i(write_address_i[AddressBits-2:0]),
+          .write_data_i(write_data_i[low+:Slice]),
+          .read_i(1'b1),
+          .read_address_i(read_address_i[AddressBits-2:0]),
+          .read_data_o(main_data[low+:Slice])
+      );
+    end
 
     if (Rest <= 64) begin : gen_few
       logic [Width-1:0] stored;

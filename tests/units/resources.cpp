@@ -89,6 +89,34 @@ TEST_CASE("memories of LUTs are no block RAM") {
   }
 }
 
+TEST_CASE("block RAMs of a prefetcher") {
+  // Lines of 96 bytes: 512 of them in the cache before the SDRAM, or 256, or one byte too few.
+  Plan plan;
+  plan.global = {.present = true, .photons = 65536};
+  plan.bucket = 8;
+  plan.photon_bytes = 12;
+  plan.beat_bits = 384;
+  plan.gatherers = 3;
+  plan.photon_memory = PhotonMemory::kSdram;
+  plan.board_cache_bytes = 512 * 96;
+  REQUIRE(plan.line_bytes() == 96);
+  CHECK(plan.prefetch_queries() == 128);
+  // 9 of 2 bits x 8,192 for the nodes, and those of the queries.
+  const int queries = block_rams(PacketLayout::of<GatherQuery>(plan).bits(), 128);
+  const int with = board_memories(plan).photons;
+  plan.gatherers = 1;
+  CHECK(plan.prefetch_queries() == 0);
+  CHECK(board_memories(plan).photons == with - 9 - queries);
+  plan.gatherers = 3;
+  plan.board_cache_bytes = 512 * 96 - 1;
+  CHECK(plan.prefetch_queries() == 64);
+  plan.board_cache_bytes = 256 * 96 - 1;
+  CHECK(plan.prefetch_queries() == 0);
+  plan.board_cache_bytes = 512 * 96;
+  plan.photon_memory = PhotonMemory::kBlockRam;
+  CHECK(plan.prefetch_queries() == 0);
+}
+
 TEST_CASE("block RAMs of a board's top") {
   Plan plan;
   plan.global = {.present = true, .photons = 16384};

@@ -137,6 +137,19 @@ std::vector<BenchPlan> plans() {
     p.sdram_khz = kSdramMostKHz;
     p.board_cache_bytes = 16 * p.line_bytes();
   });
+  // A cache of 256 lines with a prefetcher before it; lists of 12 places compare codes.
+  add("sdram_prefetched", [](Plan& p) {
+    p.k = 12;
+    p.photon_memory = PhotonMemory::kSdram;
+    p.sdram_khz = kSdramMostKHz;
+    p.gatherers = 2;
+    p.contexts = 4;
+    p.lanes = 2;
+    p.photon_bytes = 12;
+    p.cache_bytes = 4 * p.line_bytes();
+    p.beat_bits = 4 * p.line_bytes();
+    p.board_cache_bytes = 256 * p.line_bytes();
+  });
   // Lines of 96 bytes, a beat a photon, a cache of four lines.
   add("sdram_narrow", [](Plan& p) {
     p.photon_memory = PhotonMemory::kSdram;

@@ -185,6 +185,16 @@ std::vector<BenchPlan> plans() {
     p.lanes = 4;
     p.cache_bytes = 0;
   });
+  // One of three before an SDRAM: far, with a leaf cache, and lists that compare whole keys.
+  add("far_cached", [](Plan& p) {
+    p.k = 8;
+    p.gatherers = 3;
+    p.contexts = 6;
+    p.photon_memory = PhotonMemory::kSdram;
+    p.photon_bytes = 12;
+    p.cache_bytes = 8 * p.line_bytes();
+    p.beat_bits = 4 * 8 * p.photon_bytes;
+  });
   return list;
 }
 

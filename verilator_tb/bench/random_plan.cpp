@@ -87,7 +87,7 @@ Plan draw(RoleRandom& random) {
   if (random.below(2)) p.beat_bits = 8 * line_bytes >> between(0, 1);
   p.gatherers = between(1, 4);
   p.photon_memory = static_cast<PhotonMemory>(between(0, 1));
-  p.board_cache_bytes = line_bytes << between(2, 6);
+  p.board_cache_bytes = line_bytes << between(2, 8);
   p.cache_present = true;
   p.cache_records = between(1, 200);
   p.cache_hits = between(1, 8);

@@ -10,11 +10,15 @@
 //
 // Of each block RAM the word of the slot is kept; what other slots hold, and when they are done, is any. At most four
 // queries wait for a unit, which is as many as there are slots. In halves queries finish at least two cycles apart.
+//
+// StartLater: what starts comes to the module a cycle after it did. A query may have seen in the cycle before that a slot is free,
+// as photon_gatherer_start does; still none ever takes a slot that another one has. A result may come two cycles later.
 module results_order #(
     parameter  int unsigned Sums   = 2,
     parameter  bit          Far    = 1'b0,
     parameter  bit          Halves = 1'b0,
-    localparam int unsigned Limit  = Sums > 1 ? 9 : Halves ? 8 : Far ? 7 : 5
+    parameter  bit          StartLater = 1'b0,
+    localparam int unsigned Limit  = (Sums > 1 ? 9 : Halves ? 8 : Far ? 7 : 5) + (StartLater ? 2 : 0)
 ) (
     input logic clk_i,
     input logic rst_i,
@@ -33,20 +37,31 @@ module results_order #(
   logic [2:0] start_slot;
   photonloom_pkg::gather_result_t result;
 
+  // What starts, as the module is told of it.
+  logic start, start_flush, start_map, start_tag, later_q, later_flush_q, later_map_q, later_tag_q, ready_before_q;
+  always_ff @(posedge clk_i) begin
+    later_q <= start_i && !rst_i;
+    {later_flush_q, later_map_q, later_tag_q} <= {start_flush_i, start_map_i, start_tag_i};
+    ready_before_q <= start_ready && StartLater && !rst_i;
+  end
+  assign {start, start_flush, start_map, start_tag} = StartLater ? {later_q, later_flush_q, later_map_q, later_tag_q} :
+      {start_i, start_flush_i, start_map_i, start_tag_i};
+
   photon_gatherer_results #(
       .Slots(4),
       .Sums(Sums),
       .Far(Far),
-      .Halves(Halves)
+      .Halves(Halves),
+      .StartLater(StartLater)
   ) dut (
       .clk_i(clk_i),
       .rst_i(rst_i),
       .start_ready_o(start_ready),
       .flush_ready_o(flush_ready),
-      .start_i(start_i),
-      .start_flush_i(start_flush_i),
-      .start_map_i(start_map_i),
-      .start_tag_i(start_tag_i),
+      .start_i(start),
+      .start_flush_i(start_flush),
+      .start_map_i(start_map),
+      .start_tag_i(start_tag),
       .start_sample_i(1'b0),
       .start_pixel_i(1'b0),
       .start_slot_o(start_slot),
@@ -80,7 +95,7 @@ module results_order #(
   logic [1:0] r2_q;
   logic starts, finishes, mine, turn;
   logic [3:0] late_q;
-  assign starts = start_i && starts_q[1:0] == slot;
+  assign starts = start && starts_q[1:0] == slot;
   assign finishes = finish_i && finish_slot_i[1:0] == slot;
   assign turn = results_q[1:0] == slot && starts_q != results_q;
   assign mine = result_valid && turn;
@@ -88,14 +103,14 @@ module results_order #(
     started_q <= 1'b1;
     rested_q <= !start_i;
     finished_q <= finish_i && !rst_i;
-    starts_q <= starts_q + 3'(start_i);
+    starts_q <= starts_q + 3'(start);
     results_q <= results_q + 3'(result_valid && result_ready_i);
     if (starts) begin
       there_q <= 1'b1;
-      runs_q <= !start_flush_i;
-      flush_q <= start_flush_i;
-      map_q <= start_map_i;
-      tag_q <= start_tag_i;
+      runs_q <= !start_flush;
+      flush_q <= start_flush;
+      map_q <= start_map;
+      tag_q <= start_tag;
       lap_q <= starts_q[2];
     end
     if (finishes) begin
@@ -122,10 +137,10 @@ module results_order #(
     assume (rst_i == !started_q);
     assume (heads_watched == slot && bodies_watched == slot && reciprocals_watched == slot);
     if (!rst_i) begin
-      if (start_i) assume (rested_q && (start_flush_i ? flush_ready : start_ready));
+      if (start_i) assume (rested_q && (start_flush_i ? flush_ready : start_ready || ready_before_q));
       if (finish_i) assume (wait_ready && (!Halves || !finished_q));
       if (finishes) assume (runs_q && finish_slot_i[2] == lap_q);
-      if (start_i) assert (start_slot == starts_q);
+      if (start) assert (start_slot == starts_q);
     end
   end
 

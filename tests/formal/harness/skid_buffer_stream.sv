@@ -4,7 +4,8 @@
 module skid_buffer_stream #(
     parameter int unsigned Order = 1,
     parameter int unsigned Law = 1,
-    parameter int unsigned Progress = 1
+    parameter int unsigned Progress = 1,
+    parameter bit Ahead = 1'b0
 ) (
     input logic clk_i,
     input logic rst_i,
@@ -15,7 +16,8 @@ module skid_buffer_stream #(
   logic in_ready, out_valid, out;
 
   skid_buffer #(
-      .Width(1)
+      .Width(1),
+      .Ahead(Ahead)
   ) dut (
       .clk_i(clk_i),
       .rst_i(rst_i),
