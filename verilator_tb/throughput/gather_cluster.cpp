@@ -114,10 +114,9 @@ constexpr int kPhotonBytes = 12;  // of each plan here, without padding
 // Before an SDRAM gatherers of k = 50, of which no port is busier than that of candidates, take two
 // a cycle. The pool is what block RAM is best spent on: each sweep over it takes every line once or
 // twice, however many queries it serves. A pool of 16 places less than its memories have words
-// wastes none of them. sdram_k8's pool reads so few lines that 16 contexts would make it wait for
-// the gatherers. Where a query visits many leaves, 16 contexts hide what a leaf takes from there if
-// leaves are few and large, and if the gatherer's own cache, in block RAM, has most of them. The
-// clock of the SDRAM is one that the routed top reaches. Bins of 0: no reorder buffer.
+// wastes none of them. Where a query visits many leaves, 16 contexts hide what a leaf takes from
+// there if leaves are few and large, and if the gatherer's own cache, in block RAM, has most of
+// them. The clock of the SDRAM is one that the routed top reaches. Bins of 0: no reorder buffer.
 struct PlanOfBoard {
   const char* name;
   PhotonMemory memory;
@@ -132,10 +131,10 @@ constexpr PlanOfBoard kPlans[] = {
      32, 1024, 100000},
     {"block_ram_k50", PhotonMemory::kBlockRam, 16384, 50, 4, 16, 1, 1, 1, 16, 4, 384, 0, 2032, 0,
      48, 32, 512, 100000},
-    {"sdram_k8", PhotonMemory::kSdram, 65536, 8, 3, 20, 1, 1, 1, 8, 4, 384, 256, 11248, 1024, 48,
+    {"sdram_k8", PhotonMemory::kSdram, 65536, 8, 3, 16, 1, 1, 1, 8, 4, 384, 256, 11248, 1024, 48,
      64, 512, 110000},
     {"sdram_k16", PhotonMemory::kSdram, 65536, 16, 3, 16, 1, 1, 1, 8, 4, 384, 256, 10224, 512, 48,
-     64, 1024, 87500},
+     64, 1024, 100000},
     {"sdram_k50", PhotonMemory::kSdram, 65536, 50, 2, 16, 1, 2, 1, 16, 4, 384, 2048, 10224, 512, 24,
      32, 512, 93750},
 };
