@@ -1,12 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // A stream register for two words: cuts every path between its two sides. Latency 1, one word a cycle; in_ready_o and
 // out_valid_o come from registers.
-//
-// Ahead: the spare word is written in every cycle in which there is none, and whether it stays is all that out_ready_i and in_valid_i
-// say: so both may be late and do not go to its every bit.
 module skid_buffer #(
-    parameter int unsigned Width = 8,
-    parameter bit Ahead = 1'b0
+    parameter int unsigned Width = 8
 ) (
     input  logic             clk_i,
     input  logic             rst_i,
@@ -30,10 +26,9 @@ module skid_buffer #(
       main_valid_q <= spare_valid_q || in_valid_i;
       spare_valid_q <= 1'b0;
     end else if (in_valid_i && !spare_valid_q) begin
-      if (!Ahead) spare_q <= in_i;
+      spare_q <= in_i;
       spare_valid_q <= 1'b1;
     end
-    if (Ahead ? !spare_valid_q : 1'b0) spare_q <= in_i;
     if (rst_i) begin
       main_valid_q  <= 1'b0;
       spare_valid_q <= 1'b0;

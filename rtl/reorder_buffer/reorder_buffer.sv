@@ -137,9 +137,8 @@ module reorder_buffer #(
     );
     assign join_ok = head_valid && wait_valid && lists_ready_q && join_ready;
 
-    skid_buffer #(
-        .Width(BinBits + 1 + Width),
-        .Ahead(1'b1)
+    skid_buffer_ahead #(
+        .Width(BinBits + 1 + Width)
     ) joined (
         .clk_i(clk_i),
         .rst_i(rst_i),

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// sources: rtl/common/lut_ram.sv rtl/common/skid_buffer.sv rtl/common/counter.sv tests/formal/harness/stubs/fifo.sv
+// sources: rtl/common/lut_ram.sv rtl/common/skid_buffer.sv rtl/common/skid_buffer_ahead.sv rtl/common/counter.sv tests/formal/harness/stubs/fifo.sv
 // sources: tests/formal/harness/stubs/reorder_key.sv tests/formal/harness/stubs/reorder_choice.sv
 // sources: tests/formal/harness/stubs/reorder_lists.sv rtl/reorder_buffer/reorder_buffer.sv
 // reorder_buffer that reorders: what comes out is what went in. Two packets are followed, any: x has a 1 in a bit of its own, y,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// sources: rtl/common/lut_ram.sv rtl/common/block_ram.sv rtl/common/lowest_bit.sv rtl/common/skid_buffer.sv
+// sources: rtl/common/lut_ram.sv rtl/common/block_ram.sv rtl/common/lowest_bit.sv rtl/common/skid_buffer.sv rtl/common/skid_buffer_ahead.sv
 // sources: rtl/common/fifo.sv rtl/common/counter.sv rtl/common/hilbert_index.sv
 // sources: rtl/reorder_buffer/free_list.sv rtl/reorder_buffer/pool_ram.sv rtl/reorder_buffer/reorder_counts.sv
 // sources: rtl/reorder_buffer/reorder_fullest.sv rtl/reorder_buffer/reorder_key.sv rtl/reorder_buffer/reorder_lists.sv

@@ -4,8 +4,7 @@
 module skid_buffer_stream #(
     parameter int unsigned Order = 1,
     parameter int unsigned Law = 1,
-    parameter int unsigned Progress = 1,
-    parameter bit Ahead = 1'b0
+    parameter int unsigned Progress = 1
 ) (
     input logic clk_i,
     input logic rst_i,
@@ -16,8 +15,7 @@ module skid_buffer_stream #(
   logic in_ready, out_valid, out;
 
   skid_buffer #(
-      .Width(1),
-      .Ahead(Ahead)
+      .Width(1)
   ) dut (
       .clk_i(clk_i),
       .rst_i(rst_i),
