@@ -247,6 +247,14 @@ struct Plan {
     const int lines = board_cache_bytes / line_bytes();
     return lines >= 512 ? 128 : lines >= 256 ? 64 : 0;
   }
+  // Beats of candidates that may wait for each list, unless two lines are more
+  // (rtl/photon_gatherer/photon_gatherer_beat_queue.sv). Room is held in all lists for each line on
+  // its way, so of several lists with lines of four beats one waits while another has work: five
+  // lines instead of four. Their rows are still 32, for a list of codes takes none that is too far
+  // ahead.
+  int queued_beats() const {
+    return candidates_per_cycle > 1 && list_code_bits() != 0 && bucket == 4 * lanes ? 20 : 16;
+  }
   // Two nodes a cycle are those of two trees or, of far gatherers, two levels of one.
   int trees() const { return far_gatherers() ? 1 : nodes_per_cycle; }
   int node_levels() const { return nodes_per_cycle / trees(); }

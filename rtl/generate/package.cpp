@@ -90,6 +90,8 @@ std::vector<PackageConstant> package_constants(const Plan& plan) {
   LINE(lut_ram_words, "memories of so many words at most are made of LUTs");
   number("parity", plan.parity, "1: words of photons, nodes and cached lines have a parity bit");
   number("far_gatherers", plan.far_gatherers(), "1: gatherers lie far from a board's dispatcher");
+  number("queued_beats", static_cast<uint64_t>(plan.queued_beats()),
+         "beats of candidates that may wait for each list of a gatherer, at least");
   number("prefetch_queries", static_cast<uint64_t>(plan.prefetch_queries()),
          "queries that a board's prefetcher looks at ahead, 0 for none");
   number("line_tag_bits", static_cast<uint64_t>(plan.line_tag_bits()), "tag of a line request");

@@ -20,11 +20,13 @@ module photon_gatherer_beat_queue #(
     // each cycle.
     parameter int unsigned Ahead = Lanes > 4 ? 1 : 0,
     parameter bit DistanceRows = 1'b0,
+    parameter int unsigned Queued = photonloom_pkg::QueuedBeats,  // places, where two lines are not more
     localparam int unsigned ContextBits = Contexts > 1 ? $clog2(Contexts) : 1,
     localparam int unsigned Beats = Bucket / Lanes,
     localparam int unsigned BeatBits = Beats > 1 ? $clog2(Beats) : 1,
-    localparam int unsigned FifoDepth = 2 * Beats > 16 ? 1 << $clog2(2 * Beats) : 16,
-    localparam int unsigned RowBits = $clog2(FifoDepth + Behind)
+    localparam int unsigned Places = 2 * Beats > 16 ? 1 << $clog2(2 * Beats) : Queued,
+    localparam int unsigned FifoDepth = 1 << $clog2(Places),
+    localparam int unsigned RowBits = $clog2(Places + Behind)
 ) (
     input  logic                             clk_i,
     input  logic                             rst_i,
@@ -89,7 +91,7 @@ module photon_gatherer_beat_queue #(
     room_q <= room_q - (issue_q ? RoomBits'(Beats) : '0) + RoomBits'(popped) + RoomBits'(dropped);
     if (rst_i) begin
       issue_q <= 1'b0;
-      room_q  <= RoomBits'(FifoDepth);
+      room_q  <= RoomBits'(Places);
     end
   end
 

@@ -32,7 +32,7 @@ module photon_gatherer_beats #(
     localparam int unsigned PhotonBits = 3 * PositionBits + LoadBits,
     localparam int unsigned Beats = Bucket / Lanes,
     localparam int unsigned BeatBits = Beats > 1 ? $clog2(Beats) : 1,
-    localparam int unsigned RowBits = $clog2((2 * Beats > 16 ? 1 << $clog2(2 * Beats) : 16) + Behind),
+    localparam int unsigned RowBits = $clog2((2 * Beats > 16 ? 1 << $clog2(2 * Beats) : photonloom_pkg::QueuedBeats) + Behind),
     localparam int unsigned SetBits = Sets > 1 ? $clog2(Sets) : 1,
     localparam int unsigned TagBits = Sets == 0 ? ContextBits : CacheMisses > 1 ? $clog2(CacheMisses) : 1,
     localparam int unsigned Parity = photonloom_pkg::Parity

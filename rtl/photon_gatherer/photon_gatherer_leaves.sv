@@ -120,11 +120,12 @@ module photon_gatherer_leaves #(
     output logic [             StepBits-1:0] insertions_o
 );
   // Between a beat's place in the FIFO and its candidates' loads: the beat in hand, 8 pairs tested and to be tested, the
-  // pair that waits, the pair in hand and 3 stages of the list.
-  localparam int unsigned Behind = 16;
+  // pair that waits, the pair in hand and 3 stages of the list. Where more beats may wait, fewer: photon_gatherer_candidates takes
+  // none of which that would be too many.
+  localparam int unsigned Behind = photonloom_pkg::QueuedBeats > 16 ? 32 - photonloom_pkg::QueuedBeats : 16;
   localparam int unsigned Beats = photonloom_pkg::Bucket / Lanes;
   localparam int unsigned BeatBits = Beats > 1 ? $clog2(Beats) : 1;
-  localparam int unsigned RowBits = $clog2((2 * Beats > 16 ? 1 << $clog2(2 * Beats) : 16) + Behind);
+  localparam int unsigned RowBits = $clog2((2 * Beats > 16 ? 1 << $clog2(2 * Beats) : photonloom_pkg::QueuedBeats) + Behind);
 
   logic [Lists*ListContextBits-1:0] line_context, leaf_done_context;
   logic [Lists*LineBits-1:0] lines;

@@ -290,3 +290,26 @@ TEST_CASE("one line can be set by name") {
   CHECK_THROWS_AS(set_plan_line(plan, "photon.no=1"), PlanError);
   CHECK_THROWS_AS(set_plan_line(plan, "k=1"), PlanError);
 }
+
+TEST_CASE("places for the beats of a list") {
+  // Five lines of four beats where there are several lists of codes.
+  Plan plan;
+  plan.k = 13;
+  plan.bucket = 16;
+  plan.lanes = 4;
+  plan.candidates_per_cycle = 2;
+  REQUIRE(plan.list_code_bits() != 0);
+  CHECK(plan.queued_beats() == 20);
+  plan.lanes = 8;
+  CHECK(plan.queued_beats() == 16);
+  plan.lanes = 2;
+  CHECK(plan.queued_beats() == 16);
+  plan.lanes = 4;
+  plan.k = 12;
+  REQUIRE(plan.list_code_bits() == 0);
+  CHECK(plan.queued_beats() == 16);
+  plan.k = 50;
+  plan.candidates_per_cycle = 1;
+  REQUIRE(plan.list_code_bits() != 0);
+  CHECK(plan.queued_beats() == 16);
+}

@@ -185,6 +185,18 @@ std::vector<BenchPlan> plans() {
     p.lanes = 4;
     p.cache_bytes = 0;
   });
+  // Before an SDRAM, two lists of codes: five lines of four beats wait for each, as of sdram_k50.
+  add("five_lines", [](Plan& p) {
+    p.k = 30;
+    p.gatherers = 2;
+    p.photon_memory = PhotonMemory::kSdram;
+    p.candidates_per_cycle = 2;
+    p.bucket = 16;
+    p.lanes = 4;
+    p.photon_bytes = 12;
+    p.cache_bytes = 8 * p.line_bytes();
+    p.beat_bits = 4 * 8 * p.photon_bytes;
+  });
   // One of three before an SDRAM: far, with a leaf cache, and lists that compare whole keys.
   add("far_cached", [](Plan& p) {
     p.k = 8;

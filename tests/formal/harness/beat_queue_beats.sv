@@ -13,10 +13,13 @@ module beat_queue_beats #(
     parameter int unsigned Lemmas = 0,
     parameter int unsigned Ahead = 0,
     parameter bit DistanceRows = 1'b0,
-    localparam int unsigned Beats = 2,
-    localparam int unsigned FifoDepth = 16,
-    localparam int unsigned Behind = 16,
-    localparam int unsigned RowBits = 5
+    parameter int unsigned Places = 16,
+    localparam int unsigned Beats = Places == 16 ? 2 : 4,
+    localparam int unsigned FifoDepth = 1 << $clog2(Places),
+    localparam int unsigned Behind = 32 - Places,
+    localparam int unsigned RowBits = 5,
+    localparam int unsigned BeatBits = $clog2(Beats),
+    localparam int unsigned W = $clog2(FifoDepth) + 1  // of counters and of the FIFO's pointers
 ) (
     input logic clk_i,
     input logic rst_i,
@@ -24,7 +27,7 @@ module beat_queue_beats #(
     input logic in_valid_i,
     input logic in_keep_i,
     input logic in_context_i,
-    input logic in_beat_i,
+    input logic [BeatBits-1:0] in_beat_i,
     input logic in_last_i,
     input logic in_mask_i,
     input logic in_d2_i,
@@ -34,7 +37,8 @@ module beat_queue_beats #(
     input logic [RowBits-1:0] load_row_i,
     input logic pick_i
 );
-  logic ready, out_valid, out_context, out_beat, out_last, out_mask, out_d2;
+  logic [BeatBits-1:0] out_beat;
+  logic ready, out_valid, out_context, out_last, out_mask, out_d2;
   logic [RowBits-1:0] out_row;
   logic [1:0] directions;
   logic [2:0] load;
@@ -48,7 +52,8 @@ module beat_queue_beats #(
       .LoadBits(3),
       .Behind(Behind),
       .Ahead(Ahead),
-      .DistanceRows(DistanceRows)
+      .DistanceRows(DistanceRows),
+      .Queued(Places)
   ) dut (
       .clk_i(clk_i),
       .rst_i(rst_i),
@@ -82,18 +87,18 @@ module beat_queue_beats #(
 
   // Beats that are due, those inside, and those that are inside and go before the one that is followed, which is picked,
   // comes out, and has beats behind it that have come out too.
-  logic [4:0] due_q, inside_q, ahead_q;
+  logic [W-1:0] due_q, inside_q, ahead_q;
   logic picked_q, out_q;
   logic [1:0] empty_q;  // cycles in which nothing was due or inside
-  logic [4:0] behind_q;
+  logic [4:0] behind_q;  // at most 16
   logic [RowBits-1:0] row_q;
-  logic [4:0] word_q;
+  logic [BeatBits+3:0] word_q;
   logic d2_q;
   logic [2:0] load_q;
   logic keeps, picks, takes, comes;
-  logic [4:0] word;
+  logic [BeatBits+3:0] word;
   logic directed_q, loaded_q, stalled_q;
-  logic [4:0] shown_q;
+  logic [BeatBits+3:0] shown_q;
   logic [RowBits-1:0] shown_row_q;
   assign word  = {out_context, out_beat, out_last, out_mask, !DistanceRows && out_d2};
   assign keeps = in_valid_i && in_keep_i;
@@ -102,14 +107,14 @@ module beat_queue_beats #(
   assign comes = out_valid && picked_q && !out_q && ahead_q == '0;
 
   always_ff @(posedge clk_i) begin
-    due_q <= due_q + (issue_i ? 5'(Beats) : 5'd0) - 5'(in_valid_i);
-    inside_q <= inside_q + 5'(keeps) - 5'(takes);
+    due_q <= due_q + (issue_i ? W'(Beats) : '0) - W'(in_valid_i);
+    inside_q <= inside_q + W'(keeps) - W'(takes);
     if (picks) begin
       picked_q <= 1'b1;
       word_q <= {in_context_i, in_beat_i, in_last_i, in_mask_i, !DistanceRows && in_d2_i};
       d2_q <= in_d2_i;
       load_q <= in_load_i;
-      ahead_q <= inside_q - 5'(takes);
+      ahead_q <= inside_q - W'(takes);
     end else if (takes && ahead_q != '0) begin
       ahead_q <= ahead_q - 1'b1;
     end
@@ -162,9 +167,9 @@ module beat_queue_beats #(
   if (Room == 1) begin : gen_room
     always_comb begin
       if (!rst_i) begin
-        assert (inside_q <= 5'(FifoDepth) && due_q <= 5'(FifoDepth) - inside_q);
-        if (Ahead == 0) assert (ready == (due_q + inside_q <= 5'(FifoDepth - Beats)));
-        if (Ahead != 0 && ready) assert (due_q + inside_q <= 5'(FifoDepth - Beats));
+        assert (inside_q <= W'(Places) && due_q <= W'(Places) - inside_q);
+        if (Ahead == 0) assert (ready == (due_q + inside_q <= W'(Places - Beats)));
+        if (Ahead != 0 && ready) assert (due_q + inside_q <= W'(Places - Beats));
         if (Ahead != 0 && empty_q == 2'd2) assert (ready);
         assert (out_valid == (inside_q != '0));
       end
@@ -172,27 +177,27 @@ module beat_queue_beats #(
   end
 
   // ---- inside ----
-  (* keep *) logic [4:0] head, tail, room, place;  // probes, and where the beat lies
+  (* keep *) logic [W-1:0] head, tail, room, place;  // probes, and where the beat lies
   (* keep *) logic issue;
   (* keep *) logic popped, dropped;  // with Ahead: room that is counted in the next cycle
-  logic [4:0] back;
-  assign back = Ahead != 0 ? 5'(popped) + 5'(dropped) : 5'd0;
-  (* keep *) logic [FifoDepth*10-1:0] words;
-  logic [9:0] placed;
+  logic [W-1:0] back;
+  assign back = Ahead != 0 ? W'(popped) + W'(dropped) : '0;
+  (* keep *) logic [FifoDepth*(BeatBits+9)-1:0] words;
+  logic [BeatBits+8:0] placed;
   (* keep *) logic [2:0] row_load;
   (* keep *) logic [1:0] row_directions;
   (* keep *) logic row_distance;
   assign place  = head + ahead_q;
-  assign placed = words[10*place[3:0]+:10];
+  assign placed = words[(BeatBits+9)*place[W-2:0]+:BeatBits+9];
   if (Lemmas == 1) begin : gen_lemmas
     always_comb begin
       if (!rst_i) begin
-        assert (tail - head == inside_q && inside_q <= 5'(FifoDepth) && due_q <= 5'(FifoDepth) - inside_q);
-        assert (room - (issue ? 5'(Beats) : 5'd0) + back == 5'(FifoDepth) - due_q - inside_q);
-        if (Ahead != 0 && issue) assert (due_q >= 5'(Beats) && room >= 5'(Beats));
-        if (Ahead != 0) assert (room <= 5'(FifoDepth));
-        if (Ahead != 0 && ready) assert (room >= (issue ? 5'(2 * Beats) : 5'(Beats)));
-        if (Ahead != 0 && empty_q != '0) assert (room == 5'(FifoDepth) && !issue);
+        assert (tail - head == inside_q && inside_q <= W'(Places) && due_q <= W'(Places) - inside_q);
+        assert (room - (issue ? W'(Beats) : '0) + back == W'(Places) - due_q - inside_q);
+        if (Ahead != 0 && issue) assert (due_q >= W'(Beats) && room >= W'(Beats));
+        if (Ahead != 0) assert (room <= W'(Places));
+        if (Ahead != 0 && ready) assert (room >= (issue ? W'(2 * Beats) : W'(Beats)));
+        if (Ahead != 0 && empty_q != '0) assert (room == W'(Places) && !issue);
       end
       if (!rst_i && Order == 1) begin
         assert (behind_q <= 5'(Behind));
@@ -202,7 +207,7 @@ module beat_queue_beats #(
         if (picked_q) assert (behind_q == 5'(Behind) || (row_load == load_q && row_directions == load_q[1:0] && (!DistanceRows || row_distance == d2_q)));
         if (picked_q && !out_q) begin
           assert (ahead_q < inside_q);
-          assert (placed == {word_q[4:3], watched, word_q[2:1], DistanceRows ? d2_q : word_q[0]});
+          assert (placed == {word_q[BeatBits+3:3], watched, word_q[2:1], DistanceRows ? d2_q : word_q[0]});
           // As many beats have come behind it as there are in the FIFO behind it.
           assert (row == RowBits'(watched + inside_q - ahead_q));
         end

@@ -28,6 +28,7 @@ package photonloom_pkg;
   localparam int unsigned Lanes = 1;
   localparam int unsigned NodesPerCycle = 1;
   localparam int unsigned CandidatesPerCycle = 1;
+  localparam int unsigned QueuedBeats = 16;
   localparam int unsigned PowersPerCycle = 1;
   localparam int unsigned CacheBytes = 8;
   localparam int unsigned CacheWays = 2;
