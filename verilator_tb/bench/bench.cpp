@@ -209,6 +209,7 @@ int bench_main(int argc, char** argv, const Bench& bench) {
   const std::string& unit = bench.module;
   CLI::App app{"The hardware of " + unit + " beside golden, packet by packet."};
   BenchCommand command;
+  command.rig = RigFlags(bench.watchdog);
   app.add_option("--plan", command.plan,
                  "A plan of --list, random:N, or random:N-M for a range. Default: all of --list.");
   app.add_option("--case", command.only_cases,

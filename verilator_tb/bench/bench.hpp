@@ -45,6 +45,8 @@ struct Bench {
   std::vector<BenchPlan> plans;
   std::vector<BenchCase> cases;
   bool restarts = true;  // policies that reset it in the middle do so
+  // Cycles without a handshake after which it counts as stuck, unless --watchdog says otherwise.
+  uint64_t watchdog = RunOptions{}.watchdog;
 };
 int bench_main(int argc, char** argv, const Bench& bench);
 

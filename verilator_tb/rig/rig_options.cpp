@@ -35,8 +35,8 @@ void RigFlags::add_to(CLI::App& command, const std::string& seed_flag) {
       "A bank takes one request in so many cycles; 0: no limit. Default 0.")
       ->check(CLI::Range(0, 100000));
   add("--watchdog", watchdog_,
-      "Cycles without a handshake after which a unit counts as stuck. Default "
-      "500000.")
+      fmt::format("Cycles without a handshake after which a unit counts as stuck. Default {}.",
+                  watchdog_))
       ->check(CLI::Range(uint64_t{1}, uint64_t{1} << 48));
   add("--rtl", rtl_, "Folder of the RTL sources, if not those of this build.");
   add("--work", work_,

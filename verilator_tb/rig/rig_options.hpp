@@ -12,6 +12,8 @@ namespace photonloom {
 
 class RigFlags {
  public:
+  RigFlags() = default;
+  explicit RigFlags(uint64_t watchdog) : watchdog_(watchdog) {}  // the default of --watchdog
   // `seed_flag` names the flag that seeds the rig.
   void add_to(CLI::App& command, const std::string& seed_flag);
   // The options for one unit; throws UsageError for a bad value.
@@ -45,7 +47,7 @@ class RigFlags {
   std::string stall_ = "none", stall_in_, stall_out_, stall_memory_;
   std::string latency_ = "20";
   int banks_ = 8, bank_cycles_ = 0;
-  uint64_t watchdog_ = 500000;
+  uint64_t watchdog_ = RunOptions{}.watchdog;
   std::string rtl_, work_, yosys_ = "yosys", netlist_;
   std::string wave_, wave_unit_, wave_cycles_;
 };
