@@ -350,8 +350,8 @@ EngineSearch fastest_engine(const Plan& given, const PhotonMap& global, const Ph
   };
   // What was predicted, by what it depends on.
   std::map<std::array<int, 3>, double> asked;
-  std::map<std::array<int, 10>, BoardNeeds> gatherers;
-  std::map<std::array<int, 4>, BoardNeeds> others;
+  std::map<std::array<int, 11>, BoardNeeds> gatherers;
+  std::map<std::array<int, 5>, BoardNeeds> others;
   const auto candidate = [&](size_t stream, const Widths& w) {
     const Stream& at = streams[stream];
     const Plan p = with(plan, at, w);
@@ -359,12 +359,12 @@ EngineSearch fastest_engine(const Plan& given, const PhotonMap& global, const Ph
     const auto [lines, new_lines] =
         asked.try_emplace({static_cast<int>(at.order), w.gatherers, w.cache_lines});
     if (new_lines) lines->second = lines_asked(p, visits, orders[at.order]);
-    const auto [one, new_gatherer] =
-        gatherers.try_emplace({sdram, p.beat_bits, w.nodes, w.candidates, w.powers, w.lanes,
-                               w.contexts, w.cache_lines, w.lut_words, w.stride});
+    const auto [one, new_gatherer] = gatherers.try_emplace(
+        {sdram, p.far_gatherers(), p.beat_bits, w.nodes, w.candidates, w.powers, w.lanes,
+         w.contexts, w.cache_lines, w.lut_words, w.stride});
     if (new_gatherer) one->second = gatherer_needs(p);
-    const auto [rest, new_rest] =
-        others.try_emplace({static_cast<int>(stream), p.beat_bits, w.lut_words, w.stride});
+    const auto [rest, new_rest] = others.try_emplace(
+        {static_cast<int>(stream), p.beat_bits, w.lut_words, w.stride, p.prefetch_queries()});
     if (new_rest) rest->second = other_needs(p);
     return Candidate{stream, w, predict(p, load, lines->second, at.sdram_lines, board.core_khz),
                      rest->second + w.gatherers * one->second};
@@ -408,6 +408,9 @@ EngineSearch fastest_engine(const Plan& given, const PhotonMap& global, const Ph
   }
   found.best = {plan_of(*best), best->cycles};
   derive_plan(found.best.plan);
+  if (const std::string why = engine_misfit(found.best.plan, board); !why.empty())
+    throw std::logic_error("the engine for " + board.name + " " + why +
+                           ", which was not so where its parts were remembered");
   if (given.photon_memory != PhotonMemory::kSdram || has_sdram)
     found.given = engine_cycles(given, global, caustic, queries, board.core_khz);
   found.misfit = engine_misfit(given, board);
