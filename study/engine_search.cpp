@@ -301,7 +301,7 @@ EngineSearch fastest_engine(const Plan& given, const PhotonMap& global, const Ph
                             std::span<const GatherQuery> queries, const BoardDescription& board) {
   if (queries.empty())
     throw std::runtime_error(
-        "--board: the frame asks for no gather, so no engine is faster than "
+        "--board: the frame asks for no gather but those for tables, so no engine is faster than "
         "another");
   const bool has_sdram = board.tops.count("sdram") && board.sdram;
   Plan plan = given;

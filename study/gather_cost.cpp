@@ -21,33 +21,35 @@ namespace {
 
 constexpr size_t kRuns = 4;  // of neighbouring queries
 
+size_t samples_of(const Plan& plan) {
+  return static_cast<size_t>(plan.width) * static_cast<size_t>(plan.height) *
+         static_cast<size_t>(plan.spp);
+}
+
 }  // namespace
 
-WatchedGatherer::WatchedGatherer(const Plan& plan, size_t queries)
-    : golden_(make_golden_photon_gatherer(plan)), caustic_(!plan.global.present) {
-  // Some rays leave the scene, so the places are within the first half of what may come.
-  const size_t most = static_cast<size_t>(plan.width) * static_cast<size_t>(plan.height) *
-                      static_cast<size_t>(plan.spp) *
-                      static_cast<size_t>(caustic_ ? 1 : std::max(1, plan.gather_rays));
-  run_ = std::max<size_t>(1, queries / kRuns);
-  stride_ = std::max(run_, most / 2 / kRuns);
+WatchedGatherer::Runs::Runs(size_t queries, size_t most)
+    // Some rays leave the scene, so the places are within the first half of what may come.
+    : length(std::max<size_t>(1, queries / kRuns)), stride(std::max(length, most / 2 / kRuns)) {}
+
+void WatchedGatherer::Runs::see(const GatherQuery& query) {
+  const size_t place = seen++;
+  if (place / stride < kRuns && place % stride < length) kept.push_back(query);
 }
+
+WatchedGatherer::WatchedGatherer(const Plan& plan, size_t queries)
+    : golden_(make_golden_photon_gatherer(plan)),
+      finals_(queries, samples_of(plan) * static_cast<size_t>(std::max(1, plan.gather_rays))),
+      caustics_(queries, samples_of(plan)) {}
 
 void WatchedGatherer::load(const PhotonMap& global, const PhotonMap& caustic) {
   golden_->load(global, caustic);
 }
 
-bool WatchedGatherer::counts(const GatherQuery& query) const {
-  return !query.flush && !query.want_photons && (query.map != 0) == caustic_;
-}
-
 void WatchedGatherer::process(std::span<const GatherQuery> in, std::vector<GatherResult>& results,
                               std::vector<GatherPhoton>& photons) {
-  for (const GatherQuery& query : in) {
-    if (!counts(query)) continue;
-    const size_t place = seen_++;
-    if (place / stride_ < kRuns && place % stride_ < run_) kept_.push_back(query);
-  }
+  for (const GatherQuery& query : in)
+    if (!query.flush && !query.want_photons) (query.map != 0 ? caustics_ : finals_).see(query);
   golden_->process(in, results, photons);
 }
 

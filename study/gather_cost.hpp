@@ -23,8 +23,9 @@ struct GatherCost {
 };
 
 // A window on a frame's gathers: passes everything on to golden and keeps some final-gather
-// queries (caustic ones where the plan has no global map), in the order in which they come, as
-// several runs of neighbours from different places of the stream.
+// queries, of a frame that has none its gathers of caustics, in the order in which they come, as
+// several runs of neighbours from different places of the stream. Gathers for a sampler's tables,
+// which want their photons, are never kept.
 class WatchedGatherer final : public PhotonGatherer {
  public:
   WatchedGatherer(const Plan& plan, size_t queries);
@@ -32,16 +33,21 @@ class WatchedGatherer final : public PhotonGatherer {
   void process(std::span<const GatherQuery> in, std::vector<GatherResult>& results,
                std::vector<GatherPhoton>& photons) override;
   Counters counters() const override { return golden_->counters(); }
-  const std::vector<GatherQuery>& kept() const { return kept_; }
+  const std::vector<GatherQuery>& kept() const {
+    return finals_.kept.empty() ? caustics_.kept : finals_.kept;
+  }
 
  private:
-  bool counts(const GatherQuery& query) const;
+  struct Runs {
+    size_t length, stride, seen = 0;
+    std::vector<GatherQuery> kept = {};
+    // Of `queries` that are to be kept, where at most `most` come.
+    Runs(size_t queries, size_t most);
+    void see(const GatherQuery& query);
+  };
 
   std::unique_ptr<PhotonGatherer> golden_;
-  bool caustic_;
-  size_t run_, stride_, runs_ = 0;
-  size_t seen_ = 0;
-  std::vector<GatherQuery> kept_;
+  Runs finals_, caustics_;
 };
 
 // The RTL, with a line memory of this latency, from an idle unit to an idle unit; its results are

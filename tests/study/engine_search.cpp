@@ -250,11 +250,37 @@ TEST_CASE("the reason of a line that the engine search decides is what its next 
   }
 }
 
+TEST_CASE("an engine serves final gathers, and of a frame without them its gathers of caustics") {
+  Load load = make_load(4096, 8, 4000);
+  load.plan.caustic = load.plan.global;
+  derive_plan(load.plan);
+  for (GatherQuery& q : load.queries) q.map = 1;
+  std::vector<GatherQuery> tables = load.queries;
+  for (GatherQuery& q : tables) {
+    q.map = 0;
+    q.want_photons = 1;
+  }
+  const auto kept = [&](std::initializer_list<std::span<const GatherQuery>> streams) {
+    WatchedGatherer watched(load.plan, 100000);
+    watched.load(load.map, load.map);
+    std::vector<GatherResult> results;
+    std::vector<GatherPhoton> photons;
+    for (const auto& stream : streams) watched.process(stream, results, photons);
+    return watched.kept();
+  };
+  CHECK(kept({tables}).empty());
+  CHECK(kept({tables, load.queries}) == load.queries);
+  std::vector<GatherQuery> finals = tables;
+  for (GatherQuery& q : finals) q.want_photons = 0;
+  CHECK(kept({load.queries, tables, finals}) == finals);
+}
+
 TEST_CASE("a board without room for one gatherer, and a frame without gathers, say so") {
   BoardDescription board = predicted_board("ulx3s-85f");
   const Load load = make_load(8192, 8);
   CHECK_THROWS_WITH(fastest_engine(load.plan, load.map, {}, {}, board),
-                    "--board: the frame asks for no gather, so no engine is faster than another");
+                    "--board: the frame asks for no gather but those for tables, so no engine is "
+                    "faster than another");
   BoardDescription unit_alone = board;
   unit_alone.tops = {};
   CHECK_THROWS_WITH(fastest_engine(load.plan, load.map, {}, load.queries, unit_alone),
