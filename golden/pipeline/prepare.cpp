@@ -70,9 +70,12 @@ void check_plan_fits(const PreparedFrame& frame, const std::string& file) {
     const PhotonPass& pass = is_caustic ? frame.caustic_pass : frame.global_pass;
     const uint64_t room = (uint64_t{1} << plan.line_bits()) * static_cast<uint64_t>(plan.bucket);
     if (pass.photons.size() > room)
-      throw PlanError(fmt::format("{}: {}.photons gives addresses for {} photons, but there are {}",
-                                  file, is_caustic ? "caustic" : "global", room,
-                                  pass.photons.size()));
+      throw PlanError(
+          fmt::format("{}: {}.photons is {}, expected at least {}: so many are stored of this "
+                      "scene and seed, the "
+                      "path that fills the map whole, and the plan's addresses reach {}",
+                      file, is_caustic ? "caustic" : "global", plan.map(is_caustic).photons,
+                      pass.photons.size(), room));
   }
 }
 

@@ -312,7 +312,9 @@ std::vector<uint8_t> photon_lines(const Plan& plan, const PhotonMap& map, bool i
   const char* name = is_caustic ? "caustic" : "global";
   if (map.lines > leaves)
     throw std::runtime_error(
-        fmt::format("{} map: has {} lines, the plan has room for {}", name, map.lines, leaves));
+        fmt::format("{} map: has {} lines, the plan has room for {}; expected {}.photons of at "
+                    "least {}",
+                    name, map.lines, leaves, name, map.count));
   if (plan.compressed()) {
     std::vector<uint8_t> bytes = compressed_lines(plan, map, is_caustic);
     const uint64_t lines = bytes.size() / static_cast<size_t>(plan.line_bytes());

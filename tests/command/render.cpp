@@ -316,6 +316,9 @@ TEST_CASE("what cannot be is one clear error, and nothing is left behind") {
   fails("render" + box() + "--photons 100 --set photon.photon_bytes=4" + out, 1,
         {"photon.photon_bytes", "needs at least"});
   fails("render" + box() + "--plan /nonexistent.toml" + out, 1, {"/nonexistent.toml"});
+  fails("render" + quoted(source("scenes/cornell.xml")) + "--plan" +
+            quoted(source("fpga/headline/block_ram_k16.toml")) + out,
+        1, {"block_ram_k16.toml: global.photons is 16384, expected at least 16386: "});
   write_file(scratch / "bad.toml", "[scene]\nname = 3\n");
   fails("render" + box() + "--plan" + quoted(scratch / "bad.toml") + out, 1,
         {"bad.toml:2", "scene.name"});

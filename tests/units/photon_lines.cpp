@@ -114,3 +114,12 @@ TEST_CASE("a map whose further lines have no room is refused, and told what woul
       ContainsSubstring("global map: its 150 leaves take") &&
           ContainsSubstring("photon.further_percent of at least " + std::to_string(percent)));
 }
+
+TEST_CASE("a map of more leaves than the plan has lines is refused, and told what would do") {
+  Plan plan = line_plan(16, 8, 10);
+  const PhotonMap map = random_map(plan, PointSet::kRandom, 0);
+  plan.global.photons = 1192;
+  CHECK_THROWS_WITH(photon_lines(plan, map, false),
+                    "global map: has 150 lines, the plan has room for 149; expected global.photons "
+                    "of at least 1195");
+}

@@ -254,6 +254,10 @@ int bench_main(int argc, char** argv, const Bench& bench) {
       command.rig.check_waveform({});
     else
       command.rig.check_waveform({unit});
+    for (const std::string& name : command.only_cases)
+      if (std::none_of(bench.cases.begin(), bench.cases.end(),
+                       [&](const BenchCase& c) { return c.name == name; }))
+        throw std::runtime_error(fmt::format("--case {}: not a case of --list", name));
     std::vector<BenchPlan> plans;
     if (command.plan.starts_with("random:")) {
       const std::string range = command.plan.substr(7);
