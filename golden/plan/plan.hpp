@@ -232,10 +232,10 @@ struct Plan {
   int photon_ram_row() const {
     return photon_ram_is_divided() && line_beats() <= 4 ? line_beats() : 1;
   }
-  // Five and more gatherers whose lists have more than 8 places, and gatherers beside a reorder
-  // buffer and a cache before an SDRAM, fill so much of a board's part that they lie far from its
-  // dispatcher: what they give has a register more on its way, and which of them gets the next
-  // query, and whether there is room for it, is known a cycle ahead.
+  // Five and more gatherers whose lists have more than 8 places, and several before an SDRAM,
+  // beside whose cache there mostly is a reorder buffer, fill so much of a board's part that they
+  // lie far from its dispatcher: what they give has a register more on its way, and which of them
+  // gets the next query, and whether there is room for it, is known a cycle ahead.
   bool far_gatherers() const {
     return (gatherers > 4 && k > 8) || (gatherers > 1 && photon_memory == PhotonMemory::kSdram);
   }

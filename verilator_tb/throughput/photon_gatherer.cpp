@@ -115,10 +115,11 @@ void measure_both(const Plan& plan, const PhotonMap& map, const std::vector<Gath
     judge(ratio, goal.ratio, "times the bound");
     judge(m.cycles, goal.cycles, "cycles a gather");
     fmt::print(
-        "{:>3} {:<8} {:>8} {:<20} {:>6.1f} {:>6.1f} {:>10.1f} {:>6.1f} {:>13.1f} {:>6.2f} {:>5} "
+        "{:>3} {:<8} {:>8} {:>6} {:<20} {:>6.1f} {:>6.1f} {:>10.1f} {:>6.1f} {:>13.1f} {:>6.2f} "
+        "{:>5} "
         "{:>7.1f} {:>6.2f} {:>10.1f} {:>9.0f} {}\n",
-        plan.k, widths, plan.contexts, memory, m.cost.nodes, m.cost.leaves, m.cost.insertions,
-        m.cost.bound, m.cycles, ratio,
+        plan.k, widths, plan.contexts, plan.cache_bytes, memory, m.cost.nodes, m.cost.leaves,
+        m.cost.insertions, m.cost.bound, m.cycles, ratio,
         goal.ratio    ? fmt::format("{:.2f}x", *goal.ratio)
         : goal.cycles ? fmt::format("{:.0f}", *goal.cycles)
                       : "",
@@ -178,13 +179,13 @@ int run(const Options& o) {
   queries = reordered(plan, queries);
 
   fmt::print(
-      "photon_gatherer: {} photons, {} queries, cache {} bytes; widths: nodes, lanes, candidates, "
-      "powers a cycle\n",
-      map.count, queries.size(), plan.cache_bytes);
+      "photon_gatherer: {} photons, {} queries; widths: nodes, lanes, candidates, powers a cycle; "
+      "cache: bytes\n",
+      map.count, queries.size());
   fmt::print(
-      "{:>3} {:<8} {:>8} {:<20} {:>6} {:>6} {:>10} {:>6} {:>13} {:>6} {:>5} {:>7} {:>6} "
+      "{:>3} {:<8} {:>8} {:>6} {:<20} {:>6} {:>6} {:>10} {:>6} {:>13} {:>6} {:>5} {:>7} {:>6} "
       "{:>10} {:>9}\n",
-      "k", "widths", "contexts", "memory", "nodes", "leaves", "insertions", "bound",
+      "k", "widths", "contexts", "cache", "memory", "nodes", "leaves", "insertions", "bound",
       "cycles/gather", "ratio", "goal", "dropped", "hits", "candidates", "kcycles/s");
   nlohmann::json rows = nlohmann::json::array();
   std::vector<std::string> missed;
