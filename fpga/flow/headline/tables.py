@@ -31,7 +31,7 @@ PREDECESSOR_COLUMNS = {"source": "source", "does": "what it does", "figure": "it
 IMAGE_COLUMNS = ["scene", "gathers", "golden, one core, s", "of these gathers", "golden, all cores, s", "of these gathers",
                  "gathers of the board, s", "host on one core and board, s", "host on all cores and board, s",
                  "queries over the link, s", "host on all cores, link and board, s"]
-TOP_COLUMNS = ["plan", "gatherers", "core's clock, MHz", "other clocks, MHz", "seeds", "netlist", "over the UART, kquery/s",
+TOP_COLUMNS = ["plan", "gatherers", "core's clock, MHz", "other clocks, MHz", "numbers of its seeds", "netlist", "over the UART, kquery/s",
                "fullest resource of the top"]
 
 
