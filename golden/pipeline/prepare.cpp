@@ -72,8 +72,8 @@ void check_plan_fits(const PreparedFrame& frame, const std::string& file) {
     if (pass.photons.size() > room)
       throw PlanError(
           fmt::format("{}: {}.photons is {}, expected at least {}: so many are stored of this "
-                      "scene and seed, the "
-                      "path that fills the map whole, and the plan's addresses reach {}",
+                      "scene and seed, the path that fills the map whole, and the plan's "
+                      "addresses reach {}",
                       file, is_caustic ? "caustic" : "global", plan.map(is_caustic).photons,
                       pass.photons.size(), room));
   }

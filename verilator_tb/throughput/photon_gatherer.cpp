@@ -116,8 +116,7 @@ void measure_both(const Plan& plan, const PhotonMap& map, const std::vector<Gath
     judge(m.cycles, goal.cycles, "cycles a gather");
     fmt::print(
         "{:>3} {:<8} {:>8} {:>6} {:<20} {:>6.1f} {:>6.1f} {:>10.1f} {:>6.1f} {:>13.1f} {:>6.2f} "
-        "{:>5} "
-        "{:>7.1f} {:>6.2f} {:>10.1f} {:>9.0f} {}\n",
+        "{:>5} {:>7.1f} {:>6.2f} {:>10.1f} {:>9.0f} {}\n",
         plan.k, widths, plan.contexts, plan.cache_bytes, memory, m.cost.nodes, m.cost.leaves,
         m.cost.insertions, m.cost.bound, m.cycles, ratio,
         goal.ratio    ? fmt::format("{:.2f}x", *goal.ratio)
