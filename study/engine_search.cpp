@@ -37,6 +37,9 @@ constexpr uint32_t kSharedWays = 4;
 // Before an SDRAM: lines of the cache, and places of the pool: 16 less than its memories have words
 // waste none of them.
 constexpr int kSharedLines[] = {512, 1024}, kPools[] = {2032, 4080, 8176, 12272};
+// Of a gatherer's own cache. Without one each leaf fetches its line, for which an SDRAM is too
+// slow.
+constexpr int kLeafCacheLines[] = {0, 16, 32, 64, 128};
 
 using Order = std::vector<uint32_t>;
 
@@ -124,12 +127,11 @@ EngineCycles predict(const Plan& plan, const Load& of, double lines, double sdra
     latency = kSharedCacheLatency +
               static_cast<int>(std::lround(slow * read * core_khz / plan.sdram_khz));
   }
-  // What the fit has not, for it does not bind where one candidate a cycle does: reciprocals are
-  // made one after the other (rtl/common/reciprocal.sv). Queries that wait for them hold nothing
-  // else up.
-  e.gatherers =
-      std::max(modelled_cycles(plan, load, latency), of.reciprocal / plan.powers_per_cycle) /
-      plan.gatherers;
+  // What the fit has not, for it does not bind where one candidate a cycle does: a reciprocal takes
+  // its time (rtl/common/reciprocal.sv). Queries that wait for one hold nothing else up.
+  e.gatherers = std::max(modelled_cycles(plan, load, latency),
+                         of.reciprocal / std::max(1, plan.reciprocals())) /
+                plan.gatherers;
   const double beats = plan.line_beats();
   if (sdram) {
     e.memory_lines = sdram_lines;
@@ -186,12 +188,14 @@ std::string divided(const Plan& p) {
 }
 
 // The widest beat of at most 1,024 bits that the wires leave each gatherer: whole words of 32 bits
-// that divide a line, as rtl/board/photon_ram.sv takes them, photons may be cut; none in banks.
+// that divide a line, and without a leaf cache what the lanes take a cycle, as
+// rtl/board/photon_ram.sv takes them, photons may be cut; none in banks.
 int widest_beat(Plan p) {
-  const int line = 8 * p.line_bytes();
-  for (p.beat_bits = std::min({1024, kEngineWires / p.gatherers, line}) / 32 * 32; p.beat_bits > 32;
-       p.beat_bits -= 32)
-    if (line % p.beat_bits == 0 && divided(p).empty()) break;
+  const bool cached = p.cache_bytes != 0;
+  const int whole = 8 * p.photon_bytes * (cached ? p.bucket : p.lanes);
+  const int wires = (cached ? kEngineWires : kUncachedWires) / p.gatherers;
+  for (p.beat_bits = std::min({1024, wires, whole}) / 32 * 32; p.beat_bits > 32; p.beat_bits -= 32)
+    if (whole % p.beat_bits == 0 && divided(p).empty()) break;
   return p.beat_bits;
 }
 
@@ -233,7 +237,7 @@ std::vector<Widths> all_widths(const Plan& plan) {
         for (const int powers : {1, 2, 4})
           for (const int lanes : {2, 4, 8})
             for (const int contexts : {8, 16, 32, 48})
-              for (const int cache_lines : {16, 32, 64, 128})
+              for (const int cache_lines : kLeafCacheLines)
                 for (const int lut_words : {0, 32, 64, 128})
                   for (const int stride : strides(plan)) {
                     if (powers > candidates || lanes > plan.bucket) continue;
@@ -372,7 +376,9 @@ EngineSearch fastest_engine(const Plan& given, const PhotonMap& global, const Ph
   std::vector<Candidate> all;
   const std::vector<Widths> widths = all_widths(plan);
   for (size_t i = 0; i < streams.size(); ++i)
-    for (const Widths& w : widths) all.push_back(candidate(i, w));
+    for (const Widths& w : widths)
+      if (w.cache_lines != 0 || streams[i].memory == PhotonMemory::kBlockRam)
+        all.push_back(candidate(i, w));
   std::stable_sort(all.begin(), all.end(), [](const Candidate& a, const Candidate& b) {
     return a.cycles.cycles < b.cycles.cycles;
   });
@@ -464,7 +470,8 @@ EngineSearch fastest_engine(const Plan& given, const PhotonMap& global, const Ph
   tell_width("gatherer.powers_per_cycle", &Widths::powers, {1, 2, 4});
   tell_width("gatherer.lanes", &Widths::lanes, {2, 4, 8});
   tell_width("gatherer.contexts", &Widths::contexts, {8, 16, 32, 48});
-  tell_width("gatherer.cache_bytes", &Widths::cache_lines, {16, 32, 64, 128}, made.line_bytes());
+  tell_width("gatherer.cache_bytes", &Widths::cache_lines,
+             {std::begin(kLeafCacheLines), std::end(kLeafCacheLines)}, made.line_bytes());
   tell_width("board.lut_ram_words", &Widths::lut_words, {0, 32, 64, 128});
   if (strides(plan).size() > 1)
     tell_width("photon.photon_bytes", &Widths::stride, strides(plan));

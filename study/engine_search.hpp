@@ -55,7 +55,7 @@ struct EngineSearch {
 // (docs/planner.md).
 inline constexpr BoardShare kEngineShare = {.logic = 0.55, .blocks = 0.97};
 // Most bits of a beat of all gatherers together: those of the widest tops of fpga/headline that
-// have three or more, of 384 bits each; without leaf caches, which the search does not try, five.
+// have three or more, of 384 bits each; without leaf caches, before block RAM, five.
 // Two of 1,024 bits were routed too, but are slower than four of 256; the tools' end was not waited
 // for with 3,072 and 4,096 (docs/headline.md).
 inline constexpr int kEngineWires = 1152, kUncachedWires = 1920;

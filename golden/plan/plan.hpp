@@ -255,6 +255,16 @@ struct Plan {
   int queued_beats() const {
     return candidates_per_cycle > 1 && list_code_bits() != 0 && bucket == 4 * lanes ? 20 : 16;
   }
+  // Reciprocals that a gatherer makes at a time (rtl/photon_gatherer/photon_gatherer_answers.sv), 0
+  // for none: one a sum, or as many more as keep up with what is done sooner than they.
+  int reciprocals() const {
+    if (reciprocal_bits == 0) return 0;
+    const int of_sum = ((reciprocal_bits + 2) / 2 + 10 + k) / (k + 1);
+    const int of_lists = std::min(of_sum, candidates_per_cycle);
+    if (trees() > 1 && of_lists > powers_per_cycle) return of_lists;
+    const bool few = k < 4 || (leaf_limit != 0 && leaf_limit <= 4);
+    return cache_bytes == 0 && few && of_sum > 1 ? 2 * powers_per_cycle : powers_per_cycle;
+  }
   // Two nodes a cycle are those of two trees or, of far gatherers, two levels of one.
   int trees() const { return far_gatherers() ? 1 : nodes_per_cycle; }
   int node_levels() const { return nodes_per_cycle / trees(); }

@@ -218,12 +218,14 @@ Terms terms_of(Gatherer, const Plan& p, const std::string& resource) {
                  {"flux", p.channels * p.flux_bits()},
                  {"contexts", p.contexts},
                  {"unit", 1},
+                 {"leaf cache", p.cache_bytes != 0 ? 1 : 0},
                  // Of more a cycle, beside the lists' keys: what each further part has. A second
                  // level counts as a further tree, of which it is a part.
                  {"further trees", (p.nodes_per_cycle - 1) * p.position_bits},
                  {"further lists", lists - 1},
                  {"further sums", (p.powers_per_cycle - 1) * p.channels * p.flux_bits()},
-                 {"decoder", p.compressed() ? p.lanes * p.position_bits : 0}};
+                 // Of a beat, however many lanes there are.
+                 {"decoder", p.compressed() ? 1 : 0}};
   // LUT RAM is 16 words deep. Beyond 16 contexts the keys, and what else each context has there (27
   // bits for a bit of a coordinate and 360 more, from plans that differ in position_bits), take
   // another one and a choice; a list has its part of the contexts.

@@ -100,7 +100,11 @@ module photon_gatherer_answers #(
   localparam int unsigned ReciprocalCycles = (photonloom_pkg::ReciprocalBits + 2) / 2 + 10;
   localparam int unsigned UnitsOfSum = (ReciprocalCycles + K) / (K + 1);
   localparam int unsigned UnitsOfLists = UnitsOfSum < Lists ? UnitsOfSum : Lists;
-  localparam int unsigned Units = Wide && UnitsOfLists > Sums ? UnitsOfLists : Sums;
+  // Without a leaf cache queries of three photons or fewer, or of four leaves or fewer, are done as soon as a reciprocal: two for each
+  // sum, where a sum is done sooner than one (Plan::reciprocals in golden/plan/plan.hpp).
+  localparam bit FewPhotons = K < 4, FewLeaves = photonloom_pkg::LeafLimit != 0 && photonloom_pkg::LeafLimit <= 4;
+  localparam bit Quick = photonloom_pkg::CacheBytes == 0 && (FewPhotons || FewLeaves) && UnitsOfSum > 1;
+  localparam int unsigned Units = Wide && UnitsOfLists > Sums ? UnitsOfLists : Quick ? 2 * Sums : Sums;
   localparam bit ManyLists = Wide && Lists > 2;  // their slot stores are far apart
   localparam int unsigned RideBits = SlotBits + 1 + R2Bits + 2 * NodeBits + IndexBits + 1;
   localparam int unsigned FluxesBits = photonloom_pkg::Channels * photonloom_pkg::FluxBits;

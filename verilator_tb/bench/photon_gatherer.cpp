@@ -155,6 +155,14 @@ std::vector<BenchPlan> plans() {
     p.nodes_per_cycle = p.candidates_per_cycle = p.powers_per_cycle = 2;
     p.reciprocal_bits = 0;
   });
+  // The one nearest photon, without a leaf cache: two reciprocals beside one sum.
+  add("nearest", [](Plan& p) {
+    p.k = 1;
+    p.cache_bytes = 0;
+    p.lanes = 4;
+    p.beat_bits = 8 * p.photon_bytes * p.lanes;
+    p.nodes_per_cycle = 2;
+  });
   // Of a board with five gatherers: two levels of a descent at once, of a map whose upper nodes are
   // of even levels and one whose are of odd ones.
   add("levels", [](Plan& p) {
