@@ -109,8 +109,9 @@ double lines_of_sdram(const Plan& plan, const LineVisits& visits, const Order& o
 }
 
 // Of two bounds, as modelled_cycles joins a gatherer's.
-double joined(double a, double b) {
-  return std::pow(std::pow(a, kCycleFit.power) + std::pow(b, kCycleFit.power), 1 / kCycleFit.power);
+double joined(const Plan& plan, double a, double b) {
+  const double power = plan.cache_bytes == 0 ? kUncachedPower : kCycleFit.power;
+  return std::pow(std::pow(a, power) + std::pow(b, power), 1 / power);
 }
 
 EngineCycles predict(const Plan& plan, const Load& of, double lines, double sdram_lines,
@@ -139,12 +140,12 @@ EngineCycles predict(const Plan& plan, const Load& of, double lines, double sdra
     const double data = sdram_lines * plan.line_bytes() / 2 / kRefreshLeaves;
     e.memory = std::max(data * core_khz / plan.sdram_khz, kCycleFit.memory * beats * lines);
   } else {
-    // A port reads a row a cycle; a row's beats go to each gatherer one after the other.
+    // A port reads a row a cycle; that its beats go to a gatherer one after the other is in that
+    // one's own cycles.
     const double row = plan.photon_ram_row(), ports = std::min(2, plan.gatherers);
-    e.memory = kCycleFit.memory * beats * lines *
-               std::max(1 / (row * ports), row > 1 ? 1.0 / plan.gatherers : 0);
+    e.memory = kCycleFit.memory * beats * lines / (row * ports);
   }
-  e.cycles = joined(e.gatherers, e.memory);
+  e.cycles = joined(plan, e.gatherers, e.memory);
   return e;
 }
 

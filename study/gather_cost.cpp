@@ -145,23 +145,25 @@ double modelled_cycles(const Plan& plan, const GatherLoad& load, int latency) {
                            cached ? in_lanes : std::max(in_lanes, in_memory),
                            f.insertions * load.insertions / plan.candidates_per_cycle,
                            cached ? in_memory : 0, f.latency * alone / plan.contexts};
+  const double power = cached ? f.power : kUncachedPower;
   double sum = 0;
-  for (const double b : bounds) sum += std::pow(b, f.power);
+  for (const double b : bounds) sum += std::pow(b, power);
   // Each miss has an entry of the cache until its line is there. Where one node and one candidate a
   // cycle are taken they are seldom all in use, so no fit can have it.
   if (cached && plan.nodes_per_cycle * plan.candidates_per_cycle > 1)
-    sum += std::pow(load.misses * (latency + beats) / plan.cache_misses, f.power);
+    sum += std::pow(load.misses * (latency + beats) / plan.cache_misses, power);
   // Where one candidate a cycle enters a list this never binds, so no fit can have it: the sum
   // reads its photons one after the other, beside everything else.
   const double powers = (std::min<double>(plan.k, load.insertions) + 1) / plan.powers_per_cycle;
-  return std::max(f.fixed + std::pow(sum, 1 / f.power), powers);
+  return std::max(f.fixed + std::pow(sum, 1 / power), powers);
 }
 
 std::string cycle_fit_signature() {
   const CycleFit& f = kCycleFit;
   Sha256 sum;
-  sum.add(fmt::format("{} {} {} {} {} {} {} {} powers entries straight", f.power, f.fixed, f.nodes,
-                      f.lanes, f.insertions, f.memory, f.latency, kCyclesBetweenLines));
+  sum.add(fmt::format("{} {} {} {} {} {} {} {} powers entries straight {}", f.power, f.fixed,
+                      f.nodes, f.lanes, f.insertions, f.memory, f.latency, kCyclesBetweenLines,
+                      kUncachedPower));
   return sum.hex().substr(0, 16);
 }
 

@@ -72,6 +72,10 @@ GatherCost gather_cost(const Plan& plan, const GatherSearches& searches, int lat
 GatherCost gather_cost_model(const Plan& plan, const PhotonMap& global, const PhotonMap& caustic,
                              std::span<const GatherQuery> queries, int latency);
 
+// The power that joins the bounds of a gatherer without a leaf cache: with no cache between, less
+// waits for less. The best whole number for gatherers on block RAM of 2 to 32 contexts and one or
+// two nodes a cycle, in three scenes (tests/study/wide_gatherers_slow.cpp).
+inline constexpr double kUncachedPower = 5;
 // Cycles of a gather as the fit has it. docs/sweep.md has the formula.
 double modelled_cycles(const Plan& plan, const GatherLoad& load, int latency);
 // Of the numbers of fit and cache model; results made with another are made again.
