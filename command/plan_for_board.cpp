@@ -23,6 +23,12 @@ BoardPlan plan_for_board(const FrameRequest& request, const std::string& board_n
   found.core_khz = board.core_khz;
   found.reasons = frame.reasons;
   for (const auto& [line, why] : found.engine.reasons) found.reasons[line] = why;
+  const auto line_of = [](const Plan& p) {
+    return fmt::format("a line of {} bytes", p.line_bytes());
+  };
+  if (const auto bucket = found.reasons.find("photon.bucket");
+      bucket != found.reasons.end() && bucket->second == line_of(frame.plan))
+    bucket->second = line_of(found.engine.best.plan);
   return found;
 }
 

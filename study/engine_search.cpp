@@ -37,8 +37,8 @@ constexpr uint32_t kSharedWays = 4;
 // Before an SDRAM: lines of the cache, and places of the pool: 16 less than its memories have words
 // waste none of them.
 constexpr int kSharedLines[] = {512, 1024}, kPools[] = {2032, 4080, 8176, 12272};
-// Of a gatherer's own cache. Without one each leaf fetches its line, for which an SDRAM is too
-// slow.
+// Of a gatherer's own cache. None before block RAM alone: each leaf of all gatherers would pass the
+// one port of the cache before an SDRAM, and no such engine was routed.
 constexpr int kLeafCacheLines[] = {0, 16, 32, 64, 128};
 
 using Order = std::vector<uint32_t>;
@@ -128,8 +128,9 @@ EngineCycles predict(const Plan& plan, const Load& of, double lines, double sdra
     latency = kSharedCacheLatency +
               static_cast<int>(std::lround(slow * read * core_khz / plan.sdram_khz));
   }
-  // What the fit has not, for it does not bind where one candidate a cycle does: a reciprocal takes
-  // its time (rtl/common/reciprocal.sv). Queries that wait for one hold nothing else up.
+  // What the fit has not, for it does not bind where leaf caches and one candidate a cycle do: a
+  // reciprocal takes its time (rtl/common/reciprocal.sv). Queries that wait for one hold nothing
+  // else up.
   e.gatherers = std::max(modelled_cycles(plan, load, latency),
                          of.reciprocal / std::max(1, plan.reciprocals())) /
                 plan.gatherers;
@@ -472,13 +473,17 @@ EngineSearch fastest_engine(const Plan& given, const PhotonMap& global, const Ph
   tell_width("gatherer.lanes", &Widths::lanes, {2, 4, 8});
   tell_width("gatherer.contexts", &Widths::contexts, {8, 16, 32, 48});
   tell_width("gatherer.cache_bytes", &Widths::cache_lines,
-             {std::begin(kLeafCacheLines), std::end(kLeafCacheLines)}, made.line_bytes());
+             {std::begin(kLeafCacheLines) + (sdram ? 1 : 0), std::end(kLeafCacheLines)},
+             made.line_bytes());
   tell_width("board.lut_ram_words", &Widths::lut_words, {0, 32, 64, 128});
   if (strides(plan).size() > 1)
     tell_width("photon.photon_bytes", &Widths::stride, strides(plan));
   else
     found.reasons["photon.photon_bytes"] = "no fewer hold a photon";
-  found.reasons["gatherer.cache_ways"] = "of every engine";
+  found.reasons["gatherer.cache_ways"] = "of every engine with leaf caches";
+  if (made.cache_bytes == 0)
+    found.reasons["gatherer.cache_ways"] = found.reasons["gatherer.cache_misses"] =
+        "used where gatherer.cache_bytes is not 0";
   if (has_sdram)
     found.reasons["board.sdram_khz"] =
         fmt::format("of every engine; {} has {} at most", board.name, board.sdram->clock_khz);
@@ -521,6 +526,8 @@ EngineSearch fastest_engine(const Plan& given, const PhotonMap& global, const Ph
         made.line_bytes());
     tell("board.photon_memory", {{"block_ram", streamed(PhotonMemory::kBlockRam, made.reorder_key,
                                                         plan.reorder_packets, 0)}});
+  } else if (has_sdram && made.cache_bytes == 0) {
+    found.reasons["board.photon_memory"] = "sdram: not tried without leaf caches";
   } else if (has_sdram) {
     tell("board.photon_memory",
          {{"sdram",

@@ -52,7 +52,8 @@ struct EngineSearch {
 
 // Largest share of a part that is planned for: that of the fullest tops of docs/headline.md, 51,378
 // LUT-equivalents and 201 of 208 block RAMs. One of 207 was not
-// (docs/planner.md).
+// (docs/planner.md). Flip-flops are held to the share of LUTs, though gatherers without leaf caches
+// have more of these than predicted LUTs: it leaves out block_ram_k16 of fpga/headline.
 inline constexpr BoardShare kEngineShare = {.logic = 0.55, .blocks = 0.97};
 // Most bits of a beat of all gatherers together: those of the widest tops of fpga/headline that
 // have three or more, of 384 bits each; without leaf caches, before block RAM, five.
@@ -69,7 +70,8 @@ std::string engine_misfit(const Plan& plan, const BoardDescription& board);
 // Lines of a plan that the search decides on this board, whatever they were.
 std::vector<const char*> engine_lines(const BoardDescription& board);
 
-// Every combination of the searched lines is predicted; the fastest that fits is the plan, the
+// Every combination of the searched lines is predicted, but before an SDRAM those without leaf
+// caches; the fastest that fits is the plan, the
 // smallest of those that are as fast within 1 %. Throws std::runtime_error where none fits, with
 // what the smallest lacks, and where there are no queries.
 EngineSearch fastest_engine(const Plan& plan, const PhotonMap& global, const PhotonMap& caustic,

@@ -256,7 +256,8 @@ struct Plan {
     return candidates_per_cycle > 1 && list_code_bits() != 0 && bucket == 4 * lanes ? 20 : 16;
   }
   // Reciprocals that a gatherer makes at a time (rtl/photon_gatherer/photon_gatherer_answers.sv), 0
-  // for none: one a sum, or as many more as keep up with what is done sooner than they.
+  // for none: one a sum, or as many as keep up with several lists that are done sooner than they,
+  // or two a sum where queries are of few photons or leaves.
   int reciprocals() const {
     if (reciprocal_bits == 0) return 0;
     const int of_sum = ((reciprocal_bits + 2) / 2 + 10 + k) / (k + 1);

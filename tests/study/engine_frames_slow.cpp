@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The engines that a board gets for whole frames: their predicted cycles against simulated ones, on
-// the gathers for which they were chosen.
+// The engines that a board gets for whole frames, and one with leaf caches beside each: their
+// predicted cycles against simulated ones, on the gathers for which they were chosen.
 #include <utility>
 
 #include "golden/pipeline/prepare.hpp"

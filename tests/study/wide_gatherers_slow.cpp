@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The cycles that the model predicts of the wide gatherers of fpga/fast, of which its fit has none
-// (study/cycles.csv has one node, candidate and power a cycle), against their RTL.
+// (study/cycles.csv has one node, candidate and power a cycle, and leaf caches), and of gatherers
+// without leaf caches, against their RTL.
 #include "golden/pipeline/prepare.hpp"
 #include "golden/plan/plan_file.hpp"
 #include "study/engine_search.hpp"

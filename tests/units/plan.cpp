@@ -313,3 +313,30 @@ TEST_CASE("places for the beats of a list") {
   REQUIRE(plan.list_code_bits() != 0);
   CHECK(plan.queued_beats() == 16);
 }
+
+TEST_CASE("a gatherer has as many reciprocals as keep up with its sums, lists and few photons") {
+  const struct {
+    int k, nodes, candidates, powers, cache_bytes, bits;
+    uint32_t leaf_limit;
+    int reciprocals;
+  } cases[] = {
+      {8, 1, 1, 1, 4096, 18, 0, 1}, {8, 1, 1, 1, 0, 18, 0, 1},     {1, 1, 1, 1, 0, 18, 0, 2},
+      {3, 2, 1, 1, 0, 18, 0, 2},    {4, 2, 1, 1, 0, 18, 0, 1},     {1, 2, 1, 1, 4096, 18, 0, 1},
+      {8, 1, 1, 1, 0, 18, 4, 2},    {8, 1, 1, 1, 0, 18, 5, 1},     {8, 1, 1, 1, 4096, 18, 4, 1},
+      {18, 1, 1, 1, 0, 18, 1, 2},   {19, 1, 1, 1, 0, 18, 1, 1},    {8, 2, 2, 1, 4096, 18, 0, 2},
+      {8, 2, 4, 1, 4096, 18, 0, 3}, {8, 1, 2, 1, 4096, 18, 0, 1},  {8, 2, 2, 2, 4096, 18, 0, 2},
+      {1, 2, 4, 4, 0, 18, 0, 8},    {50, 2, 4, 2, 4096, 18, 0, 2}, {1, 1, 1, 1, 0, 0, 0, 0},
+  };
+  for (const auto& c : cases) {
+    Plan p;
+    p.k = c.k;
+    p.nodes_per_cycle = c.nodes;
+    p.candidates_per_cycle = c.candidates;
+    p.powers_per_cycle = c.powers;
+    p.cache_bytes = c.cache_bytes;
+    p.reciprocal_bits = c.bits;
+    p.leaf_limit = c.leaf_limit;
+    CAPTURE(c.k, c.nodes, c.candidates, c.powers, c.cache_bytes, c.bits, c.leaf_limit);
+    CHECK(p.reciprocals() == c.reciprocals);
+  }
+}

@@ -2,7 +2,7 @@
 // package: tests/formal/harness/gatherer_pkg.sv
 // sources: tests/formal/harness/stubs/block_ram.sv tests/formal/harness/stubs/block_ram_halves.sv rtl/common/lut_ram.sv tests/formal/harness/stubs/fifo.sv
 // sources: tests/formal/harness/stubs/reciprocal.sv rtl/photon_gatherer/photon_gatherer_results.sv
-// photon_gatherer_results, a unit of reciprocals for each sum that takes any time: one slot, any, is followed, through all queries and
+// photon_gatherer_results, a unit of reciprocals for each sum, or Units of them, that takes any time: one slot, any, is followed, through all queries and
 // flushes that take it. Its result is offered in its turn, once that query has finished and its reciprocal is done, or where it is a
 // flush; it holds the query's head, what the query finished with and the reciprocal of its own r2; and it is offered within 5
 // cycles of its turn and of that, of gatherers that lie far from their block RAM within 7, in halves 8, of two sums within 9, since a flush waits
@@ -15,6 +15,7 @@
 // as photon_gatherer_start does; still none ever takes a slot that another one has. A result may come two cycles later.
 module results_order #(
     parameter  int unsigned Sums   = 2,
+    parameter  int unsigned Units  = Sums,
     parameter  bit          Far    = 1'b0,
     parameter  bit          Halves = 1'b0,
     parameter  bit          StartLater = 1'b0,
@@ -50,6 +51,7 @@ module results_order #(
   photon_gatherer_results #(
       .Slots(4),
       .Sums(Sums),
+      .Units(Units),
       .Far(Far),
       .Halves(Halves),
       .StartLater(StartLater)
