@@ -94,6 +94,8 @@ std::vector<PackageConstant> package_constants(const Plan& plan) {
          "beats of candidates that may wait for each list of a gatherer, at least");
   number("prefetch_queries", static_cast<uint64_t>(plan.prefetch_queries()),
          "queries that a board's prefetcher looks at ahead, 0 for none");
+  number("reciprocals", static_cast<uint64_t>(plan.reciprocals()),
+         "that a gatherer makes at a time, 0 for none");
   number("line_tag_bits", static_cast<uint64_t>(plan.line_tag_bits()), "tag of a line request");
   WIDTH(r2_bits, "squared distance");
   WIDTH(line_bits, "line number");

@@ -95,16 +95,7 @@ module photon_gatherer_answers #(
   localparam int unsigned MostSlots = EnoughSlots > 2 * QueueDepth ? EnoughSlots : 2 * QueueDepth;
   localparam int unsigned Slots = 8 * QueueDepth < MostSlots ? 8 * QueueDepth : MostSlots;
   localparam int unsigned SlotBits = $clog2(Slots);
-  // Reciprocals at once: as many as sums. A reciprocal takes ReciprocalCycles at most, and of few photons a sum is done earlier: then
-  // a wide gatherer has as many as keep up with it, at most as many as lists, which are what queries take longest in.
-  localparam int unsigned ReciprocalCycles = (photonloom_pkg::ReciprocalBits + 2) / 2 + 10;
-  localparam int unsigned UnitsOfSum = (ReciprocalCycles + K) / (K + 1);
-  localparam int unsigned UnitsOfLists = UnitsOfSum < Lists ? UnitsOfSum : Lists;
-  // Without a leaf cache queries of three photons or fewer, or of four leaves or fewer, are done as soon as a reciprocal: two for each
-  // sum, where a sum is done sooner than one (Plan::reciprocals in golden/plan/plan.hpp).
-  localparam bit FewPhotons = K < 4, FewLeaves = photonloom_pkg::LeafLimit != 0 && photonloom_pkg::LeafLimit <= 4;
-  localparam bit Quick = photonloom_pkg::CacheBytes == 0 && (FewPhotons || FewLeaves) && UnitsOfSum > 1;
-  localparam int unsigned Units = Wide && UnitsOfLists > Sums ? UnitsOfLists : Quick ? 2 * Sums : Sums;
+  localparam int unsigned Units = photonloom_pkg::Reciprocals != 0 ? photonloom_pkg::Reciprocals : Sums;  // reciprocals at once
   localparam bit ManyLists = Wide && Lists > 2;  // their slot stores are far apart
   localparam int unsigned RideBits = SlotBits + 1 + R2Bits + 2 * NodeBits + IndexBits + 1;
   localparam int unsigned FluxesBits = photonloom_pkg::Channels * photonloom_pkg::FluxBits;
