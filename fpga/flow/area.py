@@ -12,7 +12,7 @@ from typing import Any
 
 from flow.boards import FAMILIES
 from flow.goals import area_goals
-from flow.package import PHOTONLOOM, UNITS, describe
+from flow.package import PHOTONLOOM, UNITS, describe, set_options
 from flow.shell import ROOT, Failure, first_line, read_json, read_text, run, say, write_json
 from flow.synthesis import Counts, counts_of
 from flow.tools import yosys_version
@@ -41,11 +41,8 @@ def measure(unit: str, yosys: str) -> Counts:
     """Counts of one unit on the plan; of one that it lacks, on the plan with an irradiance cache."""
     with tempfile.TemporaryDirectory() as folder:
         package = Path(folder, "hw")
-        plan = PLAN
-        if unit not in describe(PLAN)["units"]:
-            plan = Path(folder, "plan.toml")
-            plan.write_text(read_text(PLAN) + "\n[cache]\npresent = true\n", encoding="utf-8")
-        run([PHOTONLOOM, "generate", str(plan), "--unit", unit, "-o", str(package)])
+        settings = [] if unit in describe(PLAN)["units"] else ["cache.present=true"]
+        run([PHOTONLOOM, "generate", str(PLAN), *set_options(settings), "--unit", unit, "-o", str(package)])
         files = " ".join(read_text(package / "files.f").split())
         run([yosys, "-q", "-p", f"read_verilog -sv {files}; synth_ecp5 -top {unit}; tee -q -o stat.json stat -json"],
             cwd=package)
