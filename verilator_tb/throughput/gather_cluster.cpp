@@ -136,7 +136,7 @@ constexpr PlanOfBoard kPlans[] = {
     {"sdram_k16", PhotonMemory::kSdram, 65536, 16, 3, 16, 1, 1, 1, 8, 4, 384, 256, 11248, 512, 48,
      64, 512, 110000},
     {"sdram_k50", PhotonMemory::kSdram, 65536, 50, 2, 16, 1, 2, 1, 16, 4, 384, 2048, 9200, 512, 48,
-     32, 512, 100000},
+     32, 512, 110000},
 };
 
 // The photons of a plan; a path that would overfill the map is cut.
