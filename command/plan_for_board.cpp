@@ -7,6 +7,7 @@
 
 #include "command/console.hpp"
 #include "command/frame_options.hpp"
+#include "golden/planner/planner.hpp"
 #include "study/board_room.hpp"
 
 namespace photonloom {
@@ -23,12 +24,11 @@ BoardPlan plan_for_board(const FrameRequest& request, const std::string& board_n
   found.core_khz = board.core_khz;
   found.reasons = frame.reasons;
   for (const auto& [line, why] : found.engine.reasons) found.reasons[line] = why;
-  const auto line_of = [](const Plan& p) {
-    return fmt::format("a line of {} bytes", p.line_bytes());
-  };
+  // The search may take padding away, and so make a line shorter; a bucket that was asked for keeps
+  // its reason.
   if (const auto bucket = found.reasons.find("photon.bucket");
-      bucket != found.reasons.end() && bucket->second == line_of(frame.plan))
-    bucket->second = line_of(found.engine.best.plan);
+      bucket != found.reasons.end() && bucket->second == bucket_reason(frame.plan))
+    bucket->second = bucket_reason(found.engine.best.plan);
   return found;
 }
 

@@ -256,11 +256,11 @@ struct Plan {
     return candidates_per_cycle > 1 && list_code_bits() != 0 && bucket == 4 * lanes ? 20 : 16;
   }
   // Reciprocals that a gatherer makes at a time (rtl/photon_gatherer/photon_gatherer_results.sv), 0
-  // for none: as many as sums. One takes ((W + 2) / 2) + 10 cycles at most, and of few photons a
-  // sum is done earlier, in k + 1. So of several trees and lists there are as many as keep up with
-  // a sum, at most as many as lists, in which queries take longest; and without a leaf cache, where
-  // queries of three photons or fewer, or of four leaves or fewer, are done as soon as one, two a
-  // sum.
+  // where results have none; else as many as sums, or more. One takes (W + 2) / 2 + 10 cycles at
+  // most, and of few photons a sum is done earlier, in k + 1. So of several trees and lists there
+  // are as many as keep up with a sum, at most as many as lists, in which queries take longest; and
+  // without a leaf cache, where queries of three photons or fewer, or of four leaves or fewer, are
+  // done as soon as one, two a sum.
   int reciprocals() const {
     if (reciprocal_bits == 0) return 0;
     const int of_sum = ((reciprocal_bits + 2) / 2 + 10 + k) / (k + 1);

@@ -300,6 +300,10 @@ double default_radius(double share, int k, double area, uint64_t photons) {
   return std::sqrt(share * static_cast<double>(k) * area / (kPi * static_cast<double>(photons)));
 }
 
+std::string bucket_reason(const Plan& plan) {
+  return fmt::format("a line of {} bytes", plan.line_bytes());
+}
+
 PlannedFrame make_plan(const World& world, const PlanRequest& request, const PhotonPass& global,
                        const PhotonPass& caustic) {
   PlannedFrame result;
@@ -398,7 +402,7 @@ PlannedFrame make_plan(const World& world, const PlanRequest& request, const Pho
   }
   why["photon.lines"] = "plain unless it is asked for";
   why["photon.further_percent"] = "used where photon.lines is compressed";
-  why["photon.bucket"] = fmt::format("a line of {} bytes", plan.line_bytes());
+  why["photon.bucket"] = bucket_reason(plan);
 
   // The gather.
   why["gather.r2_floor"] = "photons are not known closer than one position unit";

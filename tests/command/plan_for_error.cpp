@@ -330,6 +330,21 @@ TEST_CASE("plan --board: a plan whose memory the board lacks has no cycles there
   CHECK(json["engine"]["without"].contains("misfit"));
 }
 
+TEST_CASE("plan --board: the line's bytes are told with the stride that the search takes") {
+  const Scratch s;
+  const std::string plan = s / "p.toml";
+  const auto o =
+      run("plan" + cornell_box() +
+          "--photons 4000 --k 16 --size 8x8 --spp 1 --gather-rays 4 --board ulx3s-85f -o '" + plan +
+          "'");
+  INFO(o.err);
+  REQUIRE(o.status == 0);
+  const Plan p = read_plan(plan);
+  CHECK(p.photon_bytes == 12);  // derived with 16
+  CHECK(read_file(plan).find(fmt::format("a line of {} bytes", p.bucket * p.photon_bytes)) !=
+        std::string::npos);
+}
+
 TEST_CASE("plan: a board that cannot be read does not stand in another's way") {
   const Scratch s;
   const std::string boards = s / "boards", plan = s / "p.toml";
