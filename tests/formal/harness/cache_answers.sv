@@ -12,6 +12,7 @@ module cache_answers #(
     parameter int unsigned Limit = 24,
     parameter int unsigned Others = 0,
     parameter int unsigned Lemmas = 0,
+    parameter int unsigned Stage = 0,  // tags are compared in a stage of their own
     localparam int unsigned AddressBits = 2,
     localparam int unsigned Clients = 2,
     localparam int unsigned Misses = 2,
@@ -46,7 +47,8 @@ module cache_answers #(
       .BeatBits(8),
       .Sets(Sets),
       .Ways(Ways),
-      .Misses(Misses)
+      .Misses(Misses),
+      .CompareStage(Stage != 0)
   ) dut (
       .clk_i(clk_i),
       .rst_i(rst_i),
@@ -113,6 +115,7 @@ module cache_answers #(
 
   // ---- inside ----
   (* hierconn *) logic \dut.valid_1_q , \dut.valid_2_q , \dut.valid_3_q , \dut.client_1_q , \dut.client_2_q , \dut.client_3_q ;
+  (* hierconn *) logic \dut.valid_d , \dut.client_d , \dut.second_valid_q , \dut.second_client_q ;
   (* hierconn *) logic [1:0] \dut.again.head_q , \dut.again.tail_q ;
   (* hierconn *) logic \dut.hit_valid_q , \dut.hit_client_q , \dut.reader_valid_q , \dut.reader_client_q ;
   (* hierconn *) logic [Misses-1:0] \dut.busy_q , \dut.filled_q ;
@@ -135,6 +138,8 @@ module cache_answers #(
               4'(\dut.valid_2_q && \dut.client_2_q == 1'(c)) + 4'(\dut.valid_3_q && \dut.client_3_q == 1'(c)) +
               4'(again_here[0] && again_clients[0] == 1'(c)) + 4'(again_here[1] && again_clients[1] == 1'(c)) +
               4'(\dut.hit_valid_q && \dut.hit_client_q == 1'(c)) +
+              (Stage == 0 ? 4'd0 : 4'(\dut.valid_d && \dut.client_d == 1'(c)) +
+               4'(\dut.second_valid_q && \dut.second_client_q == 1'(c))) +
               4'(\dut.busy_q [0] && serve_clients[0] == 1'(c)) + 4'(\dut.busy_q [1] && serve_clients[1] == 1'(c)) +
               4'(\dut.reader_valid_q && \dut.reader_client_q == 1'(c)) + 4'(out_valid && out_client == 1'(c)));
         end
