@@ -253,16 +253,24 @@ std::vector<Widths> all_widths(const Plan& plan) {
 
 std::vector<GatherQuery> engine_queries(const PreparedFrame& frame, Progress* progress) {
   Plan plan = frame.plan;
-  plan.spp = 1;
-  FrameUnits units = make_golden_units(plan);
-  auto watched = std::make_unique<WatchedGatherer>(plan, kQueries);
-  const WatchedGatherer& window = *watched;
-  units.photon_gatherer = std::move(watched);
-  FrameCounts counts;
-  const FrameInput input{*frame.world,  *frame.caster, plan,    frame.global,
-                         frame.caustic, nullptr,       nullptr, frame.seed};
-  render_frame(input, units, counts, progress);
-  return window.kept();
+  // Queries as the frame makes them: which buffer they pass is searched for.
+  plan.reorder_key = ReorderKey::kNone;
+  const auto kept_of = [&](int spp) {
+    plan.spp = spp;
+    FrameUnits units = make_golden_units(plan);
+    auto watched = std::make_unique<WatchedGatherer>(plan, kQueries);
+    const WatchedGatherer& window = *watched;
+    units.photon_gatherer = std::move(watched);
+    FrameCounts counts;
+    const FrameInput input{*frame.world,  *frame.caster, plan,    frame.global,
+                           frame.caustic, nullptr,       nullptr, frame.seed};
+    render_frame(input, units, counts, progress);
+    return window.kept();
+  };
+  std::vector<GatherQuery> kept = kept_of(1);
+  // The first samples of a small frame may all miss.
+  if (kept.empty() && frame.plan.spp > 1) kept = kept_of(frame.plan.spp);
+  return kept;
 }
 
 std::string engine_misfit(const Plan& plan, const BoardDescription& board) {

@@ -18,8 +18,9 @@
 
 namespace photonloom {
 
-// Up to 131,072 gathers that the frame asks for with one sample a pixel, as runs of neighbours from
-// different places of the stream (WatchedGatherer).
+// Up to 131,072 gathers that the frame asks for with one sample a pixel, or with all where that one
+// asks for none, in the order in which it asks: as runs of neighbours from different places of the
+// stream (WatchedGatherer), before any reorder buffer.
 std::vector<GatherQuery> engine_queries(const PreparedFrame& frame, Progress* progress);
 
 // Cycles of the core a gather of all gatherers together, predicted.

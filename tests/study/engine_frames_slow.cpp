@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The engines that a board gets for whole frames, and one with leaf caches beside each: their
-// predicted cycles against simulated ones, on the gathers for which they were chosen.
+// The engines that a board gets for whole frames, and beside each one with leaf caches, without and
+// with a reorder buffer: their predicted cycles against simulated ones, on the gathers for which
+// they were chosen.
 #include <utility>
 
 #include "golden/pipeline/prepare.hpp"
@@ -36,7 +37,11 @@ TEST_CASE("predicted cycles of a frame's engine are within 15 % of simulated one
     derive_plan(cached);
     REQUIRE(engine_misfit(cached, board) == "");
     CHECK(found.best.plan.cache_bytes == 0);
-    for (const Plan& plan : {found.best.plan, cached}) {
+    CHECK(found.best.plan.reorder_key == ReorderKey::kNone);
+    Plan ordered = cached;
+    ordered.reorder_key = ReorderKey::kHilbert;
+    derive_plan(ordered);
+    for (const Plan& plan : {found.best.plan, cached, ordered}) {
       const EngineCycles predicted =
           engine_cycles(plan, frame.global, frame.caustic, in, board.core_khz);
       RunOptions options;
@@ -54,8 +59,9 @@ TEST_CASE("predicted cycles of a frame's engine are within 15 % of simulated one
       CAPTURE(simulated, predicted.cycles, plan.gatherers, plan.lanes, plan.nodes_per_cycle,
               plan.contexts, plan.cache_bytes, predicted.gatherers, predicted.memory);
       WARN(scene << ", " << plan.gatherers << " gatherers, " << plan.cache_bytes
-                 << " bytes of cache: " << predicted.cycles << " cycles predicted, " << simulated
-                 << " simulated");
+                 << " bytes of cache"
+                 << (plan.reorder_key == ReorderKey::kNone ? "" : ", reordered") << ": "
+                 << predicted.cycles << " cycles predicted, " << simulated << " simulated");
       CHECK(predicted.cycles > 0.85 * simulated);
       CHECK(predicted.cycles < 1.15 * simulated);
     }

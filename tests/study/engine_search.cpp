@@ -11,6 +11,7 @@
 
 #include "golden/numeric/output_file.hpp"
 #include "golden/numeric/random.hpp"
+#include "golden/pipeline/prepare.hpp"
 #include "golden/plan/plan_file.hpp"
 #include "golden/planner/resources.hpp"
 #include "golden/unit/photon_gatherer.hpp"
@@ -283,6 +284,38 @@ TEST_CASE("an engine serves final gathers, and of a frame without them its gathe
   std::vector<GatherQuery> finals = tables;
   for (GatherQuery& q : finals) q.want_photons = 0;
   CHECK(kept({load.queries, tables, finals}) == finals);
+}
+
+TEST_CASE("engines are chosen for the gathers of a frame as it asks for them") {
+  const auto asked = [](const std::vector<std::string>& set) {
+    FrameRequest request;
+    request.scene_file = photonloom::test::source("scenes/cornell.xml");
+    request.size = {16, 16};
+    request.photons = 2000;
+    request.k = 8;
+    request.set = set;
+    const PreparedFrame frame = prepare_frame(request, Arithmetic::kGolden, nullptr);
+    return engine_queries(frame, nullptr);
+  };
+  const std::vector<GatherQuery> unordered = asked({"reorder.key=none"});
+  CHECK(unordered.size() > 1000);
+  // A buffer is searched for; that of the plan has not been passed.
+  CHECK((asked({"reorder.key=hilbert", "reorder.packets=512"}) == unordered));
+  CHECK((asked({"reorder.key=hash", "reorder.packets=64"}) == unordered));
+}
+
+TEST_CASE("a frame whose first samples ask for nothing has the gathers of its others") {
+  FrameRequest request;
+  request.scene_file = photonloom::test::source("scenes/cornell.xml");
+  request.size = {1, 1};
+  request.spp = 16;
+  request.photons = 4000;
+  request.k = 8;
+  PreparedFrame frame = prepare_frame(request, Arithmetic::kGolden, nullptr);
+  CHECK(engine_queries(frame, nullptr).size() > 100);
+  // That there are such first samples.
+  frame.plan.spp = 1;
+  CHECK(engine_queries(frame, nullptr).empty());
 }
 
 TEST_CASE("a board without room for one gatherer, and a frame without gathers, say so") {
