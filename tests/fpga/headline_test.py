@@ -410,9 +410,17 @@ class Verdicts(MadeUp):
         self.assertEqual(tables.top_table([(row, self.judge(row))]).splitlines()[2],
                          "| p | 2 | 100.0 (95.0 – 101.0) | – | 1, 2, 3 | `dddddddddddd` | 4.6 | DP16KD 104 of 208 |")
         self.assertEqual(page.arithmetic([(row, self.judge(row))]),
-                         "- `p`, no radius: 12.0 nodes, 3.5 leaves, 16.0 insertions a query: 16.0 cycles of a gatherer; "
+                         "- `p`, no radius: 12.0 nodes, 3.5 leaves, 16.0 insertions a query: 16.0 cycles of a gatherer's lists; "
                          "2 x 100.0 MHz: 12.50 Mquery/s. Photon memory: 4.00 cycles of its ports: 25.00 Mquery/s. "
                          "Bound by the gatherers.\n")
+
+
+    def test_the_port_of_a_gatherer_that_is_busiest(self) -> None:
+        for bound, named in ((12.0, "tree"), (6.0, "tree, 2 a cycle"), (16.0, "lists"), (4.0, "lists, 4 a cycle"), (9.0, "sums"),
+                             (4.5, "sums, 2 a cycle"), (14.0, "lanes, 4 cycles a leaf"), (7.0, "lanes, 2 cycles a leaf")):
+            row = self.row()
+            row["cost"]["bound"] = bound
+            self.assertEqual(page.busiest_port(row), named)
 
 
 class Neighbours(MadeUp):
@@ -570,6 +578,17 @@ class Page(MadeUp):
 
     def test_it_opens_with_how_many_rows_reach_their_goal(self) -> None:
         self.assertEqual(self.text().splitlines()[1], "**1 of 2 rows reach their goal (`p`); 1 is slower than one core of golden.**")
+
+    def test_of_a_plan_that_reaches_its_goal_in_part_the_rows_are_named(self) -> None:
+        self.data["rows"][1]["plan"] = "p"
+        self.data["rows"][1]["within_mean"] = True
+        self.assertIn("rows reach their goal (`p` without a radius);", self.text().splitlines()[1])
+
+    def test_few_seeds_of_a_variant_are_said_and_of_a_rejected_plan_not(self) -> None:
+        self.data["rows"].append(self.row(plan="v", shows="something else"))
+        for row in self.data["rows"][2:]:
+            row["seeds"] = [2]
+        self.assertIn("Routed with fewer than three seeds: `v`.", self.text())
 
     def test_it_says_who_feeds_a_board(self) -> None:
         self.data["rows"][1]["replay_queries"] = 512

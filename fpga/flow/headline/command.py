@@ -24,11 +24,12 @@ from flow.headline.netlist import SHORT, digest_now
 from flow.headline.page import check_page, images_of, report, stale_plans, summary, write_page
 from flow.headline.plans import HeadlinePlan, check_names, find_plan, find_plans
 from flow.headline.replay import replay
-from flow.headline.rows import coarse_of, rows_of
+from flow.headline.rows import coarse_of, gatherers_that_fit, rows_of
 from flow.headline.simulation import Bench, sha256, simulate, time_core
 from flow.headline.tables import radius_of
 from flow.headline.tops import Routing, Top, prepare, route, route_seed
 from flow.headline.verdict import judge, judge_coarse, judge_gain
+from flow.package import describe
 from flow.shell import ROOT, Failure, read_json, read_text, say, warn, write_json
 from flow.tools import find_tools, nextpnr_is_slow
 
@@ -59,7 +60,7 @@ def options() -> argparse.Namespace:
     p.add_argument("--replay-only", action="store_true", help="replay on the simulated board alone; with --page onto the page")
     p.add_argument("--images-only", action="store_true", help="time whole images by golden alone; with --page onto the page")
     p.add_argument("--page", action="store_true", help="put the rows into fpga/headline.json and docs/headline.md too")
-    p.add_argument("--render", action="store_true", help="write docs/headline.md from fpga/headline.json, nothing else")
+    p.add_argument("--render", action="store_true", help="write docs/headline.md from fpga/headline.json, and into that what photonloom predicts of its plans today; nothing else")
     p.add_argument("--dry-run", action="store_true", help="only tell whether the arguments are right; needs no tools")
     p.add_argument("--check", action="store_true", help="tell whether docs/headline.md is that of fpga/headline.json and of today's RTL")
     o = p.parse_args()
@@ -82,6 +83,14 @@ def digests_today(data: Data, work: Path) -> dict[str, str]:
     board = read_board(data["board"])
     clocks = {row["plan"]: row["clock_mhz"] for row in data["rows"]}
     return {name: digest_now(find_plan(name, work).path, board, mhz) for name, mhz in clocks.items()}
+
+
+def predicted_today(data: Data, work: Path) -> Data:
+    """The data with as many gatherers as photonloom predicts that each resource has room for: what was measured stays, but not a
+    prediction of an earlier fit."""
+    board = read_board(data["board"])
+    facts = {name: describe(find_plan(name, work).path) for name in {row["plan"] for row in data["rows"]}}
+    return {**data, "rows": [{**row, "fits": gatherers_that_fit(facts[row["plan"]], row["gatherers"], board)} for row in data["rows"]]}
 
 
 def route_only(tops: list[Top], routing: Routing, jobs: int) -> None:
@@ -141,9 +150,15 @@ def main() -> int:
     work.mkdir(parents=True, exist_ok=True)
     if o.render or o.check:
         data = read_data()
-        today = digests_today(data, work)
+        today, predicted = digests_today(data, work), predicted_today(data, work)
         if o.render:
+            data = predicted
+            write_json(DATA, data)
             write_page(data, goals, stale_plans(data, today))
+        for row, now in zip(data["rows"], predicted["rows"]):
+            if row["fits"] != now["fits"]:
+                raise Failure(f"{DATA}: row {row['plan']} has room for gatherers {row['fits']}, expected {now['fits']}, which photonloom "
+                              "predicts today; scripts/headline --render writes them")
         check_page(data, goals, today)
         stale = stale_plans(data, today)
         say("docs/headline.md is that of fpga/headline.json" +

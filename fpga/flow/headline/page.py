@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """What is written of the headline's rows: docs/headline.md between its marks, from fpga/headline.json and fpga/goals.toml."""
+import math
 import re
 from collections.abc import Collection, Iterable, Sequence
 from pathlib import Path
@@ -95,13 +96,23 @@ def images_text(images: Sequence[ImageTime], judged: Judged, goals: HeadlineGoal
     return "\n".join(parts)
 
 
+def busiest_port(row: Row) -> str:
+    """Which part of a gatherer takes as many cycles a query as its bound says."""
+    cost = row["cost"]
+    for name, work, widths in (("tree", cost["nodes"], (1, 2)), ("lists", cost["insertions"], (1, 2, 4)), ("sums", row["k"] + 1, (1, 2, 4))):
+        for width in widths:
+            if math.isclose(cost["bound"], work / width, rel_tol=1e-6):
+                return name if width == 1 else f"{name}, {width} a cycle"
+    return f"lanes, {cost['bound'] / cost['leaves']:.3g} cycles a leaf"
+
+
 def arithmetic(judged: Judged) -> str:
     """How each bound of the design comes about."""
     lines = []
     for r, v in judged:
         cost, fmax = r["cost"], r["fmax_mhz"]["median"]
         text = (f"- `{r['plan']}`, {radius_of(r, 'no radius')}: {cost['nodes']:.1f} nodes, {cost['leaves']:.1f} leaves, "
-                f"{cost['insertions']:.1f} insertions a query: {cost['bound']:.1f} cycles of a gatherer; {r['gatherers']} x "
+                f"{cost['insertions']:.1f} insertions a query: {cost['bound']:.1f} cycles of a gatherer's {busiest_port(r)}; {r['gatherers']} x "
                 f"{fmax:.1f} MHz: {r['gatherers'] * fmax / cost['bound']:.2f} Mquery/s.")
         if ports := r["ports_cycles"]:
             text += f" Photon memory: {ports:.2f} cycles of its ports: {fmax / ports:.2f} Mquery/s. Bound by the {v.bound_by}."
@@ -128,6 +139,18 @@ def names(plans: Collection[str]) -> str:
     return ", ".join(f"`{plan}`" for plan in sorted(plans))
 
 
+def rows_named(rows: Sequence[Row], judged: Judged) -> str:
+    """Rows by their plans; one of which not every row is here by its radius too."""
+    parts = []
+    for plan in sorted({r["plan"] for r in rows}):
+        here = [r for r in rows if r["plan"] == plan]
+        if len(here) == sum(r["plan"] == plan for r, _ in judged):
+            parts.append(f"`{plan}`")
+        else:
+            parts += [f"`{plan}` " + ("within the mean r²" if r["within_mean"] else "without a radius") for r in here]
+    return ", ".join(parts)
+
+
 def judged_of(rows: Sequence[Row], goals: HeadlineGoals) -> Judged:
     return [(row, judge(row, goals)) for row in rows]
 
@@ -137,20 +160,20 @@ def summary(data: Data, goals: HeadlineGoals, stale: Collection[str]) -> str:
     judged = judged_of([r for r in data["rows"] if of_headline(r)], goals)
     if not judged:
         return "No row is of a plan of `fpga/headline`."
-    reached = [r["plan"] for r, v in judged if v.reached]
+    reached = [r for r, v in judged if v.reached]
     slower = sum(slower_than_golden(r, v) for r, v in judged)
-    lines = [f"**{len(reached)} of {len(judged)} rows reach their goal" + (f" ({names(set(reached))})" if reached else "") +
+    lines = [f"**{len(reached)} of {len(judged)} rows reach their goal" + (f" ({rows_named(reached, judged)})" if reached else "") +
              f"; {slower} {'is' if slower == 1 else 'are'} slower than one core of golden.**",
              f"{sum(not judge_gain(r, goals.gain).missed and not v.missed_clocks for r, v in judged)} of {len(judged)} reach what they were to gain "
              f"over commit {goals.gain.commit} and golden (\"What was gained\")."]
     if shares := [(r, v) for r, v in judged if v.share_goal is not None]:
-        missed = [r["plan"] for r, v in shares if not v.share_reached]
+        missed = [r for r, v in shares if not v.share_reached]
         lines.append(f"{len(shares) - len(missed)} of {len(shares)} rows from SDRAM reach their share of their own bound" +
-                     (f"; MISSED by rows of {names(set(missed))}" if missed else "") + " (\"What bounds a row\").")
+                     (f"; MISSED by {rows_named(missed, judged)}" if missed else "") + " (\"What bounds a row\").")
     if stale:
         lines.append(f"{STALE}{names(stale)}. Their figures are not those of the RTL beside this page; "
                      "`make headline PLAN=NAME HEADLINE_FLAGS=--page` measures a plan again.")
-    if one := {r["plan"] for r, _ in judged if len(r["seeds"]) < 3}:
+    if one := {r["plan"] for r in data["rows"] if len(r["seeds"]) < 3 and not r["rejected"]}:
         lines.append(f"Routed with fewer than three seeds: {names(one)}.")
     if unknown := {r["plan"] for r, _ in judged if sdram_clock_unknown(r)}:
         lines.append(f"The clock that the SDRAM's controller reached was not recorded: {names(unknown)}; "
@@ -215,7 +238,8 @@ def report(data: Data, goals: HeadlineGoals) -> str:
     if rejected:
         parts += [goal_table(rejected), bound_table(rejected), top_table(rejected)]
     parts += ["## Arithmetic of the bounds\n", arithmetic([*judged, *variants, *coarse, *rejected]),
-              f"UART: {link['baud']:.0f} baud, {link['down']:.1f} bytes a query down, {link['up']:.1f} up.\n"]
+              f"UART: {link['baud']:.0f} baud; {link['down']:.1f} bytes a query down and {link['up']:.1f} up, of the tops of "
+              f"{link['baud'] / 1e4 / max(link['down'], link['up']):.1f} kquery/s.\n"]
     return "\n" + "\n".join(parts) + "\n"
 
 
