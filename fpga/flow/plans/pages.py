@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """What is written of measurements and fit: a C++ header for `photonloom plan`, tables for people."""
-from flow.plans.catalogue import Catalogue, line_of
+from collections.abc import Mapping
+
+from flow.plans.catalogue import Catalogue, Variation, line_of
 from flow.plans.fit import RESOURCES, TWIN, Fits
 from flow.plans.measurements import Measurement, Measurements
 from flow.tables import markdown
@@ -78,18 +80,37 @@ def fit_table(fitted: Fits) -> str:
     return markdown(rows, ["unit", "resource", "plans", "largest error", "prediction"])
 
 
-def points_table(fitted: Fits) -> str:
+def is_base_of(name: str, variation: Variation, catalogue: Catalogue) -> bool:
+    """Whether a plan is the one from which a variation changes lines: by its file, or as the variation that changes none."""
+    own = catalogue.variations.get(name)
+    return variation.base == f"plans/{name}" or (own is not None and own.base == variation.base and not own.settings)
+
+
+def changed_cells(name: str, lut_eq: int, measured: Mapping[str, int], catalogue: Catalogue) -> list[str]:
+    """The lines of a variation, and what they add to the LUT-equivalents of its base. measured: plan -> LUT-equivalents of the unit."""
+    variation = catalogue.variations.get(name)
+    if not variation:
+        return ["a scene's", "–"]
+    base = next((other for other in measured if other != name and is_base_of(other, variation, catalogue)), None)
+    lines = ", ".join(f"`{line}`" for line in variation.settings)
+    return [f"`{variation.base}`" + (f" with {lines}" if lines else ""), f"{lut_eq - measured[base]:+,} (`{base}`)" if base else "–"]
+
+
+def points_table(fitted: Fits, catalogue: Catalogue) -> str:
     """Every plan, measured and predicted."""
     rows = []
     for unit, resources in fitted.items():
+        of_unit = {point.plan: point.measured for point in resources["lut"].points}
         for points in zip(*(resources[resource].points for resource in RESOURCES)):
-            rows.append([f"`{unit}`", f"`{points[0].plan}`"] + [f"{p.measured:,} / {round(p.predicted):,}" for p in points] +
+            name = points[0].plan
+            rows.append([f"`{unit}`", f"`{name}`", *changed_cells(name, of_unit[name], of_unit, catalogue)] +
+                        [f"{p.measured:,} / {round(p.predicted):,}" for p in points] +
                         [", ".join(f"`{twin}`" for twin in points[0].twins) or "–"])
-    return markdown(rows, ["unit", "plan", *RESOURCES.values(), "its twins"])
+    return markdown(rows, ["unit", "plan", "lines", "LUT-eq beside its base", *RESOURCES.values(), "its twins"])
 
 
 def page(catalogue: Catalogue, data: Measurements, fitted: Fits) -> str:
     """The tables of docs/fpga-plans.md."""
     return ("\n" + measured_table(catalogue, data) + "\nTools: " + "; ".join(data["versions"].values()) +
             ".\n\n## The prediction\n\n" + fit_table(fitted) +
-            f"\nMeasured, and predicted from the plans that are not its twins, of which some term differs by more than {100 * TWIN:.0f} %:\n\n" + points_table(fitted) + "\n")
+            f"\nMeasured, and predicted from the plans that are not its twins, of which some term differs by more than {100 * TWIN:.0f} %:\n\n" + points_table(fitted, catalogue) + "\n")
