@@ -561,8 +561,9 @@ std::string plan_hash_text(const Plan& plan) { return fmt::format("{:016x}", pla
 
 std::string plan_text(const Plan& plan, const PlanReasons& reasons) {
   std::string text = fmt::format(
-      "# Photonloom plan: one hardware configuration, completely. Lines may be edited, none may "
-      "be left out.\n");
+      "# Photonloom plan: one hardware configuration, completely. Lines may be edited; "
+      "docs/plan.md "
+      "has those that may be left out.\n");
   std::string current;
   const Plan written = with_radius(plan);
   Plan::visit(written, [&](const std::string& section, const std::string& key, const auto& value,
@@ -634,9 +635,13 @@ Plan parse_plan(const std::string& text, const std::string& file) {
                                   range.expected(value)));
   });
   derive_plan(plan);
-  if (const auto problem = find_problem(plan))
+  if (const auto problem = find_problem(plan)) {
+    const auto line = lines.find(problem->line);
     throw PlanError(
-        fmt::format("{}:{}: {} {}", file, lines[problem->line], problem->line, problem->what));
+        line == lines.end()
+            ? fmt::format("{}: {} {}; the file leaves it out", file, problem->line, problem->what)
+            : fmt::format("{}:{}: {} {}", file, line->second, problem->line, problem->what));
+  }
   return plan;
 }
 

@@ -188,6 +188,13 @@ TEST_CASE("each fault is one sentence with file, line, key and what was expected
   has(error_of("k = 3\n" + text), {"p.toml:1", "unknown key 'k'"});
   has(error_of(text.substr(0, text.find("[pixel]"))), {"section [pixel] is missing"});
   has(error_of("[scene\n"), {"p.toml:1", "not TOML"});
+  Plan two_passes = plan;
+  two_passes.gather_rays = 8;
+  two_passes.first_rays = 4;
+  two_passes.mean_rays = 6;
+  has(error_of(edited(two_passes, "frame", "mean_rays", "")),
+      {"p.toml: frame.mean_rays is 16, expected from first_rays, 4, to gather_rays, 8; the file "
+       "leaves it out"});
   has(error_of(edited(plan, "photon", "photon_bytes", "8")), {"photon.photon_bytes", "96 bits"});
   Plan compressed = plan;
   compressed.photon_lines = PhotonLines::kCompressed;
