@@ -90,7 +90,11 @@ def predicted_today(data: Data, work: Path) -> Data:
     prediction of an earlier fit."""
     board = read_board(data["board"])
     facts = {name: describe(find_plan(name, work).path) for name in {row["plan"] for row in data["rows"]}}
-    return {**data, "rows": [{**row, "fits": gatherers_that_fit(facts[row["plan"]], row["gatherers"], board)} for row in data["rows"]]}
+    today = data.copy()
+    today["rows"] = [row.copy() for row in data["rows"]]
+    for row in today["rows"]:
+        row["fits"] = gatherers_that_fit(facts[row["plan"]], row["gatherers"], board)
+    return today
 
 
 def route_only(tops: list[Top], routing: Routing, jobs: int) -> None:
