@@ -16,7 +16,7 @@ from unittest import mock
 from flow.boards import LUT_EQ, read_board
 from flow.goals import GainGoals, Growth, ImageGoals, headline_goals
 from flow.headline import images, page, replay, tables, tops
-from flow.headline.command import processor
+from flow.headline.command import check_predictions, processor
 from flow.headline.data import Cores, Data, ImageTime, Rate, Replay, Row, SdramLoad, merge, read_data
 from flow.headline.images import ON_A_BOARD, image_time, render_options, time_images
 from flow.headline.link import link_of
@@ -414,7 +414,6 @@ class Verdicts(MadeUp):
                          "2 x 100.0 MHz: 12.50 Mquery/s. Photon memory: 4.00 cycles of its ports: 25.00 Mquery/s. "
                          "Bound by the gatherers.\n")
 
-
     def test_the_port_of_a_gatherer_that_is_busiest(self) -> None:
         for bound, named in ((12.0, "tree"), (6.0, "tree, 2 a cycle"), (16.0, "lists"), (4.0, "lists, 4 a cycle"), (9.0, "sums"),
                              (4.5, "sums, 2 a cycle"), (14.0, "lanes, 4 cycles a leaf"), (7.0, "lanes, 2 cycles a leaf")):
@@ -583,6 +582,13 @@ class Page(MadeUp):
         self.data["rows"][1]["plan"] = "p"
         self.data["rows"][1]["within_mean"] = True
         self.assertIn("rows reach their goal (`p` without a radius);", self.text().splitlines()[1])
+
+    def test_a_prediction_of_an_earlier_fit_fails_the_check(self) -> None:
+        predicted = copy.deepcopy(self.data)
+        check_predictions(self.data, predicted)
+        predicted["rows"][1]["fits"]["LUT4"] += 1
+        with self.assertRaisesRegex(Failure, r"headline.json: row q has room for gatherers .*; scripts/headline --render writes them"):
+            check_predictions(self.data, predicted)
 
     def test_few_seeds_of_a_variant_are_said_and_of_a_rejected_plan_not(self) -> None:
         self.data["rows"].append(self.row(plan="v", shows="something else"))

@@ -97,6 +97,13 @@ def predicted_today(data: Data, work: Path) -> Data:
     return today
 
 
+def check_predictions(data: Data, predicted: Data) -> None:
+    for row, now in zip(data["rows"], predicted["rows"]):
+        if row["fits"] != now["fits"]:
+            raise Failure(f"{DATA}: row {row['plan']} has room for gatherers {row['fits']}, expected {now['fits']}, which photonloom "
+                          "predicts today; scripts/headline --render writes them")
+
+
 def route_only(tops: list[Top], routing: Routing, jobs: int) -> None:
     """Each seed of each top, whichever is asked for."""
     seeds = range(routing.first_seed, routing.first_seed + routing.seeds)
@@ -159,10 +166,8 @@ def main() -> int:
             data = predicted
             write_json(DATA, data)
             write_page(data, goals, stale_plans(data, today))
-        for row, now in zip(data["rows"], predicted["rows"]):
-            if row["fits"] != now["fits"]:
-                raise Failure(f"{DATA}: row {row['plan']} has room for gatherers {row['fits']}, expected {now['fits']}, which photonloom "
-                              "predicts today; scripts/headline --render writes them")
+        else:
+            check_predictions(data, predicted)
         check_page(data, goals, today)
         stale = stale_plans(data, today)
         say("docs/headline.md is that of fpga/headline.json" +
