@@ -6,6 +6,7 @@
 #include <cmath>
 #include <filesystem>
 #include <map>
+#include <optional>
 
 #include "command/console.hpp"
 #include "command/frame_options.hpp"
@@ -16,6 +17,7 @@
 #include "rtl/generate/board_file.hpp"
 #include "rtl/generate/hardware.hpp"
 #include "rtl/generate/sources.hpp"
+#include "study/board_room.hpp"
 
 namespace photonloom {
 namespace {
@@ -50,13 +52,13 @@ std::map<std::string, std::string> images(const PreparedFrame& frame) {
 
 // Warns where the board's whole top takes more block RAMs than its part has.
 void warn_of_block_ram(const std::string& source, const Plan& plan, const BoardDescription& board) {
-  const auto has = board.resources.find(kBlockRam);
+  const std::optional<int> has = block_rams_of(board);
   const int blocks = board_memories(plan).total();
-  if (has != board.resources.end() && blocks > has->second)
+  if (has && blocks > *has)
     print_warnings({fmt::format(
         "{}: the top takes {} block RAMs, {} has {}; expected fewer photons in block RAM, a "
         "smaller reorder.packets or gatherer.cache_bytes (photonloom plan tells what takes them)",
-        source, blocks, board.name, has->second)});
+        source, blocks, board.name, *has)});
 }
 
 // Throws where the package in `dir` has kernels that are not what its plan and the sources give.
@@ -118,6 +120,7 @@ void generate(const GenerateOptions& o) {
   if (is_plan(source)) {
     request.plan = read_plan(source);
     for (const std::string& line : asked.set) set_plan_line(request.plan, line);
+    check_plan(request.plan, source, asked.set);
     files = generate_hardware(request);
   } else {
     ConsoleProgress progress;

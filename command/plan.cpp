@@ -6,6 +6,7 @@
 #include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "command/console.hpp"
 #include "command/frame_options.hpp"
@@ -112,9 +113,9 @@ void describe(const Plan& plan, const std::string& file, const PlanOptions& o,
       print_warnings({error.what()});
       continue;
     }
-    const auto has = board.resources.find(kBlockRam);
-    if (board.has_core() && has != board.resources.end() && b.total() > has->second)
-      fmt::print("  more than the {} block RAMs of board {}\n", has->second, name);
+    const std::optional<int> has = block_rams_of(board);
+    if (board.has_core() && has && b.total() > *has)
+      fmt::print("  more than the {} block RAMs of board {}\n", *has, name);
   }
 }
 
@@ -124,7 +125,7 @@ void edit(const FrameRequest& request, const PlanOptions& o) {
   Plan plan = read_plan(request.scene_file);
   for (const std::string& line : request.set) set_plan_line(plan, line);
   derive_plan(plan);
-  check_plan(plan);
+  check_plan(plan, request.scene_file, request.set);
   if (o.output == "-") {
     fmt::print("{}", plan_text(plan, {}));
     return;
@@ -156,7 +157,7 @@ void plan_a_board(const FrameRequest& request, const PlanOptions& o) {
   further["engine"] = json_of(found.engine.best.cycles);
   further["engine"]["board"] = board;
   further["engine"]["core_khz"] = found.core_khz;
-  further["engine"]["tried"] = found.engine.tried;
+  further["engine"]["fitting"] = found.engine.fitting;
   if (found.engine.given) further["engine"]["without"] = json_of(*found.engine.given);
   further["engine"]["without"]["misfit"] = found.engine.misfit;
   if (!o.json) fmt::print("wrote {} (hash {})\n", o.output, plan_hash_text(plan));
@@ -196,7 +197,11 @@ void plan(const PlanOptions& o) {
           "--board: counts the gathers of a scene; give the scene, and this plan as --plan");
     return edit(request, o);
   }
-  if (!board.empty()) refuse_decided(request.set, {"--board", engine_lines(read_board(board))});
+  if (!board.empty()) {
+    Plan asked = request.plan_file.empty() ? Plan{} : read_plan(request.plan_file);
+    for (const std::string& line : request.set) set_plan_line(asked, line);
+    refuse_decided(request.set, {"--board", engine_lines(read_board(board), asked.photon_lines)});
+  }
   if (o.output.empty()) throw UsageError("a scene's plan needs -o FILE (- for standard output)");
   o.threads.apply();
   if (!board.empty()) return plan_a_board(request, o);

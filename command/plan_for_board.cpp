@@ -37,10 +37,10 @@ std::string engine_text(const BoardPlan& found, const std::string& board) {
   const auto rate = [&](double cycles) { return found.core_khz / cycles / 1000; };
   std::string text = fmt::format(
       "engine for {}: {:.2f} cycles a gather, {:.2f} million gathers/s at {:g} MHz, predicted; the "
-      "fastest that fits of {}\n"
+      "fastest of {} that fit\n"
       "  the gatherers need {:.2f} cycles, the photon memory {:.2f}\n"
       "  the plan without --board: ",
-      board, e.best.cycles.cycles, rate(e.best.cycles.cycles), found.core_khz / 1000.0, e.tried,
+      board, e.best.cycles.cycles, rate(e.best.cycles.cycles), found.core_khz / 1000.0, e.fitting,
       e.best.cycles.gatherers, e.best.cycles.memory);
   if (e.given) text += fmt::format("{:.2f} cycles", e.given->cycles);
   if (!e.misfit.empty()) text += (e.given ? ", which " : "") + e.misfit;

@@ -47,6 +47,13 @@ BoardDescription predicted_board(const std::string& name) {
   return board;
 }
 
+std::optional<int> block_rams_of(const BoardDescription& board) {
+  for (const char* name : {kBlockRam, kHalfBlockRam})
+    if (const auto has = board.resources.find(name); has != board.resources.end())
+      return has->second;
+  return std::nullopt;
+}
+
 BoardNeeds operator+(const BoardNeeds& a, const BoardNeeds& b) {
   return {a.lut + b.lut, a.ff + b.ff, a.dsp + b.dsp, a.blocks + b.blocks};
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Whether a board's part has room for a plan's hardware, by prediction (docs/fpga-plans.md).
 #pragma once
+#include <optional>
 #include <string>
 
 #include "golden/plan/plan.hpp"
@@ -18,6 +19,9 @@ inline constexpr BoardShare kBoardShare = {.logic = 0.85};
 // The board of this name. Throws std::runtime_error, naming --board and the boards there are, for
 // one that there is not and for one whose resources the prediction does not count.
 BoardDescription predicted_board(const std::string& name);
+
+// The block RAMs of 18 Kibit that a board's part states, whatever its family calls them.
+std::optional<int> block_rams_of(const BoardDescription& board);
 
 // LUT-equivalents and flip-flops, larger by the largest error of their prediction, multipliers and
 // block RAMs.

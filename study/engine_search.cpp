@@ -7,6 +7,7 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <memory>
 #include <numeric>
@@ -298,14 +299,21 @@ EngineCycles engine_cycles(const Plan& plan, const PhotonMap& global, const Phot
       core_khz);
 }
 
-std::vector<const char*> engine_lines(const BoardDescription& board) {
-  std::vector<const char*> lines{"board.gatherers",           "board.photon_memory",
-                                 "board.cache_bytes",         "board.lut_ram_words",
-                                 "gatherer.nodes_per_cycle",  "gatherer.candidates_per_cycle",
-                                 "gatherer.powers_per_cycle", "gatherer.lanes",
-                                 "gatherer.contexts",         "gatherer.cache_bytes",
-                                 "gatherer.cache_ways",       "gatherer.beat_bits",
-                                 "photon.photon_bytes",       "reorder.key"};
+std::vector<const char*> engine_lines(const BoardDescription& board, PhotonLines photons) {
+  std::vector<const char*> lines{"board.gatherers",
+                                 "board.photon_memory",
+                                 "board.cache_bytes",
+                                 "board.lut_ram_words",
+                                 "gatherer.nodes_per_cycle",
+                                 "gatherer.candidates_per_cycle",
+                                 "gatherer.powers_per_cycle",
+                                 "gatherer.lanes",
+                                 "gatherer.contexts",
+                                 "gatherer.cache_bytes",
+                                 "gatherer.cache_ways",
+                                 "gatherer.beat_bits",
+                                 "reorder.key"};
+  if (photons == PhotonLines::kPlain) lines.push_back("photon.photon_bytes");
   // Before block RAM the pool is the plan's own.
   if (board.tops.count("sdram")) lines.insert(lines.end(), {"reorder.packets", "board.sdram_khz"});
   return lines;
@@ -355,74 +363,75 @@ EngineSearch fastest_engine(const Plan& given, const PhotonMap& global, const Ph
         fmt::format("--board: {} has no top for gathers, expected block_ram or sdram in its {}",
                     board.name, board.file));
 
-  // ---- all engines, predicted ----
+  // ---- all engines that fit, predicted ----
   struct Candidate {
     size_t stream;
     Widths widths;
-    EngineCycles cycles;
     BoardNeeds needs;
+    EngineCycles cycles;
   };
-  // What was predicted, by what it depends on.
+  // What was counted, by what it depends on.
   std::map<std::array<int, 3>, double> asked;
   std::map<std::array<int, 11>, BoardNeeds> gatherers;
   std::map<std::array<int, 5>, BoardNeeds> others;
-  const auto candidate = [&](size_t stream, const Widths& w) {
-    const Stream& at = streams[stream];
-    const Plan p = with(plan, at, w);
-    const bool sdram = at.memory == PhotonMemory::kSdram;
-    const auto [lines, new_lines] =
-        asked.try_emplace({static_cast<int>(at.order), w.gatherers, w.cache_lines});
-    if (new_lines) lines->second = lines_asked(p, visits, orders[at.order]);
+  const auto needs_of = [&](size_t stream, const Widths& w, const Plan& p) {
     const auto [one, new_gatherer] = gatherers.try_emplace(
-        {sdram, p.far_gatherers(), p.beat_bits, w.nodes, w.candidates, w.powers, w.lanes,
-         w.contexts, w.cache_lines, w.lut_words, w.stride});
+        {p.photon_memory == PhotonMemory::kSdram, p.far_gatherers(), p.beat_bits, w.nodes,
+         w.candidates, w.powers, w.lanes, w.contexts, w.cache_lines, w.lut_words, w.stride});
     if (new_gatherer) one->second = gatherer_needs(p);
     const auto [rest, new_rest] = others.try_emplace(
         {static_cast<int>(stream), p.beat_bits, w.lut_words, w.stride, p.prefetch_queries()});
     if (new_rest) rest->second = other_needs(p);
-    return Candidate{stream, w, predict(p, load, lines->second, at.sdram_lines, board.core_khz),
-                     rest->second + w.gatherers * one->second};
+    return rest->second + w.gatherers * one->second;
   };
-  std::vector<Candidate> all;
+  const auto why_not = [&](const Plan& p, const BoardNeeds& needs) {
+    std::string why = misfit(needs, board, kEngineShare);
+    if (why.empty()) why = too_many_wires(p);
+    return why.empty() ? divided(p) : why;
+  };
+  std::vector<Candidate> fitting;
+  // Of those that a plan may have and that do not fit, the one with the least block RAM.
+  double least_blocks = std::numeric_limits<double>::infinity();
+  std::string why_smallest;
   const std::vector<Widths> widths = all_widths(plan);
-  for (size_t i = 0; i < streams.size(); ++i)
-    for (const Widths& w : widths)
-      if (w.cache_lines != 0 || streams[i].memory == PhotonMemory::kBlockRam)
-        all.push_back(candidate(i, w));
-  std::stable_sort(all.begin(), all.end(), [](const Candidate& a, const Candidate& b) {
+  for (size_t i = 0; i < streams.size(); ++i) {
+    const Stream& at = streams[i];
+    for (const Widths& w : widths) {
+      if (w.cache_lines == 0 && at.memory == PhotonMemory::kSdram) continue;
+      const Plan p = with(plan, at, w);
+      const BoardNeeds needs = needs_of(i, w, p);
+      const std::string why = why_not(p, needs);
+      if (!why.empty() && needs.blocks >= least_blocks) continue;
+      if (find_problem(p)) continue;
+      if (!why.empty()) {
+        least_blocks = needs.blocks;
+        why_smallest = why;
+        continue;
+      }
+      const auto [lines, is_new] =
+          asked.try_emplace({static_cast<int>(at.order), w.gatherers, w.cache_lines});
+      if (is_new) lines->second = lines_asked(p, visits, orders[at.order]);
+      fitting.push_back(
+          {i, w, needs, predict(p, load, lines->second, at.sdram_lines, board.core_khz)});
+    }
+  }
+  if (fitting.empty())
+    throw std::runtime_error(
+        fmt::format("--board: no engine fits {}: the smallest {}", board.name, why_smallest));
+
+  // ---- the fastest, and of those as fast the smallest ----
+  std::stable_sort(fitting.begin(), fitting.end(), [](const Candidate& a, const Candidate& b) {
     return a.cycles.cycles < b.cycles.cycles;
   });
-  const auto plan_of = [&](const Candidate& c) { return with(plan, streams[c.stream], c.widths); };
-  const auto why_not = [&](const Candidate& c) -> std::string {
-    std::string why = misfit(c.needs, board, kEngineShare);
-    if (!why.empty()) return why;
-    const Plan p = plan_of(c);
-    why = too_many_wires(p);
-    if (why.empty()) why = divided(p);
-    if (!why.empty()) return why;
-    if (const auto problem = find_problem(p)) return problem->line + ": " + problem->what;
-    return "";
-  };
-
-  // ---- the fastest that fits, and of those as fast the smallest ----
+  const double limit = fitting.front().cycles.cycles * (1 + kAsFast);
+  const Candidate* best = &fitting.front();
+  for (const Candidate& c : fitting) {
+    if (c.cycles.cycles > limit) break;
+    if (c.needs.lut < best->needs.lut) best = &c;
+  }
   EngineSearch found;
-  found.tried = all.size();
-  const Candidate* best = nullptr;
-  double limit = 0;
-  for (const Candidate& c : all) {
-    if (best && c.cycles.cycles > limit) break;
-    if (!why_not(c).empty()) continue;
-    if (!best) limit = c.cycles.cycles * (1 + kAsFast);
-    if (!best || c.needs.lut < best->needs.lut) best = &c;
-  }
-  if (!best) {
-    const Candidate* smallest = &all.front();
-    for (const Candidate& c : all)
-      if (c.needs.blocks < smallest->needs.blocks) smallest = &c;
-    throw std::runtime_error(
-        fmt::format("--board: no engine fits {}: the smallest {}", board.name, why_not(*smallest)));
-  }
-  found.best = {plan_of(*best), best->cycles};
+  found.fitting = fitting.size();
+  found.best = {with(plan, streams[best->stream], best->widths), best->cycles};
   derive_plan(found.best.plan);
   if (const std::string why = engine_misfit(found.best.plan, board); !why.empty())
     throw std::logic_error("the engine for " + board.name + " " + why +
@@ -486,7 +495,7 @@ EngineSearch fastest_engine(const Plan& given, const PhotonMap& global, const Ph
   tell_width("board.lut_ram_words", &Widths::lut_words, {0, 32, 64, 128});
   if (strides(plan).size() > 1)
     tell_width("photon.photon_bytes", &Widths::stride, strides(plan));
-  else
+  else if (!plan.compressed())
     found.reasons["photon.photon_bytes"] = "no fewer hold a photon";
   found.reasons["gatherer.cache_ways"] = "of every engine with leaf caches";
   if (made.cache_bytes == 0)

@@ -48,7 +48,7 @@ struct EngineSearch {
   std::optional<EngineCycles>
       given;           // of the plan as it was; none where the board lacks its memory
   std::string misfit;  // why that does not fit; empty: it does
-  size_t tried = 0;
+  size_t fitting = 0;  // engines that fit, of which it is the fastest
 };
 
 // Largest share of a part that is planned for: that of the fullest tops of docs/headline.md, 51,378
@@ -68,12 +68,12 @@ inline constexpr int kEngineWires = 1152, kUncachedWires = 1920;
 // is.
 std::string engine_misfit(const Plan& plan, const BoardDescription& board);
 
-// Lines of a plan that the search decides on this board, whatever they were.
-std::vector<const char*> engine_lines(const BoardDescription& board);
+// Lines of a plan that the search decides on this board, whatever they were. Bytes a photon it
+// leaves alone where lines are compressed ones.
+std::vector<const char*> engine_lines(const BoardDescription& board, PhotonLines photons);
 
-// Every combination of the searched lines is predicted, but before an SDRAM those without leaf
-// caches; the fastest that fits is the plan, the
-// smallest of those that are as fast within 1 %. Throws std::runtime_error where none fits, with
+// Every combination of the searched lines that fits is predicted, but before an SDRAM those without
+// leaf caches; the fastest is the plan, the smallest of those that are as fast within 1 %. Throws std::runtime_error where none fits, with
 // what the smallest lacks, and where there are no queries.
 EngineSearch fastest_engine(const Plan& plan, const PhotonMap& global, const PhotonMap& caustic,
                             std::span<const GatherQuery> queries, const BoardDescription& board);

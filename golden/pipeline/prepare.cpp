@@ -54,7 +54,7 @@ PhotonPass loaded_photons(const std::string& path, bool is_caustic, const World&
 Plan plan_from_file(const FrameRequest& request) {
   Plan plan = read_plan(request.plan_file);
   for (const std::string& line : request.set) set_plan_line(plan, line);
-  check_plan(plan);
+  check_plan(plan, request.plan_file, request.set);
   return plan;
 }
 

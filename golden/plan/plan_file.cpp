@@ -345,11 +345,11 @@ std::optional<PlanProblem> find_problem(const Plan& plan) {
   if (plan.cache_bytes != 0) {
     const int way = plan.line_bytes() * plan.cache_ways;
     if (plan.cache_bytes % way != 0 || !power_of_two(plan.cache_bytes / way))
-      return fail(
-          "gatherer.cache_bytes",
-          fmt::format("is {}, expected {} ways of {}-byte lines times a power of two: {}, "
-                      "{}, {}, ..., or 0 for none",
-                      plan.cache_bytes, plan.cache_ways, plan.line_bytes(), way, 2 * way, 4 * way));
+      return fail("gatherer.cache_bytes",
+                  fmt::format("is {}, expected {} ways of {}-byte lines times a power of two: {}, "
+                              "{}, {}, ...{}",
+                              plan.cache_bytes, plan.cache_ways, plan.line_bytes(), way, 2 * way,
+                              4 * way, plan.compressed() ? "" : ", or 0 for none"));
   }
   if (plan.beat_bits % 8 != 0 || (8 * plan.line_bytes()) % plan.beat_bits != 0)
     return fail("gatherer.beat_bits",
@@ -492,6 +492,18 @@ std::optional<PlanProblem> find_problem(const Plan& plan) {
 void check_plan(const Plan& plan) {
   if (const auto problem = find_problem(plan))
     throw PlanError(fmt::format("plan: {} {}", problem->line, problem->what));
+}
+
+void check_plan(const Plan& plan, const std::string& file,
+                const std::vector<std::string>& assignments) {
+  const auto problem = find_problem(plan);
+  if (!problem) return;
+  std::string where = file;
+  for (size_t i = 0; i < assignments.size(); ++i)
+    where += (i == 0 ? " with --set " : ", ") + assignments[i];
+  for (const std::string& one : assignments)
+    if (one.substr(0, one.find('=')) == problem->line) where = fmt::format("--set: '{}'", one);
+  throw PlanError(fmt::format("{}: {} {}", where, problem->line, problem->what));
 }
 
 namespace {

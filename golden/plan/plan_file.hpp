@@ -37,6 +37,11 @@ std::optional<PlanProblem> channel_problem(const Plan& plan);
 
 // Throws PlanError with the first problem.
 void check_plan(const Plan& plan);
+// The same of a plan whose lines were changed by assignments, as set_plan_line has them. An error
+// names the one that assigned the wrong line, or else `file`, which is "plan" for one without a
+// file, and all of them.
+void check_plan(const Plan& plan, const std::string& file,
+                const std::vector<std::string>& assignments);
 
 // Whether a file may lack the line "section.key", which then has its default value. So it is with
 // each line that came after the first release: older files stay readable, and a plan in which the

@@ -389,6 +389,7 @@ PlannedFrame make_plan(const World& world, const PlanRequest& request, const Pho
   }
   if (plan.compressed()) {
     plan.photon_bytes = compressed_photon_bytes(plan);
+    set_by_hand();
     // A part of a line is a beat.
     plan.beat_bits = 8 * plan.photon_bytes * std::min(plan.lanes, plan.bucket);
     set_by_hand();
@@ -500,7 +501,7 @@ PlannedFrame make_plan(const World& world, const PlanRequest& request, const Pho
                     "--set photon.position_bits=24 help",
                     wanted + 3, plan.position_bits));
   derive_plan(plan);
-  check_plan(plan);
+  check_plan(plan, "plan", request.set);
   check_plan_makes_an_image(plan, "plan");
   return result;
 }

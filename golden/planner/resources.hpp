@@ -18,6 +18,9 @@ struct UnitResources {
 
 // What board_memories counts, as a part's resources call it: 18 Kibit block RAM of an LFE5U.
 inline constexpr const char* kBlockRam = "DP16KD";
+// As many memories of that size and shape a 7-series part has, of which board_memories's count is
+// true too (docs/fpga.md).
+inline constexpr const char* kHalfBlockRam = "RAMB18E1";
 
 // 18 Kibit block RAMs of a memory with one write and one read port, in the shape that takes fewest.
 int block_rams(int width, uint64_t depth);

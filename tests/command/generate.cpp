@@ -312,8 +312,17 @@ TEST_CASE("a photon map too large for the board's block RAM is told before synth
                            scratch / "plan.toml", blocks)));
   CHECK_THAT(read_file(scratch / "hw" + "/README.md"),
              ContainsSubstring(fmt::format("| all of the top | | | | {} |", blocks)));
-  CHECK_THAT(run(tell).out, ContainsSubstring(fmt::format(
-                                "{}\n  more than the 208 block RAMs of board ulx3s-85f", blocks)));
+  CHECK_THAT(run(tell).out,
+             ContainsSubstring("  more than the 208 block RAMs of board ulx3s-85f\n"));
+  // Those of another family, by its own name for them.
+  CHECK_THAT(
+      run(fmt::format("generate {} --board arty-a7-100t -o {}", scratch / "plan.toml",
+                      scratch / "arty"))
+          .err,
+      ContainsSubstring(fmt::format("the top takes {} block RAMs, arty-a7-100t has 270", blocks)));
+  CHECK_THAT(run(tell).out,
+             ContainsSubstring("  more than the 270 block RAMs of board arty-a7-100t\n"));
+  CHECK_THAT(run(tell).out, !ContainsSubstring("nexys-video"));
   CHECK_THAT(run(tell + " --json").out, ContainsSubstring(fmt::format("\"total\": {}", blocks)));
 }
 

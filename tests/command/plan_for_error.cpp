@@ -286,6 +286,49 @@ TEST_CASE("plan --board: lines that it decides are refused") {
     CHECK(o.err.find(" is decided by --board") != std::string::npos);
   }
   CHECK(s.entries() == 0);
+  const auto with = [&](const std::string& lines) {
+    return run("plan" + cornell_box() +
+               "--size 16x16 --photons 2000 --k 4 --board ulx3s-85f --set "
+               "photon.photon_bytes=12 --set photon.lines=" +
+               lines + " -o '" + s / "p.toml" + "'");
+  };
+  CHECK(with("plain").err.find("photon.photon_bytes is decided by --board") != std::string::npos);
+  // Compressed lines keep theirs.
+  const auto kept = with("compressed");
+  INFO(kept.err);
+  CHECK(kept.status == 0);
+  CHECK(read_plan(s / "p.toml").photon_bytes == 12);
+}
+
+TEST_CASE(
+    "plan: an error of lines that do not go together names the one that was set, or the file") {
+  const Scratch s;
+  const std::string plan = photonloom::test::source("fpga/gatherer.toml");
+  const auto error_of = [](const std::string& arguments) {
+    const auto o = run("plan" + arguments);
+    CHECK(o.status == 1);
+    CHECK(o.one_error_line());
+    return o.err;
+  };
+  const auto has = [](const std::string& text, const std::string& part) {
+    CAPTURE(text, part);
+    CHECK(text.find(part) != std::string::npos);
+  };
+  has(error_of(" " + plan + " --set gatherer.cache_bytes=100"),
+      "photonloom: --set: 'gatherer.cache_bytes=100': gatherer.cache_bytes is 100, expected ");
+  has(error_of(" " + plan + " --set gather.k=4 --set photon.bucket=2"),
+      "photonloom: " + plan + " with --set gather.k=4, photon.bucket=2: gatherer.lanes is ");
+  has(error_of(cornell_box() + "--photons 2000 --set gatherer.powers_per_cycle=2 -o '" +
+               s / "p.toml" + "'"),
+      "photonloom: --set: 'gatherer.powers_per_cycle=2': gatherer.powers_per_cycle is 2, expected");
+  has(error_of(cornell_box() + "--plan " + plan + " --set photon.bucket=2 -o '" + s / "p.toml" +
+               "'"),
+      "photonloom: " + plan + " with --set photon.bucket=2: gatherer.lanes is ");
+  has(error_of(" " + plan + " --set photon.lines=compressed --set gatherer.cache_bytes=100"),
+      ": gatherer.cache_bytes is 100, expected ");
+  CHECK(error_of(" " + plan + " --set photon.lines=compressed --set gatherer.cache_bytes=100")
+            .find("0 for none") == std::string::npos);
+  CHECK(s.entries() == 0);
 }
 
 namespace {
