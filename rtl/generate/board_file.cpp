@@ -12,6 +12,7 @@
 #include <string_view>
 
 #include "golden/numeric/output_file.hpp"
+#include "golden/plan/plan.hpp"
 #include "golden/plan/toml.hpp"
 #include "rtl/generate/data_files.hpp"
 #include "rtl/generate/sources.hpp"

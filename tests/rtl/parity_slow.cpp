@@ -242,7 +242,7 @@ TEST_CASE("faults: flipped bits of memories with parity") {
        {"leaf_cache.gen_tags"},
        true,
        400},
-      {"`photon_ram`", board, make_engine, {"memory.store"}, false, 60},
+      {"`photon_ram`", board, make_engine, {"memory.gen_one"}, false, 60},
       {"`photon_ram`, rows", rows, make_engine, {"memory.gen_rows"}, false, 150},
       {"`photon_sdram`, cache", sdram, make_engine, {"memory.lines"}, true, 250},
   };
@@ -273,7 +273,7 @@ TEST_CASE("a board counts wrong words, and its results tell of them") {
   CHECK(bench.reg(27) == 0);
   size_t stores = 0;
   for (const ModelMemory& m : bench.board().memories()) {
-    if (m.name.find("memory.store") == std::string::npos) continue;
+    if (m.name.find("memory.gen_one") == std::string::npos) continue;
     ++stores;
     for (size_t w = 0; w < m.words; ++w) m.data[w * m.stride] ^= 1;
   }
