@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "golden/numeric/output_file.hpp"
+#include "golden/plan/plan.hpp"
 
 namespace photonloom {
 namespace {

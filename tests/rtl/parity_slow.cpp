@@ -222,6 +222,12 @@ TEST_CASE("faults: flipped bits of memories with parity") {
   rows.global.photons = 2048;
   rows.cache_bytes = 4 * rows.line_bytes();
   REQUIRE(rows.photon_ram_row() == 2);
+  // As many, of more than four a line: banks behind one another.
+  Plan banks = board;
+  banks.bucket = 8;
+  banks.global.photons = 2048;
+  REQUIRE(banks.photon_ram_is_divided());
+  REQUIRE(banks.photon_ram_row() == 1);
   const FlipKind kinds[] = {
       {"`photon_gatherer`, nodes", board, make_rtl_photon_gatherer, {"node_memory"}, false, 400},
       {"`photon_gatherer`, cached lines",
@@ -244,6 +250,7 @@ TEST_CASE("faults: flipped bits of memories with parity") {
        400},
       {"`photon_ram`", board, make_engine, {"memory.gen_one"}, false, 60},
       {"`photon_ram`, rows", rows, make_engine, {"memory.gen_rows"}, false, 150},
+      {"`photon_ram`, banks", banks, make_engine, {"memory.gen_banks"}, false, 150},
       {"`photon_sdram`, cache", sdram, make_engine, {"memory.lines"}, true, 250},
   };
   for (const FlipKind& kind : kinds) {
