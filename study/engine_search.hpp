@@ -73,8 +73,8 @@ std::string engine_misfit(const Plan& plan, const BoardDescription& board);
 std::vector<const char*> engine_lines(const BoardDescription& board, PhotonLines photons);
 
 // Every combination of the searched lines that fits is predicted, but before an SDRAM those without
-// leaf caches; the fastest is the plan, the smallest of those that are as fast within 1 %. Throws std::runtime_error where none fits, with
-// what the smallest lacks, and where there are no queries.
+// leaf caches; the fastest is the plan, the smallest of those that are as fast within 1 %. Throws
+// std::runtime_error where none fits, with what the smallest lacks, and where there are no queries.
 EngineSearch fastest_engine(const Plan& plan, const PhotonMap& global, const PhotonMap& caustic,
                             std::span<const GatherQuery> queries, const BoardDescription& board);
 
