@@ -392,7 +392,7 @@ EngineSearch fastest_engine(const Plan& given, const PhotonMap& global, const Ph
   std::vector<Candidate> fitting;
   // Of those that a plan may have and that do not fit, the one with the least block RAM.
   double least_blocks = std::numeric_limits<double>::infinity();
-  std::string why_smallest;
+  std::string why_smallest, why_no_plan;
   const std::vector<Widths> widths = all_widths(plan);
   for (size_t i = 0; i < streams.size(); ++i) {
     const Stream& at = streams[i];
@@ -402,7 +402,10 @@ EngineSearch fastest_engine(const Plan& given, const PhotonMap& global, const Ph
       const BoardNeeds needs = needs_of(i, w, p);
       const std::string why = why_not(p, needs);
       if (!why.empty() && needs.blocks >= least_blocks) continue;
-      if (find_problem(p)) continue;
+      if (const auto problem = find_problem(p)) {
+        why_no_plan = problem->line + " " + problem->what;
+        continue;
+      }
       if (!why.empty()) {
         least_blocks = needs.blocks;
         why_smallest = why;
@@ -417,7 +420,9 @@ EngineSearch fastest_engine(const Plan& given, const PhotonMap& global, const Ph
   }
   if (fitting.empty())
     throw std::runtime_error(
-        fmt::format("--board: no engine fits {}: the smallest {}", board.name, why_smallest));
+        why_smallest.empty()
+            ? fmt::format("--board: no engine for {} can be planned: {}", board.name, why_no_plan)
+            : fmt::format("--board: no engine fits {}: the smallest {}", board.name, why_smallest));
 
   // ---- the fastest, and of those as fast the smallest ----
   std::stable_sort(fitting.begin(), fitting.end(), [](const Candidate& a, const Candidate& b) {

@@ -489,10 +489,7 @@ std::optional<PlanProblem> find_problem(const Plan& plan) {
   return std::nullopt;
 }
 
-void check_plan(const Plan& plan) {
-  if (const auto problem = find_problem(plan))
-    throw PlanError(fmt::format("plan: {} {}", problem->line, problem->what));
-}
+void check_plan(const Plan& plan) { check_plan(plan, "plan", {}); }
 
 void check_plan(const Plan& plan, const std::string& file,
                 const std::vector<std::string>& assignments) {

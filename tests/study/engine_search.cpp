@@ -328,6 +328,13 @@ TEST_CASE("a board without room for one gatherer, and a frame without gathers, s
   unit_alone.tops = {};
   CHECK_THROWS_WITH(fastest_engine(load.plan, load.map, {}, load.queries, unit_alone),
                     Catch::Matchers::StartsWith("--board: ulx3s-85f has no top for gathers, "));
+  BoardDescription sdram_alone = board;
+  sdram_alone.tops.erase("block_ram");
+  Plan large = load.plan;
+  large.global.photons = 8000000;
+  CHECK_THROWS_WITH(
+      fastest_engine(large, load.map, {}, load.queries, sdram_alone),
+      Catch::Matchers::StartsWith("--board: no engine for ulx3s-85f can be planned: "));
   board.resources["DP16KD"] = 10;
   CHECK_THROWS_WITH(
       fastest_engine(load.plan, load.map, {}, load.queries, board),
