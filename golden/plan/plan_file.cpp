@@ -493,7 +493,11 @@ void check_plan(const Plan& plan) { check_plan(plan, "plan", {}); }
 
 void check_plan(const Plan& plan, const std::string& file,
                 const std::vector<std::string>& assignments) {
-  const auto problem = find_problem(plan);
+  throw_problem(find_problem(plan), file, assignments);
+}
+
+void throw_problem(const std::optional<PlanProblem>& problem, const std::string& file,
+                   const std::vector<std::string>& assignments) {
   if (!problem) return;
   std::string where = file;
   for (size_t i = 0; i < assignments.size(); ++i)

@@ -42,6 +42,9 @@ void check_plan(const Plan& plan);
 // file, and all of them.
 void check_plan(const Plan& plan, const std::string& file,
                 const std::vector<std::string>& assignments);
+// The same where only one check was made; does nothing without a problem.
+void throw_problem(const std::optional<PlanProblem>& problem, const std::string& file,
+                   const std::vector<std::string>& assignments);
 
 // Whether a file may lack the line "section.key", which then has its default value. So it is with
 // each line that came after the first release: older files stay readable, and a plan in which the

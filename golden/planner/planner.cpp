@@ -376,8 +376,7 @@ PlannedFrame make_plan(const World& world, const PlanRequest& request, const Pho
   why["gather.reciprocal_bits"] = why["pixel.weight_bits"] =
       "default, far finer than a mantissa; --format-error chooses";
   set_by_hand();
-  if (const auto problem = channel_problem(plan))
-    throw PlanError(fmt::format("plan: {} {}", problem->line, problem->what));
+  throw_problem(channel_problem(plan), "plan", request.set);
   choose_maps(plan, world, request, global, caustic, why);
   if (request.format_error) {
     double smallest = plan.extent;

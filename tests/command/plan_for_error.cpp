@@ -321,6 +321,11 @@ TEST_CASE(
   has(error_of(cornell_box() + "--photons 2000 --set gatherer.powers_per_cycle=2 -o '" +
                s / "p.toml" + "'"),
       "photonloom: --set: 'gatherer.powers_per_cycle=2': gatherer.powers_per_cycle is 2, expected");
+  has(error_of(cornell_box() + "--photons 2000 --set photon.channels=2 -o '" + s / "p.toml" + "'"),
+      "photonloom: --set: 'photon.channels=2': photon.channels is 2, expected 1 or 3");
+  has(error_of(cornell_box() + "--photons 2000 --set 'photon.channel_color=[0, 0, 0]' -o '" +
+               s / "p.toml" + "'"),
+      "photonloom: --set: 'photon.channel_color=[0, 0, 0]': photon.channel_color must be [1.0, ");
   has(error_of(cornell_box() + "--plan " + plan + " --set photon.bucket=2 -o '" + s / "p.toml" +
                "'"),
       "photonloom: " + plan + " with --set photon.bucket=2: gatherer.lanes is ");
