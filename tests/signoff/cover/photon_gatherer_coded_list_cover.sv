@@ -5,10 +5,10 @@ module photon_gatherer_coded_list_cover #(
     parameter int unsigned ContextBits,
     parameter int unsigned KeyBits,
     parameter int unsigned RankBits,
-    parameter int unsigned CountBits
+    parameter int unsigned CountBits,
+    parameter int unsigned Steps
 ) (
-    input logic clk_i,
-    input logic rst_i,
+    input logic clk_i, rst_i,
     input logic in_valid_i,
     input logic in_start_i,
     input logic in_snapshot_i,
@@ -26,21 +26,21 @@ module photon_gatherer_coded_list_cover #(
     input logic c_start_q,
     input logic c_snapshot_q,
     input logic c_doubt_q,
-    input logic [3:0] step_q,
+    input logic [Steps-1:0] step_q,
     input logic probe_less,
     input logic ahead_b_q,
     input logic ahead_c_q
 );
   // A candidate in doubt turns out to go before the entry that has its code.
-  doubt_before: cover property (@(posedge clk_i) disable iff (rst_i) c_doubt_q && step_q[3] && !probe_less);
+  doubt_before: cover property (@(posedge clk_i) disable iff (rst_i) c_doubt_q && step_q[Steps-1] && !probe_less);
   // It goes behind it.
-  doubt_behind: cover property (@(posedge clk_i) disable iff (rst_i) c_doubt_q && step_q[3] && probe_less);
+  doubt_behind: cover property (@(posedge clk_i) disable iff (rst_i) c_doubt_q && step_q[Steps-1] && probe_less);
   // It becomes the last of a list that is not full: no further entry to compare with.
   doubt_to_end: cover property (@(posedge clk_i) disable iff (rst_i) c_doubt_q && step_q[0] && c_rank_q == RankBits'(c_count) && !c_full);
   // It goes behind all of a full list, and does not enter.
   doubt_turned_down: cover property (@(posedge clk_i) disable iff (rst_i) c_doubt_q && step_q[0] && c_rank_q >= RankBits'(K));
   // The distances are the same: the index decides.
-  doubt_tie: cover property (@(posedge clk_i) disable iff (rst_i) c_doubt_q && step_q[3] && probe_key_q[KeyBits-1:IndexBits] == c_key_q[KeyBits-1:IndexBits]);
+  doubt_tie: cover property (@(posedge clk_i) disable iff (rst_i) c_doubt_q && step_q[Steps-1] && probe_key_q[KeyBits-1:IndexBits] == c_key_q[KeyBits-1:IndexBits]);
   // Several places have its code.
   several_equal: cover property (@(posedge clk_i) disable iff (rst_i) b_candidate_q && (equal_b_q & (equal_b_q - 1'b1)) != '0);
   // Tokens ahead are nearer, and in no memory yet, as an entry has its code too.

@@ -12,26 +12,30 @@ from . import cover, coverage, evidence, holes, mutators, page, units
 
 # Modules that are nothing but a memory: their words are no points.
 MEMORIES = frozenset({"block_ram", "block_ram_two_reads", "lut_ram", "pool_ram"})
+# A bench of more plans runs each case of a plan with one of its stall policies, drawn by plan and case: all plans together have all of them
+# many times over, and counting every bit takes a wide plan half an hour with all.
+ALL_POLICIES = 10
 _TOTALS = re.compile(r": golden == rtl: (\d+) packets in \d+ runs, (\d+) with a reset in the middle, 0 differences, (\d+) cycles")
 
 
-def _run_plan(program: Path, plan: str, rtl: Path, made_from: str, folder: Path, models: Path, again: bool) -> tuple[int, ...]:
+def _run_plan(program: Path, plan: str, policies: list[str], rtl: Path, made_from: str, folder: Path, models: Path, again: bool) -> tuple[int, ...]:
     """Packets, resets in the middle and cycles of a plan, its counts in the folder; kept while what it is made from is the same."""
     done = folder / "done.json"
+    made = {"made_from": made_from, "policies": policies}
     if done.is_file() and not again:
         kept = read_json(done)
-        if kept["made_from"] == made_from:
+        if {name: kept.get(name) for name in made} == made:
             return tuple(kept["totals"])
     folder.mkdir(parents=True, exist_ok=True)
     for old in folder.iterdir():
         old.unlink()
     os.environ["PHOTONLOOM_COVERAGE"] = str(folder)
-    said = run([str(program), "--plan", plan, "--rtl", str(rtl), "--work", str(models)], folder / "log", ROOT)
+    said = run([str(program), "--plan", plan, *policies, "--rtl", str(rtl), "--work", str(models)], folder / "log", ROOT)
     totals = _TOTALS.search(said)
     if not totals or not list(folder.glob("*.dat")):
         raise Failure(f"{program.name} --plan {plan}: left no counts (log: {folder / 'log'})")
     numbers = [int(number) for number in totals.groups()]
-    write_json(done, {"made_from": made_from, "totals": numbers})
+    write_json(done, {**made, "totals": numbers})
     say(f"{program.name} --plan {plan}: {numbers[0]} packets, {numbers[2]} cycles")
     return tuple(numbers)
 
@@ -42,7 +46,9 @@ def _unit(unit: str, named: list[str], benches: Path, work: Path, again: bool) -
     rtl = work / unit / "rtl"
     cover.attach(unit, rtl)
     made_from = units.made_from(program, map(units.cover, cover.modules(unit)))
-    runs = [_run_plan(program, plan, rtl, made_from, work / unit / plan, work / "models", again) for plan in plans]
+    every = units.plans(program)
+    policies = ["--one-policy"] if len(every) > ALL_POLICIES else []
+    runs = [_run_plan(program, plan, policies, rtl, made_from, work / unit / plan, work / "models", again) for plan in plans]
     packets, resets, cycles = (sum(numbers) for numbers in zip(*runs, strict=True))
     elaborated = frozenset((module, line) for module in units.modules(unit) for line in mutators.elaborated(
         (ROOT / units.source(module)).read_text(), str(units.source(module))))
@@ -52,9 +58,8 @@ def _unit(unit: str, named: list[str], benches: Path, work: Path, again: bool) -
     for entry in events:
         found.add(entry.point, 0)  # of a module that no plan has, too
     modules = {point.module for point in found.counts}
-    every = [point for kind in coverage.KINDS for point in found.holes(kind)]
-    explained, bare = holes.explain(every, holes.reasons(unit))
-    return page.Evidence(plans, len(units.plans(program)), packets, resets, cycles, found, events, explained,
+    explained, bare = holes.explain([point for kind in coverage.KINDS for point in found.holes(kind)], holes.reasons(unit))
+    return page.Evidence(plans, len(every), bool(policies), packets, resets, cycles, found, events, explained,
                          evidence.proofs(modules), evidence.hand_mutants(unit)), bare
 
 

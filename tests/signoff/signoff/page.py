@@ -44,6 +44,7 @@ def figures(coverage: Coverage) -> list[Figure]:
 class Evidence:
     plans: list[str]
     of_plans: int  # so many the bench has
+    one_policy: bool  # each case of a plan ran with one stall policy instead of all
     packets: int
     resets: int
     cycles: int
@@ -67,7 +68,9 @@ def row(figure: Figure) -> str:
 
 def section(unit: str, evidence: Evidence) -> str:
     bounded = [proof for proof in evidence.proofs if proof.depth != "unbounded"]
-    text = [f"`make signoff` writes this section. It runs `bench_{unit}` with {'all its plans' if len(evidence.plans) == evidence.of_plans else f'{len(evidence.plans)} of its {evidence.of_plans} plans'} ({', '.join(evidence.plans)}), all cases and stall policies on models that count "
+    plans = "all its plans" if len(evidence.plans) == evidence.of_plans else f"{len(evidence.plans)} of its {evidence.of_plans} plans"
+    runs = "all cases, each with one of the stall policies that is drawn by plan and case," if evidence.one_policy else "all cases and stall policies"
+    text = [f"`make signoff` writes this section. It runs `bench_{unit}` with {plans} ({', '.join(evidence.plans)}), {runs} on models that count "
             f"what they reach: {evidence.packets:,} packets, {evidence.cycles:,} cycles and {evidence.resets:,} resets in the middle of work, each packet equal to golden's.", "",
             "| coverage | reached | | goal | |", "|---|---|---|---|---|"]
     text += [row(figure) for figure in figures(evidence.coverage)]
