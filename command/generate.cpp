@@ -117,10 +117,14 @@ void generate(const GenerateOptions& o) {
   request.rtl_dir = o.rtl;
   request.boards_dir = o.boards;
   std::map<std::string, std::string> files;
+  const auto check_for_board = [&](const Plan& plan, const std::string& file) {
+    if (!o.board.empty() && o.unit.empty()) throw_problem(board_problem(plan), file, asked.set);
+  };
   if (is_plan(source)) {
     request.plan = read_plan(source);
     for (const std::string& line : asked.set) set_plan_line(request.plan, line);
     check_plan(request.plan, source, asked.set);
+    check_for_board(request.plan, source);
     files = generate_hardware(request);
   } else {
     ConsoleProgress progress;
@@ -128,6 +132,7 @@ void generate(const GenerateOptions& o) {
     print_warnings(frame.warnings);
     request.plan = frame.plan;
     request.reasons = frame.reasons;
+    check_for_board(frame.plan, asked.plan_file.empty() ? "plan" : asked.plan_file);
     const UnitInfo& gatherer = unit_info<PhotonGatherer>;
     if (o.unit == gatherer.name || (o.unit.empty() && gatherer.lacks(frame.plan).empty()))
       request.images = images(frame);

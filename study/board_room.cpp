@@ -82,17 +82,17 @@ BoardNeeds other_needs(const Plan& plan) {
 std::string misfit(const BoardNeeds& needs, const BoardDescription& board,
                    const BoardShare& share) {
   const struct {
-    const char* name;
+    const char *name, *unit;
     double needed, share;
-  } all[] = {{"LUT4", needs.lut, share.logic},
-             {"FF", needs.ff, share.logic},
-             {"MULT18X18D", needs.dsp, 1},
-             {kBlockRam, needs.blocks, share.blocks}};
+  } all[] = {{"LUT4", "LUT-equivalents", needs.lut, share.logic},
+             {"FF", "FF", needs.ff, share.logic},
+             {"MULT18X18D", "MULT18X18D", needs.dsp, 1},
+             {kBlockRam, kBlockRam, needs.blocks, share.blocks}};
   for (const auto& need : all) {
     const double has = std::floor(need.share * board.resources.at(need.name));
     if (std::ceil(need.needed) > has)
       return fmt::format("needs {:.0f} {}, and {} has {:.0f} for it", std::ceil(need.needed),
-                         need.name, board.name, has);
+                         need.unit, board.name, has);
   }
   return "";
 }

@@ -282,6 +282,8 @@ std::string engine_misfit(const Plan& plan, const BoardDescription& board) {
       plan.sdram_khz > board.sdram->clock_khz)
     return fmt::format("has an SDRAM at {} kHz, and that of {} runs at {}", plan.sdram_khz,
                        board.name, board.sdram->clock_khz);
+  if (const auto problem = board_problem(plan))
+    return fmt::format("has {}, which {}", problem->line, problem->what);
   const std::string why = misfit(plan, board, kEngineShare);
   if (!why.empty()) return why;
   const std::string wires = too_many_wires(plan);
@@ -445,7 +447,7 @@ EngineSearch fastest_engine(const Plan& given, const PhotonMap& global, const Ph
     found.given = engine_cycles(given, global, caustic, queries, board.core_khz);
   found.misfit = engine_misfit(given, board);
 
-  // ---- what each line's next values would do, all others as they are ----
+  // ---- what each line's next values would do, all others as they are but those that it says ----
   const Plan& made = found.best.plan;
   const bool sdram = made.photon_memory == PhotonMemory::kSdram;
   const auto would = [&](const Plan& p) -> std::string {
@@ -458,11 +460,28 @@ EngineSearch fastest_engine(const Plan& given, const PhotonMap& global, const Ph
                                slow ? lines_of_sdram(p, visits, order) : 0, board.core_khz)
                            .cycles);
   };
+  // What else a plan with another value of a line has changed: beats and caches follow lanes,
+  // photons and gatherers, and the pool follows the memory.
+  const auto besides = [&](const std::string& line, const Plan& p) {
+    const struct {
+      const char* line;
+      int Plan::*member;
+    } following[] = {{"gatherer.beat_bits", &Plan::beat_bits},
+                     {"gatherer.cache_bytes", &Plan::cache_bytes},
+                     {"board.cache_bytes", &Plan::board_cache_bytes},
+                     {"reorder.packets", &Plan::reorder_packets}};
+    std::string text;
+    for (const auto& one : following)
+      if (line != one.line && p.*one.member != made.*one.member)
+        text += fmt::format("{}{} = {}", text.empty() ? " (with " : ", ", one.line, p.*one.member);
+    return text.empty() ? text : text + ")";
+  };
   // Other values, in rising order, each with the plan that has it.
   const auto tell = [&](const char* line, const std::vector<std::pair<std::string, Plan>>& others) {
     std::string text;
     for (const auto& [value, p] : others)
-      text += fmt::format("{}{}: {}", text.empty() ? "" : "; ", value, would(p));
+      text +=
+          fmt::format("{}{}{}: {}", text.empty() ? "" : "; ", value, besides(line, p), would(p));
     found.reasons[line] = text;
   };
   // The next lower and higher of `values` in rising order; with_value(v) is the plan that has v.

@@ -489,6 +489,15 @@ std::optional<PlanProblem> find_problem(const Plan& plan) {
   return std::nullopt;
 }
 
+std::optional<PlanProblem> board_problem(const Plan& plan) {
+  if (plan.photon_memory != PhotonMemory::kBlockRam || plan.beat_bits % 32 == 0)
+    return std::nullopt;
+  return PlanProblem{"gatherer.beat_bits",
+                     fmt::format("is {}, expected a multiple of 32 where a board has its photons "
+                                 "in block RAM, which is written by words of 32 bits",
+                                 plan.beat_bits)};
+}
+
 void check_plan(const Plan& plan) { check_plan(plan, "plan", {}); }
 
 void check_plan(const Plan& plan, const std::string& file,

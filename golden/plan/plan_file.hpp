@@ -35,6 +35,10 @@ std::optional<PlanProblem> find_problem(const Plan& plan);
 std::optional<PlanProblem> extent_problem(const Plan& plan);
 std::optional<PlanProblem> channel_problem(const Plan& plan);
 
+// What keeps a plan whose units can be built from a board: a photon memory of block RAM is written
+// by words of 32 bits.
+std::optional<PlanProblem> board_problem(const Plan& plan);
+
 // Throws PlanError with the first problem.
 void check_plan(const Plan& plan);
 // The same of a plan whose lines were changed by assignments, as set_plan_line has them. An error

@@ -328,7 +328,7 @@ PlannedFrame make_plan(const World& world, const PlanRequest& request, const Pho
   plan.height = scene.film.height;
   plan.spp = request.spp;
   plan.gather_rays = request.gather_rays;
-  why["gather.k"] = why["frame.spp"] = why["frame.gather_rays"] = "as asked for";
+  why["gather.k"] = why["frame.spp"] = why["frame.gather_rays"] = "as asked for, or by default";
   why["frame.width"] = why["frame.height"] = "the film's, or as asked for";
   // What is set by hand counts from the beginning, for whatever follows from it, and at the end.
   const auto set_by_hand = [&] {

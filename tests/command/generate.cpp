@@ -344,6 +344,28 @@ TEST_CASE("a board that cannot hold the plan is refused") {
   CHECK(run("generate a.toml -o b --clock 50").status == 2);
 }
 
+TEST_CASE("a beat that a board's block RAM cannot store is refused, with the line that has it") {
+  const Scratch s;
+  Plan plan = gatherer_plan();
+  plan.photon_bytes = 12;
+  plan.cache_bytes = 16 * plan.line_bytes();
+  plan.beat_bits = 48;
+  write_plan(plan, s / "p.toml");
+  const std::string from = "generate " + s / "p.toml" + " -o " + s / "hw";
+  CHECK(run(from).status == 0);
+  std::filesystem::remove_all(s / "hw");
+  for (const char* board : {"ulx3s-85f", "arty-a7-100t"}) {
+    const Outcome refused = run(from + " --board " + board);
+    CHECK(refused.status == 1);
+    CHECK(
+        refused.err.find(s / "p.toml" + ": gatherer.beat_bits is 48, expected a multiple of 32") !=
+        std::string::npos);
+    CHECK(!std::filesystem::exists(s / "hw"));
+  }
+  CHECK(run(from + " --board ulx3s-85f --set gatherer.beat_bits=24").status == 2);
+  CHECK(run(from + " --board ulx3s-85f --set gatherer.beat_bits=96").status == 0);
+}
+
 TEST_CASE("bad plans and wrong use") {
   const Scratch scratch;
   CHECK(run("generate").status == 2);

@@ -245,10 +245,12 @@ TEST_CASE("the reason of a line that the engine search decides is what its next 
     CHECK(reason("gatherer.beat_bits").find(std::to_string(2 * best.beat_bits) + ": ") !=
           std::string::npos);
     CHECK(begins(reason("board.photon_memory"),
-                 best.photon_memory == PhotonMemory::kSdram ? "block_ram: " : "sdram: "));
+                 best.photon_memory == PhotonMemory::kSdram ? "block_ram" : "sdram"));
     if (best.photon_memory == PhotonMemory::kSdram) {
       reason("board.cache_bytes");
       reason("reorder.packets");
+      // A beat is as many photons as lanes, so the reason says that it follows.
+      CHECK(reason("gatherer.lanes").find(" (with gatherer.beat_bits = ") != std::string::npos);
     }
     // The next plan is predicted as the search predicts: no faster, where it fits.
     Plan fewer = best;
