@@ -176,7 +176,7 @@ fpga-plans: build ## what several plans cost, and the fit that predicts it: docs
 	@scripts/fpga-tools
 	@scripts/fpga-plans
 
-tradeoffs: build ## a hundred plans on three scenes, error against cycles, LUTs and bytes: docs/tradeoffs.md (20 to 35 minutes)
+tradeoffs: build ## a hundred plans on three scenes, error against cycles, LUTs and bytes: docs/tradeoffs.md (17 minutes on fast cores)
 	@scripts/setup tradeoffs
 	@scripts/tradeoffs
 

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <regex>
 
 #include "golden/numeric/output_file.hpp"
 #include "golden/numeric/random.hpp"
@@ -244,8 +245,34 @@ TEST_CASE("the reason of a line that the engine search decides is what its next 
     CHECK(begins(reason("gatherer.beat_bits"), std::to_string(best.beat_bits / 2) + ": "));
     CHECK(reason("gatherer.beat_bits").find(std::to_string(2 * best.beat_bits) + ": ") !=
           std::string::npos);
-    CHECK(begins(reason("board.photon_memory"),
-                 best.photon_memory == PhotonMemory::kSdram ? "block_ram" : "sdram"));
+    const std::string other = best.photon_memory == PhotonMemory::kSdram ? "block_ram" : "sdram";
+    CHECK((begins(reason("board.photon_memory"), other + ": ") ||
+           begins(reason("board.photon_memory"), other + " (with ")));
+    // Each value, with the lines that its reason says follow it and no others, does what is said.
+    int values = 0;
+    for (const auto& [line, text] : found.reasons) {
+      static const std::regex kValue(R"((\w+)(?: \(with ([^)]*)\))?: ([^;]+)(?:; |$))");
+      for (std::sregex_iterator at(text.begin(), text.end(), kValue), end; at != end; ++at) {
+        const std::smatch& told = *at;
+        CAPTURE(line, text, told.str());
+        Plan changed = best;
+        set_plan_line(changed, line + "=" + told[1].str());
+        static const std::regex kFollows(R"(([\w.]+) = (\d+))");
+        const std::string follow = told[2];
+        for (std::sregex_iterator one(follow.begin(), follow.end(), kFollows); one != end; ++one)
+          set_plan_line(changed, (*one)[1].str() + "=" + (*one)[2].str());
+        std::string does;
+        if (const auto problem = find_problem(changed))
+          does = problem->line + " " + problem->what;
+        else if (does = engine_misfit(changed, board); does.empty())
+          does = fmt::format(
+              "{:.2f} cycles a gather",
+              engine_cycles(changed, load.map, {}, load.queries, board.core_khz).cycles);
+        CHECK(does == told[3].str());
+        ++values;
+      }
+    }
+    CHECK(values >= 12);
     if (best.photon_memory == PhotonMemory::kSdram) {
       reason("board.cache_bytes");
       reason("reorder.packets");
