@@ -14,6 +14,7 @@
 #include "golden/planner/resources.hpp"
 #include "golden/unit/photon_gatherer_image.hpp"
 #include "hls_kernels/generate/kernel_package.hpp"
+#include "rtl/generate/board.hpp"
 #include "rtl/generate/board_file.hpp"
 #include "rtl/generate/hardware.hpp"
 #include "rtl/generate/sources.hpp"
@@ -118,7 +119,8 @@ void generate(const GenerateOptions& o) {
   request.boards_dir = o.boards;
   std::map<std::string, std::string> files;
   const auto check_for_board = [&](const Plan& plan, const std::string& file) {
-    if (!o.board.empty() && o.unit.empty()) throw_problem(board_problem(plan), file, asked.set);
+    if (!o.board.empty() && o.unit.empty())
+      throw_problem(board_problem(plan, read_board(o.board, o.boards)), file, asked.set);
   };
   if (is_plan(source)) {
     request.plan = read_plan(source);

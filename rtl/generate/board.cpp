@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cctype>
 #include <filesystem>
+#include <optional>
 #include <regex>
 #include <stdexcept>
 
@@ -29,24 +30,17 @@ std::string kind_of(const Plan& plan, const BoardRequest& request) {
   return plan.photon_memory == PhotonMemory::kSdram ? "sdram" : "block_ram";
 }
 
-void check(const BoardDescription& b, const std::string& kind) {
-  if (b.tops.count(kind)) return;
-  if (kind == "unit")
+void check(const Plan& plan, const BoardDescription& b, const std::string& kind) {
+  if (kind == "unit" && !b.tops.count(kind))
     throw std::runtime_error(
         fmt::format("board {} takes no unit alone, expected [top.unit] in {}", b.name, b.file));
+  if (kind == "unit") return;
   if (!b.has_core())
     throw std::runtime_error(fmt::format(
         "board {} has room for one unit alone, expected --unit with it ({} of a small plan "
         "fits)",
         b.name, unit_name<ReorderBuffer>));
-  throw std::runtime_error(
-      kind == "sdram"
-          ? fmt::format("board {} has no SDRAM that photon_sdram serves, but the plan's "
-                        "board.photon_memory is sdram, expected block_ram",
-                        b.name)
-          : fmt::format("board {} has no top for photons in block RAM, but the plan's "
-                        "board.photon_memory is block_ram, expected sdram",
-                        b.name));
+  throw_problem(board_problem(plan, b), "plan", {});
 }
 
 // The hand-written top around board_core with its constants, and stubs of the cells that it names.
@@ -119,15 +113,35 @@ std::string add_flow(const BoardDescription& b, const Places& common, BoardFiles
 
 }  // namespace
 
+std::optional<PlanProblem> board_problem(const Plan& plan, const BoardDescription& board) {
+  if (!board.has_core()) return std::nullopt;
+  const bool sdram = plan.photon_memory == PhotonMemory::kSdram;
+  if (!board.tops.count(sdram ? "sdram" : "block_ram"))
+    return PlanProblem{
+        "board.photon_memory",
+        sdram
+            ? fmt::format("is sdram, expected block_ram: board {} has no SDRAM that photon_sdram "
+                          "serves",
+                          board.name)
+            : fmt::format("is block_ram, expected sdram: board {} has no top for photons in block "
+                          "RAM",
+                          board.name)};
+  if (sdram && plan.sdram_khz > board.sdram->clock_khz)
+    return PlanProblem{"board.sdram_khz",
+                       fmt::format("is {}, expected at most {}, sdram.clock_khz of {}",
+                                   plan.sdram_khz, board.sdram->clock_khz, board.file)};
+  return board_problem(plan);
+}
+
 void check_board(const Plan& plan, const BoardRequest& request) {
-  check(read_board(request.name, request.boards_dir), kind_of(plan, request));
+  check(plan, read_board(request.name, request.boards_dir), kind_of(plan, request));
 }
 
 BoardFiles board_files(const Plan& plan, const BoardRequest& request, const std::string& rtl_dir,
                        const std::vector<std::string>& sources) {
   const BoardDescription b = read_board(request.name, request.boards_dir);
   const std::string kind = kind_of(plan, request);
-  check(b, kind);
+  check(plan, b, kind);
   const BoardTop& top = b.tops.at(kind);
   const bool unit = kind == "unit";
   BoardFiles out;

@@ -4,10 +4,12 @@
 // fpga/boards/NAME and fpga/flows, copied and filled. docs/fpga.md, docs/porting.md.
 #pragma once
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "golden/plan/plan.hpp"
+#include "golden/plan/plan_file.hpp"
 #include "rtl/generate/board_file.hpp"
 
 namespace photonloom {
@@ -32,6 +34,10 @@ struct BoardFiles {
   std::string lint;                          // options for Verilator: where the part's cells are
   std::string readme;                        // section of the package's README
 };
+
+// The first line of a plan that a board with room for a whole top cannot have: the kind of its
+// photon memory, a clock of the SDRAM beyond the board's, or what board_problem(plan) tells.
+std::optional<PlanProblem> board_problem(const Plan& plan, const BoardDescription& board);
 
 // Throws std::runtime_error for an unknown board or one that cannot hold what is asked for.
 void check_board(const Plan& plan, const BoardRequest& request);

@@ -98,12 +98,8 @@ int number_in(const std::string& file, const std::string& before) {
 }
 
 // The controller waits the times that stand in it, whatever its clock.
-void check_sdram(const BoardDescription& board, int sdram_khz, const std::string& rtl_dir) {
+void check_sdram(const BoardDescription& board, const std::string& rtl_dir) {
   const std::string controller = rtl_dir + "/board/sdram_controller.sv";
-  if (sdram_khz > board.sdram->clock_khz)
-    throw std::runtime_error(
-        fmt::format("the plan's board.sdram_khz is {}, expected at most {}, sdram.clock_khz of {}",
-                    sdram_khz, board.sdram->clock_khz, board.file));
   static const std::pair<const char*, const char*> kTimes[] = {
       {"row_to_column_ns", "RowToColumn"},    {"precharge_ns", "Precharge"},
       {"row_active_ns", "RowActive"},         {"row_to_row_ns", "RowToRow"},
@@ -121,7 +117,7 @@ void check_sdram(const BoardDescription& board, int sdram_khz, const std::string
 
 BoardClocks board_clocks(const BoardDescription& board, int core_khz, int sdram_khz,
                          const std::string& rtl_dir) {
-  if (sdram_khz) check_sdram(board, sdram_khz, rtl_dir);
+  if (sdram_khz) check_sdram(board, rtl_dir);
   BoardClocks clocks{.core_khz = core_khz};
   if (!choose_dividers(*board.pll, board.oscillator_khz, clocks)) {
     const std::string core = examples(board, 0);

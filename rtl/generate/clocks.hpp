@@ -19,8 +19,8 @@ struct BoardClocks {
 
 // `sdram_khz`: clock of the SDRAM's controller, the plan's board.sdram_khz, or 0 where there is
 // none. Throws std::runtime_error for a clock that the PLL cannot make exactly, beside that of the
-// controller, and for one that is too slow for the link; with a controller too for a clock beyond
-// the board's and for a chip that the controller in `rtl_dir` does not serve, naming line or key.
+// controller, and for one that is too slow for the link; with a controller too for a chip that the
+// one in `rtl_dir` does not serve, naming the key.
 BoardClocks board_clocks(const BoardDescription& board, int core_khz, int sdram_khz,
                          const std::string& rtl_dir);
 

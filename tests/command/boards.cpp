@@ -217,7 +217,7 @@ TEST_CASE("a folder whose name begins no module's is refused") {
 TEST_CASE("an SDRAM that the controller does not serve is refused") {
   for (const auto& [from, to, said] :
        {std::tuple{"clock_khz = 110000", "clock_khz = 90000",
-                   "the plan's board.sdram_khz is 100000, expected at most 90000, sdram.clock_khz "
+                   "/plan.toml: board.sdram_khz is 100000, expected at most 90000, sdram.clock_khz "
                    "of"},
         std::tuple{"clock_khz = 110000", "clock_khz = 40000", "sdram.clock_khz is 40000, expected"},
         std::tuple{"row_active_ns = 44", "row_active_ns = 50",

@@ -366,6 +366,26 @@ TEST_CASE("a beat that a board's block RAM cannot store is refused, with the lin
   CHECK(run(from + " --board ulx3s-85f --set gatherer.beat_bits=96").status == 0);
 }
 
+TEST_CASE("a photon memory that a board has not is refused, with the file or --set that has it") {
+  const Scratch s;
+  Plan plan = gatherer_plan();
+  const std::string board = " -o " + s / "hw" + " --board arty-a7-100t";
+  write_plan(plan, s / "block_ram.toml");
+  const Outcome set =
+      run("generate " + s / "block_ram.toml" + board + " --set board.photon_memory=sdram");
+  CHECK(set.status == 1);
+  CHECK_THAT(set.err,
+             ContainsSubstring("--set: 'board.photon_memory=sdram': board.photon_memory is sdram, "
+                               "expected block_ram: board arty-a7-100t has no SDRAM"));
+  plan.photon_memory = PhotonMemory::kSdram;
+  write_plan(plan, s / "sdram.toml");
+  const Outcome file = run("generate " + s / "sdram.toml" + board);
+  CHECK(file.status == 1);
+  CHECK_THAT(file.err,
+             ContainsSubstring(s / "sdram.toml" + ": board.photon_memory is sdram, expected"));
+  CHECK(!std::filesystem::exists(s / "hw"));
+}
+
 TEST_CASE("bad plans and wrong use") {
   const Scratch scratch;
   CHECK(run("generate").status == 2);
