@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "golden/image/image.hpp"
+#include "golden/pipeline/batch.hpp"
 #include "golden/pipeline/light.hpp"
 #include "golden/plan/plan.hpp"
 #include "golden/transport/film_filter.hpp"

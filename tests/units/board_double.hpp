@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "golden/numeric/random.hpp"
+#include "golden/packet/layout.hpp"
 #include "golden/plan/plan_file.hpp"
 #include "golden/unit/photon_gatherer.hpp"
 #include "host/board.hpp"
