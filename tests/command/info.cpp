@@ -3,11 +3,13 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "golden/numeric/output_file.hpp"
 #include "golden/plan/plan_file.hpp"
 #include "tests/catch.hpp"
 #include "tests/command/run.hpp"
 
 using namespace photonloom::test;
+using photonloom::read_file;
 
 TEST_CASE("info: counts, bounds, powers, needs") {
   const Outcome text = run("info '" + source("scenes/cornell_balls.xml") + "'");

@@ -28,6 +28,7 @@ using photonloom::test::FaultRow;
 using photonloom::test::report;
 using photonloom::test::run;
 using photonloom::test::Scratch;
+using photonloom::test::source;
 
 namespace {
 
