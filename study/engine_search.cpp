@@ -32,9 +32,15 @@ constexpr double kAsFast = 0.01;
 // From a request to a line's first beat where nobody else asks: of rtl/board/photon_ram.sv, and of
 // the cache of rtl/board/photon_sdram.sv.
 constexpr int kBlockRamLatency = 5, kSharedCacheLatency = 9;
-// Of rtl/board/sdram_controller.sv, in its clock, from a READ to the line's first halfword.
+// Of rtl/board/sdram_controller.sv, in its clock, from a READ to the line's first halfword; its
+// banks, and the halfwords of a row of all of them.
 constexpr int kSdramReadLatency = 5;
+constexpr uint32_t kSdramBanks = 4, kSdramRow = 2048;
 constexpr uint32_t kSharedWays = 4;
+// Queries over which the work of gatherers and SDRAM evens out: those in flight, those that wait,
+// and those whose lines are asked for ahead. The best power of two for engines of one to three
+// gatherers in four scenes (tests/study/engine_frames_slow.cpp); half or double of it is 5 % off.
+constexpr size_t kEvenedOut = 128;
 // Before an SDRAM: lines of the cache, and places of the pool: 16 less than its memories have words
 // waste none of them.
 constexpr int kSharedLines[] = {512, 1024}, kPools[] = {2032, 4080, 8176, 12272};
@@ -99,14 +105,76 @@ double lines_asked(const Plan& plan, const LineVisits& visits, const Order& orde
          static_cast<double>(own.size());
 }
 
-// Lines that come from the SDRAM, a query: what the cache before it does not have.
-double lines_of_sdram(const Plan& plan, const LineVisits& visits, const Order& order) {
-  const CacheShape shape{
-      std::max<uint32_t>(
-          1, static_cast<uint32_t>(plan.board_cache_bytes / plan.line_bytes()) / kSharedWays),
-      kSharedWays};
-  return static_cast<double>(lines_fetched(shape, visits, order)) /
-         static_cast<double>(order.size());
+// What the SDRAM has to do, of each kEvenedOut queries in the order in which they are served.
+struct SdramWork {
+  double lines = 0;  // of all queries, a query
+  struct Part {
+    double visits = 0;  // lines that its queries read, of those of all
+    double cycles = 0;  // of the SDRAM's clock, a query of all
+  };
+  std::vector<Part> parts = {};
+};
+
+// Queries that are searched at a time, near enough to tell what a cache keeps for them: a power of
+// two, so that few such numbers are followed.
+size_t queries_at_once(const Plan& plan) {
+  const auto contexts = static_cast<size_t>(plan.gatherers) * static_cast<size_t>(plan.contexts);
+  return std::bit_floor(contexts + contexts / 2);
+}
+
+// Lines that the cache before the SDRAM does not have, where queries_at_once() read a line each in
+// turn; of those a row change each that leaves a row for another one of the bank that was just
+// read.
+SdramWork work_of_sdram(const Plan& plan, const LineVisits& visits, const Order& order) {
+  const auto line_bytes = static_cast<uint32_t>(plan.line_bytes());
+  CacheModel cache({std::max<uint32_t>(1, static_cast<uint32_t>(plan.board_cache_bytes) /
+                                              line_bytes / kSharedWays),
+                    kSharedWays});
+  // A line has a place of a power of two halfwords; those of the caustic map come after the others.
+  const uint32_t halfwords = line_bytes / 2, row_lines = kSdramRow >> clog2(halfwords);
+  const uint32_t caustic = 1u << plan.line_address_bits();
+  const auto first_caustic = static_cast<uint32_t>(plan.memory_lines(plan.global));
+  const double change = row_change_cycles(plan.sdram_khz);
+  struct Flight {
+    std::span<const uint32_t> lines;
+    size_t part = 0;
+  };
+  std::vector<Flight> flights(queries_at_once(plan));
+  std::vector<SdramWork::Part> parts((order.size() + kEvenedOut - 1) / kEvenedOut);
+  size_t next = 0, busy = 0, fetched = 0;
+  const auto enter = [&](Flight& flight) {
+    while (flight.lines.empty() && next < order.size()) {
+      flight.part = next / kEvenedOut;
+      flight.lines = visits.of(order[next++]);
+      parts[flight.part].visits += static_cast<double>(flight.lines.size());
+    }
+    busy += !flight.lines.empty();
+  };
+  for (Flight& flight : flights) enter(flight);
+  uint32_t last = 0;
+  while (busy > 0)
+    for (Flight& flight : flights) {
+      if (flight.lines.empty()) continue;
+      const uint32_t line = flight.lines.front();
+      if (!cache.read(line)) {
+        const uint32_t place = line < caustic ? line : first_caustic + line - caustic;
+        const bool changes = fetched > 0 && place % kSdramBanks == last % kSdramBanks &&
+                             place / row_lines != last / row_lines;
+        parts[flight.part].cycles += halfwords + (changes ? change : 0);
+        last = place;
+        ++fetched;
+      }
+      flight.lines = flight.lines.subspan(1);
+      if (!flight.lines.empty()) continue;
+      --busy;
+      enter(flight);
+    }
+  const auto queries = static_cast<double>(order.size());
+  for (SdramWork::Part& part : parts) {
+    part.visits /= static_cast<double>(std::max<size_t>(1, visits.total()));
+    part.cycles /= kRefreshLeaves * queries;
+  }
+  return {static_cast<double>(fetched) / queries, std::move(parts)};
 }
 
 // Of two bounds, as modelled_cycles joins a gatherer's.
@@ -115,16 +183,16 @@ double joined(const Plan& plan, double a, double b) {
   return std::pow(std::pow(a, power) + std::pow(b, power), 1 / power);
 }
 
-EngineCycles predict(const Plan& plan, const Load& of, double lines, double sdram_lines,
+// sdram: where the plan has one.
+EngineCycles predict(const Plan& plan, const Load& of, double lines, const SdramWork* sdram,
                      int core_khz) {
   EngineCycles e;
-  const bool sdram = plan.photon_memory == PhotonMemory::kSdram;
   GatherLoad load = of.searches.load;
   load.misses = lines;
   int latency = kBlockRamLatency;
   if (sdram) {
     // A line that the cache lacks comes whole before its first beat goes on.
-    const double slow = lines > 0 ? std::min(1.0, sdram_lines / lines) : 0;
+    const double slow = lines > 0 ? std::min(1.0, sdram->lines / lines) : 0;
     const double read = kSdramReadLatency + plan.line_bytes() / 2.0;
     latency = kSharedCacheLatency +
               static_cast<int>(std::lround(slow * read * core_khz / plan.sdram_khz));
@@ -137,18 +205,33 @@ EngineCycles predict(const Plan& plan, const Load& of, double lines, double sdra
                 plan.gatherers;
   const double beats = plan.line_beats();
   if (sdram) {
-    e.memory_lines = sdram_lines;
-    // A halfword a cycle of its clock.
-    const double data = sdram_lines * plan.line_bytes() / 2 / kRefreshLeaves;
-    e.memory = std::max(data * core_khz / plan.sdram_khz, kCycleFit.memory * beats * lines);
-  } else {
-    // A port reads a row a cycle; that its beats go to a gatherer one after the other is in that
-    // one's own cycles.
-    const double row = plan.photon_ram_row(), ports = std::min(2, plan.gatherers);
-    e.memory = kCycleFit.memory * beats * lines / (row * ports);
+    e.memory_lines = sdram->lines;
+    // A port of the cache reads a beat a cycle; the SDRAM a halfword a cycle of its clock. The
+    // first queries of a region wait for its lines, and while the others are searched the SDRAM
+    // waits for the next region: what binds differs from part to part.
+    const double port = kCycleFit.memory * beats * lines;
+    for (const SdramWork::Part& part : sdram->parts) {
+      const double memory = std::max(part.cycles * core_khz / plan.sdram_khz, port * part.visits);
+      e.memory += memory;
+      e.cycles += std::max(e.gatherers * part.visits, memory);
+    }
+    return e;
   }
+  // A port reads a row a cycle; that its beats go to a gatherer one after the other is in that
+  // one's own cycles.
+  const double row = plan.photon_ram_row(), ports = std::min(2, plan.gatherers);
+  e.memory = kCycleFit.memory * beats * lines / (row * ports);
   e.cycles = joined(plan, e.gatherers, e.memory);
   return e;
+}
+
+EngineCycles predict(const Plan& plan, const Load& of, const LineVisits& visits, const Order& order,
+                     int core_khz) {
+  const double lines = lines_asked(plan, visits, order);
+  if (plan.photon_memory != PhotonMemory::kSdram)
+    return predict(plan, of, lines, nullptr, core_khz);
+  const SdramWork work = work_of_sdram(plan, visits, order);
+  return predict(plan, of, lines, &work, core_khz);
 }
 
 // A board's memory for the lines, and the buffer in front of the gatherers. cache_lines: of the
@@ -158,7 +241,8 @@ struct Stream {
   ReorderKey key;
   int packets, cache_lines;
   size_t order;  // by number
-  double sdram_lines = 0;
+  // Of an SDRAM, by bytes a photon and queries at once.
+  std::map<std::pair<int, size_t>, SdramWork> work = {};
 };
 
 // Values of the searched lines.
@@ -294,11 +378,7 @@ EngineCycles engine_cycles(const Plan& plan, const PhotonMap& global, const Phot
                            std::span<const GatherQuery> queries, int core_khz) {
   const Load load = load_of(plan, global, caustic, queries);
   const LineVisits& visits = load.searches.visits;
-  const Order order = served_order(plan, queries);
-  return predict(
-      plan, load, lines_asked(plan, visits, order),
-      plan.photon_memory == PhotonMemory::kSdram ? lines_of_sdram(plan, visits, order) : 0,
-      core_khz);
+  return predict(plan, load, visits, served_order(plan, queries), core_khz);
 }
 
 std::vector<const char*> engine_lines(const BoardDescription& board, PhotonLines photons) {
@@ -345,10 +425,7 @@ EngineSearch fastest_engine(const Plan& given, const PhotonMap& global, const Ph
     p.board_cache_bytes = cache_lines * p.line_bytes();
     const auto [at, is_new] = order_of.try_emplace({key, packets}, orders.size());
     if (is_new) orders.push_back(served_order(p, queries));
-    Stream made{memory, key, packets, cache_lines, at->second};
-    if (memory == PhotonMemory::kSdram)
-      made.sdram_lines = lines_of_sdram(p, visits, orders[made.order]);
-    streams.push_back(made);
+    streams.push_back({memory, key, packets, cache_lines, at->second});
   };
   const ReorderKey ordered =
       plan.reorder_key == ReorderKey::kNone ? ReorderKey::kHilbert : plan.reorder_key;
@@ -397,7 +474,7 @@ EngineSearch fastest_engine(const Plan& given, const PhotonMap& global, const Ph
   std::string why_smallest, why_no_plan;
   const std::vector<Widths> widths = all_widths(plan);
   for (size_t i = 0; i < streams.size(); ++i) {
-    const Stream& at = streams[i];
+    Stream& at = streams[i];
     for (const Widths& w : widths) {
       if (w.cache_lines == 0 && at.memory == PhotonMemory::kSdram) continue;
       const Plan p = with(plan, at, w);
@@ -416,8 +493,13 @@ EngineSearch fastest_engine(const Plan& given, const PhotonMap& global, const Ph
       const auto [lines, is_new] =
           asked.try_emplace({static_cast<int>(at.order), w.gatherers, w.cache_lines});
       if (is_new) lines->second = lines_asked(p, visits, orders[at.order]);
-      fitting.push_back(
-          {i, w, needs, predict(p, load, lines->second, at.sdram_lines, board.core_khz)});
+      const SdramWork* sdram = nullptr;
+      if (at.memory == PhotonMemory::kSdram) {
+        const auto [work, is_first] = at.work.try_emplace({w.stride, queries_at_once(p)});
+        if (is_first) work->second = work_of_sdram(p, visits, orders[at.order]);
+        sdram = &work->second;
+      }
+      fitting.push_back({i, w, needs, predict(p, load, lines->second, sdram, board.core_khz)});
     }
   }
   if (fitting.empty())
@@ -453,12 +535,8 @@ EngineSearch fastest_engine(const Plan& given, const PhotonMap& global, const Ph
   const auto would = [&](const Plan& p) -> std::string {
     if (const auto problem = find_problem(p)) return problem->line + " " + problem->what;
     if (const std::string why = engine_misfit(p, board); !why.empty()) return why;
-    const Order order = served_order(p, queries);
-    const bool slow = p.photon_memory == PhotonMemory::kSdram;
     return fmt::format("{:.2f} cycles a gather",
-                       predict(p, load, lines_asked(p, visits, order),
-                               slow ? lines_of_sdram(p, visits, order) : 0, board.core_khz)
-                           .cycles);
+                       predict(p, load, visits, served_order(p, queries), board.core_khz).cycles);
   };
   // What else a plan with another value of a line has changed: beats and caches follow lanes,
   // photons and gatherers, and the pool follows the memory.

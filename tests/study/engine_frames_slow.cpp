@@ -67,3 +67,49 @@ TEST_CASE("predicted cycles of a frame's engine are within 15 % of simulated one
     }
   }
 }
+
+TEST_CASE("predicted cycles of engines before an SDRAM are within 15 % of simulated ones") {
+  BoardDescription board = predicted_board("ulx3s-85f");
+  struct Asked {
+    const char* scene;
+    int photons, k;
+  };
+  for (const Asked& asked :
+       {Asked{"cornell", 65536, 16}, Asked{"atrium", 200000, 8}, Asked{"lampshade", 100000, 24},
+        Asked{"cornell_glossy", 500000, 50}, Asked{"water_pool", 150000, 16},
+        Asked{"doorway", 80000, 32}, Asked{"table", 400000, 8}}) {
+    FrameRequest request;
+    request.scene_file = photonloom::test::source(std::string("scenes/") + asked.scene + ".xml");
+    request.photons = static_cast<uint64_t>(asked.photons);
+    request.k = asked.k;
+    const PreparedFrame frame = prepare_frame(request, Arithmetic::kGolden, nullptr);
+    const std::vector<GatherQuery> in = engine_queries(frame, nullptr);
+    const EngineSearch found = fastest_engine(frame.plan, frame.global, frame.caustic, in, board);
+    const Plan& plan = found.best.plan;
+    CHECK(plan.photon_memory == PhotonMemory::kSdram);
+    const EngineCycles& predicted = found.best.cycles;
+    RunOptions options;
+    options.sdram_period = static_cast<double>(board.core_khz) / plan.sdram_khz;
+    const auto rtl = make_rtl_gather_engine(plan, options, true, true);
+    rtl->load(frame.global, frame.caustic);
+    std::vector<GatherQuery> ordered = in;
+    if (plan.reorder_key != ReorderKey::kNone) ordered.emplace_back().flush = 1;
+    std::vector<GatherResult> results;
+    std::vector<GatherPhoton> photons;
+    const uint64_t first = rtl->cycles();
+    rtl->process(ordered, results, photons);
+    CHECK(results.size() == ordered.size());
+    const double simulated =
+        static_cast<double>(rtl->cycles() - first) / static_cast<double>(in.size());
+    CAPTURE(asked.scene, asked.photons, asked.k, simulated, predicted.cycles, plan.gatherers,
+            plan.contexts, plan.cache_bytes, plan.board_cache_bytes, plan.reorder_packets,
+            predicted.gatherers, predicted.memory);
+    WARN(asked.scene << ", " << asked.photons << " photons, k = " << asked.k << ", " << in.size()
+                     << " queries, " << plan.gatherers << " gatherers, " << plan.reorder_packets
+                     << " in the pool: " << predicted.cycles << " cycles predicted ("
+                     << predicted.gatherers << " of the gatherers, " << predicted.memory
+                     << " of the memory), " << simulated << " simulated");
+    CHECK(predicted.cycles > 0.85 * simulated);
+    CHECK(predicted.cycles < 1.15 * simulated);
+  }
+}

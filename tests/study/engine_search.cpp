@@ -121,6 +121,42 @@ TEST_CASE("which part of a frame comes first does not decide what an engine is p
   CHECK(memory(corner_first) == Approx(0.75 * memory(load.queries)).epsilon(0.1));
 }
 
+TEST_CASE("stretches of work for the SDRAM alone and for the gatherers alone add up") {
+  Load load = make_load(65536, 16, 20000);
+  load.plan.reorder_key = ReorderKey::kNone;
+  load.plan.photon_memory = PhotonMemory::kSdram;
+  load.plan.board_cache_bytes = 512 * load.plan.line_bytes();
+  load.plan.beat_bits = 8 * load.plan.line_bytes();  // so that the cache's port never binds
+  // Queries of one place need lines once; of the others each needs its own.
+  std::vector<GatherQuery> stretches = load.queries, mixed = load.queries;
+  for (size_t i = 0; i < 10000; ++i) stretches[i] = mixed[2 * i] = load.queries[0];
+  for (size_t i = 0; i < 10000; ++i) mixed[2 * i + 1] = stretches[10000 + i];
+  const auto predicted = [&](const std::vector<GatherQuery>& queries) {
+    return engine_cycles(load.plan, load.map, {}, queries, 50000);
+  };
+  const EngineCycles apart = predicted(stretches), even = predicted(mixed);
+  CHECK(apart.gatherers == Approx(even.gatherers).epsilon(0.02));
+  CHECK(apart.memory == Approx(even.memory).epsilon(0.02));
+  REQUIRE(even.memory > even.gatherers);
+  CHECK(even.cycles == Approx(even.memory).epsilon(0.02));
+  CHECK(apart.cycles > apart.memory + 0.3 * apart.gatherers);
+  CHECK(apart.cycles < apart.memory + 0.7 * apart.gatherers);
+}
+
+TEST_CASE("more queries in flight keep more of the cache before an SDRAM busy") {
+  Load load = make_load(65536, 16, 20000);
+  load.plan.photon_memory = PhotonMemory::kSdram;
+  load.plan.board_cache_bytes = 256 * load.plan.line_bytes();
+  const auto lines = [&](int gatherers, int contexts) {
+    load.plan.gatherers = gatherers;
+    load.plan.contexts = contexts;
+    return engine_cycles(load.plan, load.map, {}, load.queries, 50000).memory_lines;
+  };
+  CHECK(lines(2, 32) > lines(1, 8));
+  CHECK(lines(4, 32) > lines(2, 32));
+  CHECK(lines(4, 16) == lines(2, 32));
+}
+
 TEST_CASE("no engine beside the one for a board is faster and fits") {
   const BoardDescription board = predicted_board("ulx3s-85f");
   const Load load = make_load(16384, 16);

@@ -28,7 +28,6 @@
 #include "golden/numeric/output_file.hpp"
 #include "golden/plan/plan_file.hpp"
 #include "rtl/generate/data_files.hpp"
-#include "verilator_tb/chip/sdram_chip.hpp"
 #include "verilator_tb/throughput/gather_load.hpp"
 #include "verilator_tb/throughput/roofline.hpp"
 
@@ -68,14 +67,6 @@ nlohmann::json read_rows(const std::string& path) {
 
 // The clock for which the controller counts its times.
 double planned_mhz(const Plan& plan) { return plan.sdram_khz / 1000.0; }
-
-// PRECHARGE and ACTIVATE, each in whole cycles of that clock.
-double row_change_cycles(const Plan& plan) {
-  const auto cycles = [&](int64_t time) {
-    return std::ceil(static_cast<double>(time) * planned_mhz(plan) / 1e6);
-  };
-  return cycles(SdramTimes{}.precharge) + cycles(SdramTimes{}.row_to_column);
-}
 
 // The clocks of a plan of fpga/headline: the medians of its row in the data that `make headline`
 // writes. The SDRAM runs at the clock of its constraint, or at the one that was reached where that
@@ -217,9 +208,9 @@ Verdict judge(const Plan& plan, const GatherRun& m, double memory_lines, double 
           "SDRAM: ({:.3f} lines * {} cycles + {:.3f} row changes * {:g}) / {:.4f} * {:.1f} / "
           "{:.1f} MHz = {:.2f} cycles, {:.2f} without row changes; gatherers: {:.2f} / {} = {:.2f} "
           "cycles; bound by the {}: {:.1f} % of {} bound, goal {:.0f} %{}",
-          memory_lines, plan.line_bytes() / 2, row_changes, row_change_cycles(plan), kRefreshLeaves,
-          clocks.core, clocks.sdram, roofline.cycles, pins_cycles, m.cost.bound, plan.gatherers,
-          gatherers.cycles, bound_by_gatherers ? "gatherers" : "SDRAM",
+          memory_lines, plan.line_bytes() / 2, row_changes, row_change_cycles(plan.sdram_khz),
+          kRefreshLeaves, clocks.core, clocks.sdram, roofline.cycles, pins_cycles, m.cost.bound,
+          plan.gatherers, gatherers.cycles, bound_by_gatherers ? "gatherers" : "SDRAM",
           100 * (bound_by_gatherers ? gatherers : roofline).reached,
           bound_by_gatherers ? "their" : "its",
           100 * (bound_by_gatherers ? kGatherersGoal : kRooflineGoal), met ? "" : "; MISSED")};
@@ -314,7 +305,8 @@ int run(Options o) {
           return cycles / kRefreshLeaves * clocks.core / clocks.sdram;
         };
         const double data = memory_lines * plan.line_bytes() / 2, pins_cycles = of_sdram(data);
-        if (sdram) roofline = roof(of_sdram(data + row_changes * row_change_cycles(plan)));
+        if (sdram)
+          roofline = roof(of_sdram(data + row_changes * row_change_cycles(plan.sdram_khz)));
         if (through_buffer) {
           with_order = m.cycles;
           if (sdram)
@@ -358,7 +350,7 @@ int run(Options o) {
              {"lines_per_gather", lines},
              {"memory_lines_per_gather", memory_lines},
              {"row_changes_per_gather", row_changes},
-             {"row_change_cycles", row_change_cycles(plan)},
+             {"row_change_cycles", row_change_cycles(plan.sdram_khz)},
              {"ports_cycles", sdram ? nlohmann::json() : nlohmann::json(ports_cycles(plan, lines))},
              {"memory_busy", m.counted("memory busy") / (m.cycles * n)},
              {"gatherers_cycles", gatherers.cycles},
