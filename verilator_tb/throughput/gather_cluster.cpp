@@ -131,13 +131,13 @@ constexpr PlanOfBoard kPlans[] = {
 };
 
 // The photons of a plan; a path that would overfill the map is cut.
-std::vector<Photon> stored_photons(const GatherLoad& load, uint64_t count) {
+std::vector<Photon> stored_photons(const SceneGathers& load, uint64_t count) {
   std::vector<Photon> photons = load.photons(count);
   if (photons.size() > count) photons.resize(count);
   return photons;
 }
 
-Plan make_plan(const PlanOfBoard& p, const GatherLoad& load) {
+Plan make_plan(const PlanOfBoard& p, const SceneGathers& load) {
   Plan plan = load.plan(stored_photons(load, p.photons), p.photons);
   plan.scene = "";
   plan.k = p.k;
@@ -229,7 +229,7 @@ void dump(const std::string& path, const std::vector<UVec3>& points) {
 int run(Options o) {
   if (o.core_mhz && !(*o.core_mhz > 0 && *o.core_mhz <= 1000))
     throw std::runtime_error(fmt::format("--core-mhz: {}, expected up to 1000", *o.core_mhz));
-  const GatherLoad load(o.load);
+  const SceneGathers load(o.load);
   if (!o.write_plans.empty()) {
     for (const PlanOfBoard& p : kPlans)
       write_file(fmt::format("{}/{}.toml", o.write_plans, p.name), plan_text(make_plan(p, load)));

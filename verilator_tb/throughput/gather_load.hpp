@@ -103,9 +103,9 @@ inline std::vector<GatherQuery> reordered(const Plan& plan, std::vector<GatherQu
   return ordered;
 }
 
-class GatherLoad {
+class SceneGathers {
  public:
-  explicit GatherLoad(const LoadOptions& o)
+  explicit SceneGathers(const LoadOptions& o)
       : options_(o), world_(scene(o)), caster_(make_double_bvh(world_)) {}
 
   // At least `count`: a path is stored to its end.
@@ -141,13 +141,13 @@ class GatherLoad {
 };
 
 // Means over the queries, as golden counts, and the cycles that a gatherer's busiest port needs.
-struct GatherCost {
+struct GatherMeans {
   double nodes = 0, leaves = 0, insertions = 0, bound = 0;
 };
 
-inline GatherCost gather_cost(const Plan& plan, std::span<const GatherResult> results,
-                              size_t queries) {
-  GatherCost cost;
+inline GatherMeans gather_means(const Plan& plan, std::span<const GatherResult> results,
+                                size_t queries) {
+  GatherMeans cost;
   for (const GatherResult& r : results) {
     cost.nodes += r.nodes;
     cost.leaves += r.leaves;
@@ -176,7 +176,7 @@ inline std::vector<GatherResult> golden_gathers(const Plan& plan, const PhotonMa
 
 struct GatherRun {
   size_t queries = 0;
-  GatherCost cost;
+  GatherMeans cost;
   double cycles = 0;              // of a gather, fill and drain included
   double cycles_per_second = 0;   // of the simulation
   Counters counters, before;      // after the queries, and before them
@@ -204,7 +204,7 @@ inline GatherRun run_gathers(ClockedPhotonGatherer& rtl, const Plan& plan, const
   rtl.load(map, none);
   GatherRun run;
   run.queries = queries;
-  run.cost = gather_cost(plan, expected, queries);
+  run.cost = gather_means(plan, expected, queries);
   run.before = rtl.counters();
   const uint64_t first = rtl.cycles();
   const auto start = std::chrono::steady_clock::now();

@@ -149,7 +149,7 @@ void measure_both(const Plan& plan, const PhotonMap& map, const std::vector<Gath
 }
 
 int run(const Options& o) {
-  const GatherLoad load(o.load);
+  const SceneGathers load(o.load);
   const std::vector<Photon> photons = load.photons(o.photons);
   Plan plan = load.plan(photons, photons.size());
   plan.contexts = o.contexts;
