@@ -109,8 +109,8 @@ double lines_asked(const Plan& plan, const LineVisits& visits, const Order& orde
 struct SdramWork {
   double lines = 0;  // of all queries, a query
   struct Part {
-    double visits = 0;  // lines that its queries read, of those of all
-    double cycles = 0;  // of the SDRAM's clock, a query of all
+    double searches = 0;  // of the searches of all queries, by the lines that they read
+    double cycles = 0;    // of the SDRAM's clock, a query of all
   };
   std::vector<Part> parts = {};
 };
@@ -146,7 +146,7 @@ SdramWork work_of_sdram(const Plan& plan, const LineVisits& visits, const Order&
     while (flight.lines.empty() && next < order.size()) {
       flight.part = next / kEvenedOut;
       flight.lines = visits.of(order[next++]);
-      parts[flight.part].visits += static_cast<double>(flight.lines.size());
+      parts[flight.part].searches += 1 + static_cast<double>(flight.lines.size());
     }
     busy += !flight.lines.empty();
   };
@@ -171,7 +171,7 @@ SdramWork work_of_sdram(const Plan& plan, const LineVisits& visits, const Order&
     }
   const auto queries = static_cast<double>(order.size());
   for (SdramWork::Part& part : parts) {
-    part.visits /= static_cast<double>(std::max<size_t>(1, visits.total()));
+    part.searches /= queries + static_cast<double>(visits.total());
     part.cycles /= kRefreshLeaves * queries;
   }
   return {static_cast<double>(fetched) / queries, std::move(parts)};
@@ -211,9 +211,9 @@ EngineCycles predict(const Plan& plan, const Load& of, double lines, const Sdram
     // waits for the next region: what binds differs from part to part.
     const double port = kCycleFit.memory * beats * lines;
     for (const SdramWork::Part& part : sdram->parts) {
-      const double memory = std::max(part.cycles * core_khz / plan.sdram_khz, port * part.visits);
+      const double memory = std::max(part.cycles * core_khz / plan.sdram_khz, port * part.searches);
       e.memory += memory;
-      e.cycles += std::max(e.gatherers * part.visits, memory);
+      e.cycles += std::max(e.gatherers * part.searches, memory);
     }
     return e;
   }
