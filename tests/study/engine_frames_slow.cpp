@@ -13,6 +13,25 @@
 
 using namespace photonloom;
 
+namespace {
+
+// Cycles of the core a gather, of a plan's whole engine on all of these.
+double simulated_cycles(const Plan& plan, const PreparedFrame& frame,
+                        const std::vector<GatherQuery>& queries, const RunOptions& options) {
+  const auto rtl = make_rtl_gather_engine(plan, options, true, true);
+  rtl->load(frame.global, frame.caustic);
+  std::vector<GatherQuery> asked = queries;
+  if (plan.reorder_key != ReorderKey::kNone) asked.emplace_back().flush = 1;
+  std::vector<GatherResult> results;
+  std::vector<GatherPhoton> photons;
+  const uint64_t first = rtl->cycles();
+  rtl->process(asked, results, photons);
+  CHECK(results.size() == asked.size());
+  return static_cast<double>(rtl->cycles() - first) / static_cast<double>(queries.size());
+}
+
+}  // namespace
+
 TEST_CASE("predicted cycles of a frame's engine are within 15 % of simulated ones") {
   BoardDescription board = predicted_board("ulx3s-85f");
   board.tops.erase("sdram");
@@ -44,18 +63,7 @@ TEST_CASE("predicted cycles of a frame's engine are within 15 % of simulated one
     for (const Plan& plan : {found.best.plan, cached, ordered}) {
       const EngineCycles predicted =
           engine_cycles(plan, frame.global, frame.caustic, in, board.core_khz);
-      RunOptions options;
-      const auto rtl = make_rtl_gather_engine(plan, options, true, true);
-      rtl->load(frame.global, frame.caustic);
-      std::vector<GatherQuery> asked = in;
-      if (plan.reorder_key != ReorderKey::kNone) asked.emplace_back().flush = 1;
-      std::vector<GatherResult> results;
-      std::vector<GatherPhoton> photons;
-      const uint64_t first = rtl->cycles();
-      rtl->process(asked, results, photons);
-      CHECK(results.size() == asked.size());
-      const double simulated =
-          static_cast<double>(rtl->cycles() - first) / static_cast<double>(in.size());
+      const double simulated = simulated_cycles(plan, frame, in, {});
       CAPTURE(simulated, predicted.cycles, plan.gatherers, plan.lanes, plan.nodes_per_cycle,
               plan.contexts, plan.cache_bytes, predicted.gatherers, predicted.memory);
       WARN(scene << ", " << plan.gatherers << " gatherers, " << plan.cache_bytes
@@ -90,17 +98,7 @@ TEST_CASE("predicted cycles of engines before an SDRAM are within 15 % of simula
     const EngineCycles& predicted = found.best.cycles;
     RunOptions options;
     options.sdram_period = static_cast<double>(board.core_khz) / plan.sdram_khz;
-    const auto rtl = make_rtl_gather_engine(plan, options, true, true);
-    rtl->load(frame.global, frame.caustic);
-    std::vector<GatherQuery> ordered = in;
-    if (plan.reorder_key != ReorderKey::kNone) ordered.emplace_back().flush = 1;
-    std::vector<GatherResult> results;
-    std::vector<GatherPhoton> photons;
-    const uint64_t first = rtl->cycles();
-    rtl->process(ordered, results, photons);
-    CHECK(results.size() == ordered.size());
-    const double simulated =
-        static_cast<double>(rtl->cycles() - first) / static_cast<double>(in.size());
+    const double simulated = simulated_cycles(plan, frame, in, options);
     CAPTURE(asked.scene, asked.photons, asked.k, simulated, predicted.cycles, plan.gatherers,
             plan.contexts, plan.cache_bytes, plan.board_cache_bytes, plan.reorder_packets,
             predicted.gatherers, predicted.memory);
