@@ -39,7 +39,8 @@ constexpr uint32_t kSdramBanks = 4, kSdramRow = 2048;
 constexpr uint32_t kSharedWays = 4;
 // Queries over which the work of gatherers and SDRAM evens out: those in flight, those that wait,
 // and those whose lines are asked for ahead. The best power of two for engines of one to three
-// gatherers in four scenes (tests/study/engine_frames_slow.cpp); half or double of it is 5 % off.
+// gatherers in four scenes of tests/study/engine_frames_slow.cpp; half or double of it changes what
+// is predicted by up to 5 %.
 constexpr size_t kEvenedOut = 128;
 // Before an SDRAM: lines of the cache, and places of the pool: 16 less than its memories have words
 // waste none of them.
@@ -122,9 +123,8 @@ size_t queries_at_once(const Plan& plan) {
   return std::bit_floor(contexts + contexts / 2);
 }
 
-// Lines that the cache before the SDRAM does not have, where queries_at_once() read a line each in
-// turn; of those a row change each that leaves a row for another one of the bank that was just
-// read.
+// Lines that the cache before the SDRAM lacks, where queries_at_once() read a line each in turn,
+// and row changes: of each that leaves a row for another one of the bank that was just read.
 SdramWork work_of_sdram(const Plan& plan, const LineVisits& visits, const Order& order) {
   const auto line_bytes = static_cast<uint32_t>(plan.line_bytes());
   CacheModel cache({std::max<uint32_t>(1, static_cast<uint32_t>(plan.board_cache_bytes) /

@@ -26,18 +26,10 @@ TEST_CASE("predicted cycles of the headline's rows from an SDRAM are within 15 %
     const auto name = row.at("plan").get<std::string>();
     const bool within_mean = row.at("within_mean");
     Plan plan = read_plan(test::source("fpga/headline/" + name + ".toml"));
-    std::vector<Photon> photons = load.photons(plan.global.photons);
-    photons.erase(photons.begin() + static_cast<std::ptrdiff_t>(plan.global.photons),
-                  photons.end());
+    const std::vector<Photon> photons = load.stored_photons(plan.global.photons);
     const PhotonMap map = build_photon_map(pack_photons(photons, plan, plan.global, nullptr), plan);
     const std::vector<GatherQuery> queries = load.queries(plan);
-    if (within_mean) {
-      double sum = 0;
-      for (const GatherResult& r : golden_gathers(plan, map, queries))
-        sum += static_cast<double>(r.r2);
-      plan.global.r2_max = plan.caustic.r2_max =
-          static_cast<uint64_t>(sum / static_cast<double>(queries.size()));
-    }
+    if (within_mean) plan.global.r2_max = plan.caustic.r2_max = mean_r2(plan, map, queries);
     plan.sdram_khz = static_cast<int>(1000 * row.at("sdram").at("mhz").get<double>());
     const int core_khz = static_cast<int>(1000 * row.at("fmax_mhz").at("median").get<double>());
     const double predicted = engine_cycles(plan, map, {}, queries, core_khz).cycles;

@@ -70,8 +70,7 @@ class Project:
 def options_of(command: str) -> list[str]:
     """Compiler and options, without the file and what it is compiled to."""
     words = shlex.split(command)
-    at = words.index("-o")
-    return words[:at]
+    return words[:words.index("-o")]
 
 
 def listed(source: Path) -> list[str]:
@@ -95,11 +94,10 @@ def main() -> int:
     project = Project(source, asked.build.resolve())
     files = asked.files or [file for file in listed(source)
                             if not file.startswith(tuple(ELSEWHERE)) or file.startswith(OF_THE_BUILD)]
-    wrong = [f"{file}: is not compiled by the build, expected so of every source but those in {', '.join(ELSEWHERE)}"
-             for file in files if file.endswith(".cpp") and file not in project.options]
-    compiled = [file for file in files if not (file.endswith(".cpp") and file not in project.options)]
+    of_no_target = [file for file in files if file.endswith(".cpp") and file not in project.options]
+    wrong = [f"{file}: is not compiled by the build, expected so of every source but those in {', '.join(ELSEWHERE)}" for file in of_no_target]
     with ThreadPoolExecutor(os.cpu_count()) as pool:
-        wrong += filter(None, pool.map(project.compile, compiled))
+        wrong += filter(None, pool.map(project.compile, (file for file in files if file not in of_no_target)))
     for sentence in wrong:
         print(sentence)
     print(f"{len(files) - len(wrong)} of {len(files)} files compile by themselves")

@@ -20,7 +20,6 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -130,15 +129,8 @@ constexpr PlanOfBoard kPlans[] = {
      32, 512, 110000},
 };
 
-// The photons of a plan; a path that would overfill the map is cut.
-std::vector<Photon> stored_photons(const SceneGathers& load, uint64_t count) {
-  std::vector<Photon> photons = load.photons(count);
-  if (photons.size() > count) photons.resize(count);
-  return photons;
-}
-
 Plan make_plan(const PlanOfBoard& p, const SceneGathers& load) {
-  Plan plan = load.plan(stored_photons(load, p.photons), p.photons);
+  Plan plan = load.plan(load.stored_photons(p.photons), p.photons);
   plan.scene = "";
   plan.k = p.k;
   plan.contexts = p.contexts;
@@ -255,7 +247,7 @@ int run(Options o) {
     Plan plan = read_plan(file);
     const std::string name = fs::path(file).stem().string();
     const Clocks clocks = clocks_of(file, plan, routed, o);
-    const std::vector<Photon> photons = stored_photons(load, plan.global.photons);
+    const std::vector<Photon> photons = load.stored_photons(plan.global.photons);
     const std::vector<PackedPhoton> packed = pack_photons(photons, plan, plan.global, nullptr);
     const PhotonMap map = build_photon_map(packed, plan);
     std::vector<GatherQuery> queries = load.queries(plan);
@@ -270,10 +262,7 @@ int run(Options o) {
       open.global.r2_max = open.caustic.r2_max = plan.r2_limit();
       open.leaf_limit = 0;
       open.epsilon_factor = uint32_t{1} << plan.epsilon_shift;
-      const std::vector<GatherResult> results = golden_gathers(open, map, queries);
-      double sum = 0;
-      for (const GatherResult& r : results) sum += static_cast<double>(r.r2);
-      radii.push_back(static_cast<uint64_t>(sum / static_cast<double>(results.size())));
+      radii.push_back(mean_r2(open, map, queries));
     }
     if (!o.dump.empty()) {
       std::vector<UVec3> points, places;

@@ -112,6 +112,12 @@ class SceneGathers {
   std::vector<Photon> photons(uint64_t count) const {
     return trace_global_photons(world_, *caster_, count, options_.seed).photons;
   }
+  // `count` of them: a path that would overfill the map is cut.
+  std::vector<Photon> stored_photons(uint64_t count) const {
+    std::vector<Photon> stored = photons(count);
+    if (stored.size() > count) stored.resize(count);
+    return stored;
+  }
   std::vector<GatherQuery> queries(const Plan& plan) const {
     return final_gather_queries(world_, *caster_, plan, options_);
   }
@@ -172,6 +178,14 @@ inline std::vector<GatherResult> golden_gathers(const Plan& plan, const PhotonMa
   golden->load(map, none);
   golden->process(queries, results, photons);
   return results;
+}
+
+// The mean of what golden finds as the k-th photon's squared distance.
+inline uint64_t mean_r2(const Plan& plan, const PhotonMap& map,
+                        std::span<const GatherQuery> queries) {
+  double sum = 0;
+  for (const GatherResult& r : golden_gathers(plan, map, queries)) sum += static_cast<double>(r.r2);
+  return static_cast<uint64_t>(sum / static_cast<double>(queries.size()));
 }
 
 struct GatherRun {
