@@ -268,6 +268,33 @@ endmodule
             with self.subTest(name):
                 self.assertNotEqual(self.digest(**{file: text}), self.replaced(file, text, old, new))
 
+    def test_what_nothing_reads(self) -> None:
+        """Through a module between, too."""
+        between = "module between (input logic [3:0] in_i, output logic [3:0] out_o{ports});\n" \
+                  "  register last (.clk_i(in_i[0]), .in_i(in_i), .out_o(out_o){pins});\nendmodule\n"
+
+        def of(ports: str, inside: str, pins: str, outside: str, wire: str = "", more: str = "") -> str:
+            return self.digest(**{
+                "rtl/register.sv": self.REGISTER.replace("out_o);", f"out_o{ports});{inside}") + between.format(ports=ports, pins=pins),
+                "rtl/top.sv": self.TOP.replace("logic [3:0] sum;", f"logic [3:0] sum;{wire}").replace("+ b_i", f"+ b_i{more}").replace(
+                    "register #(.Late(0)) last (.clk_i(clk_i), ", "between last (").replace(".out_o(o)", f".out_o(o){outside}")})
+        none = of("", "", "", "")
+        ports, pins, copy = ", input logic in_2, output logic out_2", ", .in_2(in_2), .out_2(out_2)", " assign out_2 = in_2;"
+        unread = " logic [1:0] two; logic unread; assign unread = &two;"
+        self.assertEqual(none, of(ports, " assign out_2 = '0;", pins, ", .in_2(1'b1), .out_2()"))
+        self.assertEqual(none, of(ports, copy, pins, ", .in_2(1'b1), .out_2()"))
+        self.assertEqual(none, of(ports, copy, pins, ", .in_2(1'b1), .out_2(two[0])", unread))
+        self.assertNotEqual(none, of(ports, copy, pins, ", .in_2(1'b1), .out_2(two[0])", unread, " + 4'(unread)"))
+        self.assertNotEqual(none, of(ports, " always_ff @(posedge in_2) kept_q[0] <= 0;", pins, ", .in_2(1'b1), .out_2()"))
+
+    def test_an_output_that_goes_nowhere_but_is_read_within(self) -> None:
+        def of(digit: int) -> str:
+            return self.digest(**{"rtl/top.sv": "module zero (output logic z);\n" f"  assign z = 1'b{digit};\nendmodule\n"
+                                  "module inner (input logic a, output logic z, output logic o);\n"
+                                  "  zero zeros (.z(z));\n  assign o = a & z;\nendmodule\n"
+                                  "module top (input logic a, output logic o);\n  inner i (.a(a), .z(), .o(o));\nendmodule\n"})
+        self.assertNotEqual(of(0), of(1))
+
     def test_variables_of_one_name_in_two_blocks_are_two(self) -> None:
         """Without their scopes both designs would be the same statements."""
         def blocks(first: str, second: str) -> str:

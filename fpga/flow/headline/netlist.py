@@ -2,7 +2,8 @@
 """The digest of what a routed top was made from: RTL and constraints of its package.
 
 RTL is taken as Verilator elaborates it, parameters and generate blocks resolved, so that neither comments, the order of a text, another
-name for the same wire nor what this top does not generate change the digest. Attributes, which tell Yosys what a memory is made
+name for the same wire nor what this top does not generate change the digest, nor what nothing reads: a wire with what drives it, a
+port of a module within. Attributes, which tell Yosys what a memory is made
 of, are not in that and are taken from the text. The plan's hash is left out, which also changes where no net does. Another version of
 Verilator may elaborate otherwise: digests are those of Debian 12's, which the set-up installs."""
 import hashlib
@@ -19,7 +20,7 @@ from flow.shell import Failure, first_line, run
 
 # A string, in which // is no comment, or a comment.
 VERILOG = re.compile(r'("(?:\\.|[^"\\])*")|//[^\n]*|/\*.*?\*/', re.S)
-ATTRIBUTE = re.compile(r"\(\*\s*\w[^;]*;", re.S)  # and what it is of
+ATTRIBUTE = re.compile(r"\(\*\s*\w[^;]*?\*\)[^;(]*", re.S)  # and what it is of, of an instance without its pins
 PLAN_HASH = re.compile(r"PlanHash = 64'h[0-9a-f]{16}")
 UNNAMED = re.compile(r"^unnamedblk\d+$")  # a block with variables of its own, which Verilator counts through a module
 SHORT = 12  # digits of a digest on the page
@@ -50,19 +51,19 @@ class Elaboration:
         table = netlist.find("typetable")
         self.types = {kind.get("id"): kind for kind in table} if table is not None else {}
         self.type_texts: dict[str | None, str] = {}
-        self.digests: dict[str, str] = {}
+        self.texts: dict[tuple[str, frozenset[str]], ModuleText] = {}
 
     def text(self, top: str) -> str:
-        return "\n".join([*(ModuleText(self, package).text() for package in self.packages), self.digest_of(top)])
+        return "\n".join([*(ModuleText(self, package).text() for package in self.packages), self.instance_of(top).digest()])
 
-    def digest_of(self, module: str) -> str:
-        """Of a module and of all within it."""
+    def instance_of(self, module: str, open_outputs: frozenset[str] = frozenset()) -> "ModuleText":
+        """A module where these of its outputs go nowhere, and all within it."""
         if module not in self.modules:
             raise Failure(f"Verilator's XML has an instance of {module}, expected the module too")
-        if module not in self.digests:
-            text = ModuleText(self, self.modules[module]).text()
-            self.digests[module] = hashlib.sha256(text.encode()).hexdigest()
-        return self.digests[module]
+        key = (module, open_outputs)
+        if key not in self.texts:
+            self.texts[key] = ModuleText(self, self.modules[module], open_outputs)
+        return self.texts[key]
 
     def type_of(self, kind: str | None) -> str:
         if kind not in self.type_texts:
@@ -82,18 +83,85 @@ def said(element: Element) -> list[str]:
 
 
 class ModuleText:
-    """The text of one module. A variable is known by its scope, a module, function or block, and its name; one that is
-    assigned another is that other."""
+    """The text of one module, of whose outputs some go nowhere. A variable is known by its scope, a module, function or block, and
+    its name; one that is assigned another is that other."""
     Variable = tuple[int, str]
 
-    def __init__(self, design: Elaboration, module: Element) -> None:
-        self.design, self.module = design, module
+    def __init__(self, design: Elaboration, module: Element, open_outputs: frozenset[str] = frozenset()) -> None:
+        self.design, self.module, self.open_outputs = design, module, open_outputs
         self.primitive = module.get("origName") in design.primitives
         self.declared: dict[int, set[str]] = {}
         self.order: dict[ModuleText.Variable, tuple[bool, int, int]] = {}  # no port, how many scopes deep, which of all
         self.paths: dict[int, str] = {}
         self.same: dict[ModuleText.Variable, ModuleText.Variable] = {}
         self.find_same(module, [])
+        self.unread: set[ModuleText.Variable] = set()
+        self.idle: set[str] = set()
+        self.find_unread()
+        self.kept_digest: str | None = None
+
+    def digest(self) -> str:
+        if self.kept_digest is None:
+            self.kept_digest = hashlib.sha256(self.text().encode()).hexdigest()
+        return self.kept_digest
+
+    def find_unread(self) -> None:
+        """unread: wires that nothing reads, and outputs that go nowhere, unless a process drives them; idle: ports that the module could
+        do without. What drives such a wire reads nothing either, so they are looked for until no more are found."""
+        if self.primitive:
+            return
+        elements = list(self.elements(self.module, [self.module]))
+        ports = [(port.get("dir"), port.get("name", "")) for port in self.module if port.tag == "var" and "dir" in port.attrib]
+        outside = {self.variable_of(name, [self.module]) for way, name in ports if way == "output" and name not in self.open_outputs}
+        before, read = None, outside
+        while before != self.unread:
+            before = self.unread
+            parts = [(part, scopes) for element, scopes in elements for part in self.parts(element, scopes)]
+            read = outside.union(*(self.read(part, scopes) for part, scopes in parts))
+            self.unread = {wire for part, scopes in parts if (wire := self.driven(part, scopes))} - read
+        for way, name in ports:
+            variable, own = self.variable_of(name, [self.module]), (id(self.module), name)
+            if name in self.open_outputs and (variable in self.unread or variable != own):
+                self.idle.add(name)
+            elif way == "input" and variable == own and variable not in read:
+                self.idle.add(name)
+
+    def elements(self, element: Element, scopes: Sequence[Element]) -> Iterator[tuple[Element, Sequence[Element]]]:
+        """All that works at a time, and where."""
+        for child in element:
+            if child.tag == "begin":  # a generate block that was taken
+                yield from self.elements(child, [*scopes, child])
+            elif child.tag not in ("var", "typedef") and not self.is_alias(child):
+                yield child, scopes
+
+    def parts(self, element: Element, scopes: Sequence[Element]) -> list[Element]:
+        """An assignment, a process, the pins of an instance that its module does not do without."""
+        if element.tag != "instance":
+            return [element]
+        idle = self.instance_of(element, scopes).idle
+        return [pin for pin in element if pin.get("name") not in idle or pin.get("direction") == "out"]
+
+    def driven(self, part: Element, scopes: Sequence[Element]) -> "ModuleText.Variable | None":
+        """The wire that an assignment or a pin drives, and nothing else does with it: the last of its children, or a part of that. What
+        is constant is driven once at the beginning."""
+        if part.tag == "initial" and len(part) == 1 and part[0].tag == "assign":
+            part = part[0]
+        elif part.tag != "contassign" and not (part.tag == "port" and part.get("direction") == "out" and len(part) == 1):
+            return None
+        wire = part[-1]
+        while wire.tag in ("sel", "arraysel", "structsel"):
+            wire = wire[0]
+        return self.variable(wire, scopes) if wire.tag == "varref" else None
+
+    def read(self, part: Element, scopes: Sequence[Element]) -> set[Variable]:
+        wire = self.driven(part, scopes)
+        return set() if wire in self.unread else {self.variable(found, scopes) for found in part.iter("varref")} - {wire}
+
+    def instance_of(self, element: Element, scopes: Sequence[Element]) -> "ModuleText":
+        """The module of an instance. An output goes nowhere where it is not connected, or to a wire that nothing reads."""
+        nowhere = {pin.get("name", "") for pin in element if pin.get("direction") == "out" and
+                   (len(pin) == 0 or self.driven(pin, scopes) in self.unread)}
+        return self.design.instance_of(element.get("defName", ""), frozenset(nowhere))
 
     def text(self) -> str:
         """Of all that works at a time, in an order of its own."""
@@ -107,7 +175,9 @@ class ModuleText:
                 yield self.element_text(child, scopes)
 
     def variable(self, element: Element, scopes: Sequence[Element]) -> Variable:
-        name = element.get("name", "")
+        return self.variable_of(element.get("name", ""), scopes)
+
+    def variable_of(self, name: str, scopes: Sequence[Element]) -> Variable:
         variable = (next((id(scope) for scope in reversed(scopes) if name in self.declared[id(scope)]), 0), name)
         while variable in self.same:
             variable = self.same[variable]
@@ -135,21 +205,26 @@ class ModuleText:
 
     def element_text(self, element: Element, scopes: Sequence[Element]) -> str:
         tag = element.tag
-        kept = "dir" in element.attrib or (self.primitive and "param" in element.attrib)
+        kept = ("dir" in element.attrib and element.get("name") not in self.idle) or (self.primitive and "param" in element.attrib)
         if tag == "typedef" or (tag == "var" and not kept) or self.is_alias(element):
             return ""  # is known where it is used
+        if element.tag in ("contassign", "initial") and self.driven(element, scopes) in self.unread:
+            return ""
         words = [tag, *said(element)]
+        children = list(element)
         if "dtype_id" in element.attrib:
             words.append(self.design.type_of(element.get("dtype_id")))
         if tag == "instance":
-            words.append(self.design.digest_of(element.get("defName", "")))
+            instance = self.instance_of(element, scopes)
+            words.append(instance.digest())
+            children = [pin for pin in element if pin.get("name") not in instance.idle]
         if tag in ("func", "funcref", "var"):  # a port is called by its name
             words.append(element.get("name", ""))
         if tag in ("var", "varref"):
             scope, name = self.variable(element, scopes)
             words.append(f"{self.paths.get(scope, '')}.{name}")
         within = [*scopes, element] if tag in SCOPES else scopes
-        return f"({' '.join(words)}{''.join(self.element_text(child, within) for child in element)})"
+        return f"({' '.join(words)}{''.join(self.element_text(child, within) for child in children)})"
 
 
 def elaborate(folder: Path, top: str) -> str:
