@@ -124,6 +124,7 @@ struct Plan {
   int sdram_khz = 100000;         // clock of an SDRAM's controller
   int replay_queries = 1024;      // block RAM of the query replayer
   int lut_ram_words = 0;          // memories of so many words at most are made of LUTs
+  bool shared_nodes = false;      // two gatherers, or one and the prefetcher, read one node memory
   bool parity = false;            // of memories of photons, nodes and cached lines
   bool self_test = false;         // a board asks itself stored queries after reset
   // [frame]
@@ -269,6 +270,11 @@ struct Plan {
     const bool few = k < 4 || (leaf_limit != 0 && leaf_limit <= 4);
     return cache_bytes == 0 && few && of_sum > 1 ? 2 * powers_per_cycle : powers_per_cycle;
   }
+  // Words of a node memory: the maps' inner nodes by number, the caustic map's after the others.
+  uint64_t node_words() const {
+    return std::max<uint64_t>(
+        2, (global.present ? lines(global) : 0) + (caustic.present ? lines(caustic) : 0));
+  }
   // Two nodes a cycle are those of two trees or, of far gatherers, two levels of one.
   int trees() const { return far_gatherers() ? 1 : nodes_per_cycle; }
   int node_levels() const { return nodes_per_cycle / trees(); }
@@ -389,6 +395,8 @@ struct Plan {
       "queries that a board's replayer holds, a power of two");
     v("board", "lut_ram_words", p.lut_ram_words, 0, 1024,
       "memories of so many words at most are made of LUTs, not of block RAM");
+    v("board", "shared_nodes", p.shared_nodes, 0, 1,
+      "whether a node memory serves two gatherers, or one and the prefetcher");
     v("board", "parity", p.parity, 0, 1,
       "a bit for each word of photons, nodes and cached lines; results tell of wrong ones");
     v("board", "self_test", p.self_test, 0, 1,

@@ -337,6 +337,11 @@ std::optional<PlanProblem> find_problem(const Plan& plan) {
                               "has contexts of its own",
                               width, plan.contexts, width));
   }
+  if (plan.shared_nodes && plan.nodes_per_cycle != 1)
+    return fail("board.shared_nodes",
+                fmt::format("is true, expected false where gatherer.nodes_per_cycle is {}: a node "
+                            "memory has two ports, and a gatherer would read on one of them",
+                            plan.nodes_per_cycle));
   if (plan.powers_per_cycle > plan.candidates_per_cycle)
     return fail("gatherer.powers_per_cycle",
                 fmt::format("is {}, expected at most candidates_per_cycle = {}: a sum reads what "
@@ -543,6 +548,7 @@ bool may_be_left_out(const std::string& line) {
                                             "cache.glossy",
                                             "cache.gradients",
                                             "board.sdram_khz",
+                                            "board.shared_nodes",
                                             "board.parity",
                                             "board.self_test",
                                             "photon.lines",

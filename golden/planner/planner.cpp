@@ -468,6 +468,7 @@ PlannedFrame make_plan(const World& world, const PlanRequest& request, const Pho
   why["board.sdram_khz"] = "most routed tops reach it; set by hand where one reaches less, or more";
   why["board.replay_queries"] = "the rate of a board without its link";
   why["board.lut_ram_words"] = "block RAM is short where several gatherers share it";
+  why["board.shared_nodes"] = "a node memory each; set by hand where a board lacks block RAM";
   why["board.parity"] = "set by hand where flipped bits must be told";
   why["board.self_test"] = "set by hand where a board must try itself";
 

@@ -129,7 +129,18 @@ void add_slices(Memories& m, int width, uint64_t words) {
     m.add(std::min(left, slice_bits(words)), words);
 }
 
-Memories gatherer_memories(const Plan& p) {
+// A memory of single nodes, read by one tree or on both ports of its blocks, which have 18 bits
+// there at most.
+void add_nodes(Memories& m, int bits, uint64_t words, int trees) {
+  if (trees == 1) return add_slices(m, bits, words);
+  const int widest = std::min(slice_bits(words), 18);
+  for (int left = bits; left > 0; left -= widest) m.add_two_reads(std::min(left, widest), words);
+}
+
+int node_bits(const Plan& p) { return p.position_bits + 2 + parity_bits(p); }
+
+// own_nodes: it has a node memory, as a gatherer that shares none.
+Memories gatherer_memories(const Plan& p, bool own_nodes = true) {
   Memories m(p);
   const auto sets = static_cast<uint64_t>(p.cache_bytes / (p.line_bytes() * p.cache_ways));
   const uint64_t lines = sets * power_of_two(p.cache_ways);
@@ -147,15 +158,9 @@ Memories gatherer_memories(const Plan& p) {
     return p.node_levels() == 1 ? lines : lines > 1 ? uint64_t{1} << (clog2(lines) - 1) : 0;
   };
   const uint64_t nodes = std::max<uint64_t>(2, words(p.global) + words(p.caustic));
-  // Two trees read on both ports of a block, which has 18 bits there at most.
-  const int node_bits = p.position_bits + 2 + parity_bits(p);
-  const int widest = std::min(slice_bits(nodes), 18);
-  for (int word = 0; word < (p.node_levels() > 1 ? 3 : 1); word++)
-    if (p.trees() > 1)
-      for (int left = node_bits; left > 0; left -= widest)
-        m.add_two_reads(std::min(left, widest), nodes);
-    else
-      add_slices(m, node_bits, nodes);
+  if (own_nodes)
+    for (int word = 0; word < (p.node_levels() > 1 ? 3 : 1); word++)
+      add_nodes(m, node_bits(p), nodes, p.trees());
 
   // Trees and lists have their contexts each.
   const auto contexts_of = [&](int parts) {
@@ -390,9 +395,7 @@ int photon_memory_blocks(const Plan& p) {
   // The prefetcher's queries and its nodes.
   if (p.prefetch_queries() != 0) {
     m.add(PacketLayout::of<GatherQuery>(p).bits(), static_cast<uint64_t>(p.prefetch_queries()));
-    add_slices(
-        m, 2 + p.position_bits,
-        (p.global.present ? p.lines(p.global) : 0) + (p.caustic.present ? p.lines(p.caustic) : 0));
+    if (!p.shared_nodes) add_nodes(m, p.position_bits + 2, p.node_words(), 1);
   }
   return m.blocks;
 }
@@ -415,7 +418,13 @@ BoardMemories board_memories(const Plan& p) {
   if (p.self_test) link.add(32, make_self_test(p).words.size());
   b.replayer = replayer.blocks;
   b.link = link.blocks;
-  b.units = p.gatherers * gatherer_memories(p).blocks;
+  b.units = p.gatherers * gatherer_memories(p, !p.shared_nodes).blocks;
+  if (p.shared_nodes) {
+    Memories nodes(p);
+    for (int readers = p.gatherers + (p.prefetch_queries() != 0 ? 1 : 0); readers > 0; readers -= 2)
+      add_nodes(nodes, node_bits(p), p.node_words(), std::min(readers, 2));
+    b.units += nodes.blocks;
+  }
   if (p.reorder_key != ReorderKey::kNone) b.units += reorder_memories(p).blocks;
   return b;
 }

@@ -5,7 +5,7 @@
 //
 // The packets are those of photon_gatherer, whatever Gatherers is. Configuration writes go to all gatherers, while nothing
 // is inside. Line ports are the gatherers' own side by side, gatherer 0 lowest, and above them that of line_prefetcher, where there
-// is one; for photon_ram or photon_sdram.
+// is one; for photon_ram or photon_sdram. With SharedNodes their node memories are gather_nodes', one for each two ports.
 //
 // Throughput: Gatherers times that of photon_gatherer until the line memory is busy; one query and one result a cycle at
 // best. Latency: that of the gatherer and 7 cycles, and the reorder buffer's.
@@ -65,6 +65,9 @@ module gather_cluster #(
   localparam int unsigned QueryBits = photonloom_pkg::GatherQueryPacketBits;
   localparam int unsigned ResultBits = photonloom_pkg::GatherResultPacketBits;
   localparam int unsigned PhotonBits = photonloom_pkg::GatherPhotonPacketBits;
+  localparam bit OwnNodes = photonloom_pkg::SharedNodes == 0;
+  localparam int unsigned NodeAddressBits = $clog2(photonloom_pkg::NodeWords);
+  localparam int unsigned NodeDataBits = photonloom_pkg::PositionBits + 2 + Parity;
 
   // ---- order ----
   logic come_valid, come_ready, reorder_in_ready, reorder_out_valid, deal_valid, dealt_valid, deal_ready;
@@ -117,16 +120,44 @@ module gather_cluster #(
     assign come = in_i;
   end
 
+  // ---- nodes ----
+  logic [Ports*NodeAddressBits-1:0] node_address;
+  /* verilator lint_off UNUSEDSIGNAL */  // the prefetcher looks at no parity bit
+  logic [Ports*NodeDataBits-1:0] node_data;
+  /* verilator lint_on UNUSEDSIGNAL */
+  if (OwnNodes) begin : gen_own_nodes
+    assign node_data = '0;
+    /* verilator lint_off UNUSEDSIGNAL */
+    logic unused;
+    /* verilator lint_on UNUSEDSIGNAL */
+    assign unused = &{1'b0, node_address};
+  end else begin : gen_shared_nodes
+    gather_nodes #(
+        .Readers(Ports)
+    ) nodes (
+        .clk_i(clk_i),
+        .rst_i(rst_i),
+        .cfg_valid_i(cfg_valid_q),
+        .cfg_addr_i(cfg_addr_q),
+        .cfg_data_i(cfg_data_q),
+        .read_address_i(node_address),
+        .read_data_o(node_data)
+    );
+  end
+
   if (Ahead != 0) begin : gen_prefetcher
     line_prefetcher #(
         .Ahead(Ahead),
-        .BeatBits(BeatBits)
+        .BeatBits(BeatBits),
+        .OwnNodes(OwnNodes)
     ) prefetcher (
         .clk_i(clk_i),
         .rst_i(rst_i),
         .cfg_valid_i(cfg_valid_q),
         .cfg_addr_i(cfg_addr_q),
         .cfg_data_i(cfg_data_q),
+        .shared_node_address_o(node_address[NodeAddressBits*(Ports-1)+:NodeAddressBits]),
+        .shared_node_data_i(node_data[NodeDataBits*(Ports-1)+:NodeDataBits-Parity]),
         .in_valid_i(deal_valid),
         .in_ready_o(prefetcher_ready),
         .in_i(deal),
@@ -199,7 +230,8 @@ module gather_cluster #(
     assign photons[PhotonBits*g+:PhotonBits] = photon;
 
     photon_gatherer #(
-        .LineBeatBits(BeatBits)
+        .LineBeatBits(BeatBits),
+        .OwnNodes(OwnNodes)
     ) gatherer (
         .clk_i(clk_i),
         .rst_i(rst_i),
@@ -222,6 +254,8 @@ module gather_cluster #(
         .cfg_valid_i(cfg_valid_q),
         .cfg_addr_i(cfg_addr_q),
         .cfg_data_i(cfg_data_q),
+        .shared_node_address_o(node_address[NodeAddressBits*g+:NodeAddressBits]),
+        .shared_node_data_i(node_data[NodeDataBits*g+:NodeDataBits]),
         .count_busy_o(),
         .count_queries_o(),
         .count_nodes_o(),

@@ -15,6 +15,8 @@ module line_prefetcher #(
     parameter int unsigned Ahead = 128,
     parameter int unsigned Requests = photonloom_pkg::LineTagBits > 1 ? 4 : 2,  // on their way at most
     parameter int unsigned BeatBits = photonloom_pkg::LineBeatBits,
+    parameter bit OwnNodes = 1'b1,  // else it reads a node memory that it shares, by shared_node_*
+    localparam int unsigned NodeAddressBits = $clog2(photonloom_pkg::NodeWords),
     localparam int unsigned QueryBits = photonloom_pkg::GatherQueryPacketBits,
     localparam int unsigned TagBits = photonloom_pkg::LineTagBits,
     localparam int unsigned LineBits = photonloom_pkg::LineAddressBits
@@ -24,6 +26,9 @@ module line_prefetcher #(
     input  logic                          cfg_valid_i,
     input  logic [                  23:0] cfg_addr_i,
     input  logic [                  63:0] cfg_data_i,
+    // a node memory elsewhere, read where it has none: a word comes in the cycle after its address
+    output logic [   NodeAddressBits-1:0] shared_node_address_o,
+    input  logic [photonloom_pkg::PositionBits+1:0] shared_node_data_i,
     // queries
     input  logic                          in_valid_i,
     output logic                          in_ready_o,
@@ -47,10 +52,6 @@ module line_prefetcher #(
   localparam int unsigned StackBits = $clog2(MapLineBits + 1);
   localparam int unsigned GlobalLines = photonloom_pkg::GlobalPresent == 0 ? 0 :
       (photonloom_pkg::GlobalPhotons + Bucket - 1) / Bucket;
-  localparam int unsigned CausticLines = photonloom_pkg::CausticPresent == 0 ? 0 :
-      (photonloom_pkg::CausticPhotons + Bucket - 1) / Bucket;
-  localparam int unsigned NodeWords = GlobalLines + CausticLines > 2 ? GlobalLines + CausticLines : 2;
-  localparam int unsigned NodeAddressBits = $clog2(NodeWords);
   localparam int unsigned Beats = 8 * Bucket * photonloom_pkg::PhotonBytes / BeatBits;
   localparam int unsigned BeatsBits = Beats > 1 ? $clog2(Beats) : 1;
   localparam int unsigned Descents = 4;  // places for positions; the ring takes three
@@ -109,17 +110,28 @@ module line_prefetcher #(
       .set_mask_o(set_mask),
       .bypass_o(bypass)
   );
-  photon_gatherer_node_memory #(
-      .Width(PositionBits + 2),
-      .Depth(NodeWords)
-  ) node_memory (
-      .clk_i(clk_i),
-      .write_i(node_write),
-      .write_address_i(node_write_address),
-      .write_data_i(node_write_data),
-      .read_address_i(node_address),
-      .read_data_o(node_data)
-  );
+  /* verilator lint_off UNUSEDSIGNAL */
+  logic unused;
+  /* verilator lint_on UNUSEDSIGNAL */
+  if (OwnNodes) begin : gen_own
+    photon_gatherer_node_memory #(
+        .Width(PositionBits + 2),
+        .Depth(photonloom_pkg::NodeWords)
+    ) node_memory (
+        .clk_i(clk_i),
+        .write_i(node_write),
+        .write_address_i(node_write_address),
+        .write_data_i(node_write_data),
+        .read_address_i(node_address),
+        .read_data_o(node_data)
+    );
+    assign shared_node_address_o = '0;
+    assign unused = &{1'b0, shared_node_data_i};
+  end else begin : gen_shared
+    assign shared_node_address_o = node_address;
+    assign node_data = shared_node_data_i;
+    assign unused = &{1'b0, node_write, node_write_address, node_write_data};
+  end
 
   // ---- a descent of each query that comes, while there is room for one; a map of one line has none ----
   logic came_q, came_map_q, begins, leaf_valid, leaf_map, read_map;
@@ -166,7 +178,7 @@ module line_prefetcher #(
       .PositionBits(PositionBits),
       .LineBits(MapLineBits),
       .Contexts(Descents),
-      .NodeWords(NodeWords),
+      .NodeWords(photonloom_pkg::NodeWords),
       .CausticBase(GlobalLines),
       .StackBits(StackBits)
   ) nodes (

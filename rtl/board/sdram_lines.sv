@@ -154,7 +154,10 @@ module sdram_lines #(
   );
 
   logic [WideBits-1:0] wide_count_q;
-  logic tag_valid, came_last;
+  /* verilator lint_off UNUSEDSIGNAL */  // an assertion alone reads it
+  logic tag_valid;
+  /* verilator lint_on UNUSEDSIGNAL */
+  logic came_last;
   logic [TagBits-1:0] came_tag;
   assign came_last = came && wide_count_q == WideBits'(WideWords - 1);
   fifo #(

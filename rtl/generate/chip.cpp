@@ -58,6 +58,7 @@ std::string chip_wire(const std::string& unit, const std::string& port, bool reo
 std::vector<DescribedPort> described_ports(const std::string& rtl_dir, const std::string& module) {
   std::vector<DescribedPort> ports;
   for (const ModulePort& p : module_ports(rtl_dir, module)) {
+    if (is_shared(p)) continue;
     if (p.meaning.empty())
       throw std::runtime_error(
           fmt::format("{}/{}: nothing says what the port {} means, expected a comment behind it",
@@ -102,9 +103,12 @@ std::string write_chip(const Plan& plan, const std::string& rtl_dir) {
     instances += fmt::format("{0}  {1} {1} (\n", instances.empty() ? "" : "\n", unit);
     const std::vector<ModulePort> list = module_ports(rtl_dir, unit);
     for (size_t i = 0; i < list.size(); ++i)
-      instances +=
-          fmt::format("      .{}({}){}\n", list[i].name, chip_wire(unit, list[i].name, reordered),
-                      i + 1 < list.size() ? "," : "");
+      instances += fmt::format(
+          "      {}{}\n",
+          is_shared(list[i])
+              ? open_pin(list[i])
+              : fmt::format(".{}({})", list[i].name, chip_wire(unit, list[i].name, reordered)),
+          i + 1 < list.size() ? "," : "");
     instances += "  );\n";
   }
   Places places = {

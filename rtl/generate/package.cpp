@@ -88,6 +88,8 @@ std::vector<PackageConstant> package_constants(const Plan& plan) {
          "clock of an SDRAM's controller, from which its waits follow");
   LINE(replay_queries, "queries that a board's replayer holds");
   LINE(lut_ram_words, "memories of so many words at most are made of LUTs");
+  number("shared_nodes", plan.shared_nodes,
+         "1: a board's gatherers and its prefetcher share a node memory in twos");
   number("parity", plan.parity, "1: words of photons, nodes and cached lines have a parity bit");
   number("far_gatherers", plan.far_gatherers(), "1: gatherers lie far from a board's dispatcher");
   number("queued_beats", static_cast<uint64_t>(plan.queued_beats()),
@@ -99,6 +101,7 @@ std::vector<PackageConstant> package_constants(const Plan& plan) {
   number("line_tag_bits", static_cast<uint64_t>(plan.line_tag_bits()), "tag of a line request");
   WIDTH(r2_bits, "squared distance");
   WIDTH(line_bits, "line number");
+  WIDTH(node_words, "words of a node memory");
   WIDTH(slot_bits, "slot in a line");
   WIDTH(index_bits, "photon index");
   WIDTH(count_bits, "count of photons up to k");

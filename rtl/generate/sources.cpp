@@ -145,6 +145,14 @@ std::vector<ModulePort> module_ports(const std::string& rtl_dir, const std::stri
   throw std::runtime_error(fmt::format("{}/{}: no port list found", rtl_dir, file));
 }
 
+bool is_shared(const ModulePort& port) { return port.name.starts_with("shared_"); }
+
+std::string open_pin(const ModulePort& port) {
+  if (!port.output) return "." + port.name + "('0)";
+  return "/* verilator lint_off PINCONNECTEMPTY */ ." + port.name +
+         "() /* verilator lint_on PINCONNECTEMPTY */";
+}
+
 std::string package_type(const std::string& type, const std::string& unit) {
   const auto is_word = [](char c) {
     return std::isalnum(static_cast<unsigned char>(c)) || c == '_';

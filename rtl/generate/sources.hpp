@@ -35,6 +35,12 @@ struct ModulePort {
 // line.
 std::vector<ModulePort> module_ports(const std::string& rtl_dir, const std::string& module);
 
+// Whether a unit has the port for a board's modules that share what it else has of its own: a unit
+// alone leaves it open.
+bool is_shared(const ModulePort& port);
+// The pin of such a port on a unit alone.
+std::string open_pin(const ModulePort& port);
+
 // The type of a unit's port as seen from outside: widths that use the unit's parameters use the
 // package's constants of the same name; the gatherer's own TagBits is that of its line port.
 std::string package_type(const std::string& type, const std::string& unit);

@@ -19,6 +19,10 @@ std::string write_unit_top(const std::string& top, const std::string& unit,
                            const std::string& clock, const std::string& rtl_dir) {
   std::string inputs, outputs, registers, declarations, connections;
   for (const ModulePort& p : module_ports(rtl_dir, unit)) {
+    if (is_shared(p)) {
+      append(connections, ",\n", "      " + open_pin(p));
+      continue;
+    }
     append(connections, ",\n", fmt::format("      .{0}({0})", p.name));
     if (p.name == "clk_i") continue;
     const std::string type = package_type(p.type, unit);

@@ -27,6 +27,7 @@ module photon_gatherer #(
     parameter int unsigned CacheWays = photonloom_pkg::CacheWays,
     parameter int unsigned CacheMisses = photonloom_pkg::CacheMisses,
     parameter int unsigned LineBeatBits = photonloom_pkg::LineBeatBits,
+    parameter bit OwnNodes = 1'b1,  // else it reads a node memory that it shares, by shared_node_*
     localparam int unsigned TagBits = CacheBytes == 0 ? (Contexts > 1 ? $clog2(Contexts) : 1) :
         CacheMisses > 1 ? $clog2(CacheMisses) : 1,
     localparam int unsigned LineBits = photonloom_pkg::LineBits,
@@ -58,6 +59,9 @@ module photon_gatherer #(
     input  logic                              cfg_valid_i,  // a word is written
     input  logic [                      23:0] cfg_addr_i,  // where: docs/photon_gatherer.md
     input  logic [                      63:0] cfg_data_i,  // the word
+    // a node memory elsewhere, read where it has none: a word comes in the cycle after its address
+    output logic [$clog2(photonloom_pkg::NodeWords)-1:0] shared_node_address_o,  // 0 where it has its own
+    input  logic [photonloom_pkg::PositionBits+1+photonloom_pkg::Parity:0] shared_node_data_i,  // axis, split; with parity, its bit the highest
     // counted since reset, shown at most 18 cycles late
     output logic [31:0] count_busy_o, // cycles with a query in flight
     output logic [31:0] count_queries_o, // queries started, flushes apart
@@ -124,6 +128,7 @@ module photon_gatherer #(
       .Contexts(Contexts),
       .Levels(Levels),
       .Wide(Wide),
+      .OwnNodes(OwnNodes),
       .Trees(Trees),
       .Lists(Lists),
       .Sums(Sums),
@@ -134,6 +139,8 @@ module photon_gatherer #(
       .cfg_valid_i(cfg_valid_i),
       .cfg_addr_i(cfg_addr_i),
       .cfg_data_i(cfg_data_i),
+      .shared_node_address_o(shared_node_address_o),
+      .shared_node_data_i(shared_node_data_i),
       .forget_o(forget),
       .set_mask_o(set_mask),
       .bypass_o(bypass),

@@ -12,6 +12,7 @@ module photon_gatherer_descent #(
     parameter int unsigned Sums = 1,
     parameter int unsigned Sets = 64,  // of the cache
     parameter bit Wide = 1'b0,  // of several trees and lists
+    parameter bit OwnNodes = 1'b1,  // a node memory of its own
     localparam int unsigned ContextBits = Contexts > 1 ? $clog2(Contexts) : 1,
     localparam int unsigned TreeContexts = (Contexts + Trees - 1) / Trees,
     localparam int unsigned TreeContextBits = TreeContexts > 1 ? $clog2(TreeContexts) : 1,
@@ -24,6 +25,8 @@ module photon_gatherer_descent #(
     localparam int unsigned LineBits = photonloom_pkg::LineBits,
     localparam int unsigned StackBits = $clog2(LineBits + 1),
     localparam int unsigned SetBits = Sets > 1 ? $clog2(Sets) : 1,
+    localparam int unsigned NodeAddressBits = $clog2(photonloom_pkg::NodeWords),
+    localparam int unsigned NodeDataBits = photonloom_pkg::PositionBits + 2 + photonloom_pkg::Parity,
     localparam int unsigned StepBits = $clog2(2 * Trees + 1)
 ) (
     input  logic                             clk_i,
@@ -32,6 +35,9 @@ module photon_gatherer_descent #(
     input  logic                             cfg_valid_i,
     input  logic [                     23:0] cfg_addr_i,
     input  logic [                     63:0] cfg_data_i,
+    // a node memory elsewhere, where it has none
+    output logic [      NodeAddressBits-1:0] shared_node_address_o,
+    input  logic [         NodeDataBits-1:0] shared_node_data_i,
     // of the cache
     output logic                             forget_o,
     output logic [              SetBits-1:0] set_mask_o,
@@ -98,8 +104,6 @@ module photon_gatherer_descent #(
       (photonloom_pkg::GlobalPhotons + Bucket - 1) / Bucket;
   localparam int unsigned CausticLines = photonloom_pkg::CausticPresent == 0 ? 0 :
       (photonloom_pkg::CausticPhotons + Bucket - 1) / Bucket;
-  localparam int unsigned NodeWords = GlobalLines + CausticLines > 2 ? GlobalLines + CausticLines : 2;
-  localparam int unsigned NodeAddressBits = $clog2(NodeWords);
 
   logic node_write, search_inner, search_leaf, hold;
   logic [NodeAddressBits-1:0] node_address;
@@ -166,11 +170,12 @@ module photon_gatherer_descent #(
   photon_gatherer_trees #(
       .Contexts(Contexts),
       .Wide(Wide),
+      .OwnNodes(OwnNodes),
       .Trees(Trees),
       .Lists(Lists),
       .GlobalLines(GlobalLines),
       .CausticLines(CausticLines),
-      .NodeWords(NodeWords),
+      .NodeWords(photonloom_pkg::NodeWords),
       .Levels(Levels)
   ) trees (
       .clk_i(clk_i),
@@ -179,6 +184,8 @@ module photon_gatherer_descent #(
       .node_address_i(node_address),
       .node_data_i(node_data),
       .lines_i(lines),
+      .shared_node_address_o(shared_node_address_o),
+      .shared_node_data_i(shared_node_data_i),
       .hold_o(hold),
       .start_i(search_o),
       .start_inner_i(search_inner),

@@ -18,6 +18,7 @@ module photon_gatherer_trees #(
     parameter int unsigned NodeWords = 4096,
     parameter int unsigned Levels = 1,  // of a descent at once: 2 of one tree
     parameter bit Wide = 1'b0,  // leaves have a register before the trees' are one stream
+    parameter bit OwnNodes = 1'b1,  // a node memory of its own; else one tree of one level reads another
     localparam int unsigned ContextBits = Contexts > 1 ? $clog2(Contexts) : 1,
     localparam int unsigned TreeContexts = (Contexts + Trees - 1) / Trees,
     localparam int unsigned TreeContextBits = TreeContexts > 1 ? $clog2(TreeContexts) : 1,
@@ -40,6 +41,9 @@ module photon_gatherer_trees #(
     input  logic [      NodeAddressBits-1:0] node_address_i,
     input  logic [         PositionBits+1:0] node_data_i,       // axis, split
     input  logic [           2*NodeBits-1:0] lines_i,
+    // a node memory elsewhere, which is read where there is none here: a word comes in the cycle after its address
+    output logic [      NodeAddressBits-1:0] shared_node_address_o,
+    input  logic [         NodeDataBits-1:0] shared_node_data_i,
     // a query starts, not while held: at an inner node or a leaf of its map, or, in an empty one, at neither
     output logic                             hold_o,            // of the context that would start; of several trees any
     input  logic                             start_i,
@@ -97,13 +101,29 @@ module photon_gatherer_trees #(
   logic [Trees*ReadDataBits-1:0] node_data;
   logic [NodeDataBits-1:0] node_word;
 
+  if (!OwnNodes && (Trees != 1 || Levels != 1)) begin : gen_bad_shared
+    a_shared_node_memory_is_read_by_one_tree_of_one_level bad_shared ();
+  end
+
   if (Parity != 0) begin : gen_parity
     assign node_word = {^node_data_i, node_data_i};
   end else begin : gen_no_parity
     assign node_word = node_data_i;
   end
 
-  if (Levels == 1) begin : gen_level
+  /* verilator lint_off UNUSEDSIGNAL */
+  logic unused;
+  /* verilator lint_on UNUSEDSIGNAL */
+  if (OwnNodes) begin : gen_own
+    assign shared_node_address_o = '0;
+    assign unused = &{1'b0, shared_node_data_i};
+  end else begin : gen_shared
+    assign shared_node_address_o = node_address;
+    assign node_data = shared_node_data_i;
+    assign unused = &{1'b0, node_write_i, node_address_i, node_word};
+  end
+
+  if (OwnNodes && Levels == 1) begin : gen_level
     photon_gatherer_node_memory #(
         .Trees(Trees),
         .Width(NodeDataBits),
@@ -116,7 +136,7 @@ module photon_gatherer_trees #(
         .read_address_i(node_address),
         .read_data_o(node_data)
     );
-  end else begin : gen_pairs
+  end else if (OwnNodes) begin : gen_pairs
     if (Trees != 1) begin : gen_bad_levels
       two_levels_are_of_one_tree bad_levels ();
     end

@@ -11,7 +11,7 @@ from fractions import Fraction
 from pathlib import Path
 
 from flow.shell import ROOT, Failure
-from prover import bounds, elastic, engines, formula, golden, paths, properties, report, script, steps, tools
+from prover import bounds, elastic, engines, formula, golden, paths, properties, report, script, sources, steps, tools
 from prover.properties import Property
 
 ENTRY = """
@@ -54,6 +54,24 @@ class Table(unittest.TestCase):
         self.refused(ENTRY.format(method="pdr", more='step = "power"'), "gappa alone")
         self.refused(ENTRY.format(method="gappa", more=""), "gappa alone")
         self.refused(ENTRY.format(method="gappa", more='step = "s"\nranges = { m = [3, 2] }'), "LEAST, GREATEST")
+
+
+class Sources(unittest.TestCase):
+    def of(self, package: str) -> list[Path]:
+        (read,) = table(ENTRY.format(method="pdr", more=""))
+        with tempfile.TemporaryDirectory() as folder:
+            for name, text in (("harness/h.sv", "// package: p.sv\n// sources: m.sv\nm dut(); // photonloom_pkg::Remark\n"), ("p.sv", package),
+                               ("m.sv", "localparam int Units = photonloom_pkg::Reciprocals; photonloom_pkg::word_t w;")):
+                path = Path(folder, "tests/formal" if name.startswith("harness") else "", name)
+                path.parent.mkdir(parents=True, exist_ok=True)
+                path.write_text(text)
+            return sources.of(Path(folder), read)
+
+    def test_a_package_has_what_its_users_read(self) -> None:
+        word = "typedef struct packed { logic a; } word_t;"
+        self.assertEqual([path.name for path in self.of(f"localparam int unsigned Reciprocals = 1; {word}")], ["p.sv", "m.sv", "h.sv"])
+        with self.assertRaisesRegex(Failure, "p.sv: has no Reciprocals, which m.sv reads"):
+            self.of(f"localparam int unsigned ReciprocalBits = 1; {word}")
 
 
 class Paths(unittest.TestCase):

@@ -117,6 +117,30 @@ TEST_CASE("block RAMs of a prefetcher") {
   CHECK(plan.prefetch_queries() == 0);
 }
 
+TEST_CASE("a node memory serves two gatherers, or one and the prefetcher") {
+  Plan plan;
+  plan.global = {.present = true, .photons = 65536};
+  plan.bucket = 8;
+  plan.photon_bytes = 12;
+  plan.beat_bits = 384;
+  plan.photon_memory = PhotonMemory::kSdram;
+  plan.board_cache_bytes = 512 * 96;
+  // 9 of 2 bits x 8,192 of each, in twos; the prefetcher is one more but beside a single gatherer.
+  for (const auto& [gatherers, fewer] :
+       {std::pair{1, 0}, std::pair{2, 1}, std::pair{3, 2}, std::pair{4, 2}}) {
+    plan.gatherers = gatherers;
+    plan.shared_nodes = false;
+    const int own = board_memories(plan).total();
+    plan.shared_nodes = true;
+    CHECK(own - board_memories(plan).total() == 9 * fewer);
+  }
+  plan.cache_bytes = 32 * plan.line_bytes();
+  plan.global.r2_max = plan.r2_limit();
+  REQUIRE(find_problem(plan) == std::nullopt);
+  plan.nodes_per_cycle = 2;
+  CHECK(find_problem(plan)->line == "board.shared_nodes");
+}
+
 TEST_CASE("block RAMs of a board's top") {
   Plan plan;
   plan.global = {.present = true, .photons = 16384};

@@ -150,6 +150,19 @@ std::vector<BenchPlan> plans() {
     p.beat_bits = 4 * p.line_bytes();
     p.board_cache_bytes = 256 * p.line_bytes();
   });
+  // Three gatherers and a prefetcher at two node memories.
+  add("shared_nodes", [](Plan& p) {
+    p.photon_memory = PhotonMemory::kSdram;
+    p.sdram_khz = kSdramMostKHz;
+    p.photon_bytes = 12;
+    p.cache_bytes = 4 * p.line_bytes();
+    p.beat_bits = 4 * p.line_bytes();
+    p.board_cache_bytes = 256 * p.line_bytes();
+    p.shared_nodes = true;
+    p.parity = true;
+  });
+  // Three gatherers alone: the last has the second memory for itself.
+  add("shared_nodes_odd", [](Plan& p) { p.shared_nodes = true; });
   // Lines of 96 bytes, a beat a photon, a cache of four lines.
   add("sdram_narrow", [](Plan& p) {
     p.photon_memory = PhotonMemory::kSdram;

@@ -128,6 +128,7 @@ Plan rarer(const Plan& drawn, RoleRandom& random) {
     p.beat_bits = std::min(p.beat_bits, 8 * p.photon_bytes * p.lanes);
   });
   change([&](Plan& p) { p.gatherers = 5 + static_cast<int>(random.below(4)); });
+  change([](Plan& p) { p.shared_nodes = true; });
   return plan;
 }
 

@@ -69,6 +69,8 @@ module gatherer_ports (
       .cfg_valid_i(cfg_valid_i),
       .cfg_addr_i(cfg_addr_i),
       .cfg_data_i(cfg_data_i),
+      .shared_node_address_o(),
+      .shared_node_data_i(4'd0),
       .count_busy_o(),
       .count_queries_o(),
       .count_nodes_o(),

@@ -9,6 +9,7 @@ package photonloom_pkg;
   localparam int unsigned GlobalPhotons = 8;
   localparam int unsigned CausticPresent = 1;
   localparam int unsigned CausticPhotons = 8;
+  localparam int unsigned NodeWords = 8;
   localparam int unsigned R2Bits = 2;
   localparam int unsigned LineBits = 2;
   localparam int unsigned LineAddressBits = 2;

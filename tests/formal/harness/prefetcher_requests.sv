@@ -39,6 +39,8 @@ module prefetcher_requests #(
       .cfg_valid_i(cfg_valid_i),
       .cfg_addr_i(cfg_addr_i),
       .cfg_data_i(cfg_data_i),
+      .shared_node_address_o(),
+      .shared_node_data_i(3'd0),
       .in_valid_i(in_valid_i),
       .in_ready_o(in_ready),
       .in_i(in_i),

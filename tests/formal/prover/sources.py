@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """What a proof reads: the harness, the modules it names, and the same with a planted bug."""
+import re
 import shutil
 import subprocess
 from pathlib import Path
@@ -37,7 +38,17 @@ def of(root: Path, proved: Property) -> list[Path]:
         raise Failure(f"{harness}: sources: {missing[0]}: no such file")
     if not named:
         raise Failure(f"{harness}: expected a line '// sources: FILE...'")
+    check_package(root, package, [*named, harness])
     return [package, *named, harness]
+
+
+def check_package(root: Path, package: Path, users: list[Path]) -> None:
+    """Yosys tells of a constant that is not there only where it is used, as of something else."""
+    declared = set(re.findall(r"\b(\w+)\s*[=;]", (root / package).read_text()))
+    for user in users:
+        for name in re.findall(r"\bphotonloom_pkg::(\w+)", re.sub(r"//.*", "", (root / user).read_text())):
+            if name not in declared:
+                raise Failure(f"{package}: has no {name}, which {user} reads")
 
 
 def bug_file(root: Path, proved: Property) -> Path:
