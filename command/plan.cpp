@@ -74,11 +74,9 @@ void describe(const Plan& plan, const std::string& file, const PlanOptions& o,
     }
     if (gathers) {
       const BoardMemories b = board_memories(plan);
-      j["board_ebr"] = {{"photons", b.photons},
-                        {"replayer", b.replayer},
-                        {"link", b.link},
-                        {"units", b.units},
-                        {"total", b.total()}};
+      j["board_ebr"] = {
+          {"photons", b.photons}, {"replayer", b.replayer},         {"link", b.link},
+          {"units", b.units},     {"shared_nodes", b.shared_nodes}, {"total", b.total()}};
     }
     if (!further.is_null()) j.update(further);
     fmt::print("{}\n", j.dump(2));
@@ -102,6 +100,7 @@ void describe(const Plan& plan, const std::string& file, const PlanOptions& o,
                                                       : "a board's photon memory",
            b.photons);
   of_board("its replayer and link", b.replayer + b.link);
+  if (plan.shared_nodes) of_board("node memories that two share, fewer", b.shared_nodes);
   of_board(
       fmt::format("its whole top, {} gatherer{}", plan.gatherers, plan.gatherers == 1 ? "" : "s"),
       b.total());

@@ -452,14 +452,15 @@ EngineSearch fastest_engine(const Plan& given, const PhotonMap& global, const Ph
   // What was counted, by what it depends on.
   std::map<std::array<int, 3>, double> asked;
   std::map<std::array<int, 11>, BoardNeeds> gatherers;
-  std::map<std::array<int, 5>, BoardNeeds> others;
+  std::map<std::array<int, 6>, BoardNeeds> others;
   const auto needs_of = [&](size_t stream, const Widths& w, const Plan& p) {
     const auto [one, new_gatherer] = gatherers.try_emplace(
         {p.photon_memory == PhotonMemory::kSdram, p.far_gatherers(), p.beat_bits, w.nodes,
          w.candidates, w.powers, w.lanes, w.contexts, w.cache_lines, w.lut_words, w.stride});
     if (new_gatherer) one->second = gatherer_needs(p);
-    const auto [rest, new_rest] = others.try_emplace(
-        {static_cast<int>(stream), p.beat_bits, w.lut_words, w.stride, p.prefetch_queries()});
+    const auto [rest, new_rest] =
+        others.try_emplace({static_cast<int>(stream), p.beat_bits, w.lut_words, w.stride,
+                            p.prefetch_queries(), p.shared_nodes ? w.gatherers : 0});
     if (new_rest) rest->second = other_needs(p);
     return rest->second + w.gatherers * one->second;
   };

@@ -418,12 +418,14 @@ BoardMemories board_memories(const Plan& p) {
   if (p.self_test) link.add(32, make_self_test(p).words.size());
   b.replayer = replayer.blocks;
   b.link = link.blocks;
-  b.units = p.gatherers * gatherer_memories(p, !p.shared_nodes).blocks;
+  b.units = p.gatherers * gatherer_memories(p).blocks;
   if (p.shared_nodes) {
     Memories nodes(p);
     for (int readers = p.gatherers + (p.prefetch_queries() != 0 ? 1 : 0); readers > 0; readers -= 2)
       add_nodes(nodes, node_bits(p), p.node_words(), std::min(readers, 2));
-    b.units += nodes.blocks;
+    b.shared_nodes = nodes.blocks + p.gatherers * (gatherer_memories(p, false).blocks -
+                                                   gatherer_memories(p).blocks);
+    b.units += b.shared_nodes;
   }
   if (p.reorder_key != ReorderKey::kNone) b.units += reorder_memories(p).blocks;
   return b;

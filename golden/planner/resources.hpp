@@ -30,6 +30,8 @@ int block_rams(int width, uint64_t depth);
 // as many as were synthesized.
 struct BoardMemories {
   int photons = 0, replayer = 0, link = 0, units = 0;
+  // Of these units': node memories that they share instead of those that gatherers alone have.
+  int shared_nodes = 0;
   int total() const { return photons + replayer + link + units; }
 };
 BoardMemories board_memories(const Plan& plan);

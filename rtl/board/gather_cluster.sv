@@ -5,7 +5,7 @@
 //
 // The packets are those of photon_gatherer, whatever Gatherers is. Configuration writes go to all gatherers, while nothing
 // is inside. Line ports are the gatherers' own side by side, gatherer 0 lowest, and above them that of line_prefetcher, where there
-// is one; for photon_ram or photon_sdram. With SharedNodes their node memories are gather_nodes', one for each two ports.
+// is one; for photon_ram or photon_sdram. With SharedNodes their node memories are gather_nodes', one for each two readers.
 //
 // Throughput: Gatherers times that of photon_gatherer until the line memory is busy; one query and one result a cycle at
 // best. Latency: that of the gatherer and 7 cycles, and the reorder buffer's.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The inner nodes of both maps for all that read them in a cluster, its gatherers and its prefetcher: a memory for each two, on the two
-// ports of its blocks, and one for the last where they are odd. A memory of its own for each would take twice the block RAM.
+// ports of its blocks, and one for the last where they are odd. A memory for each of two would mostly take twice the block RAM.
 //
 // Latency 1, each reader a word a cycle. cfg_*: as of photon_gatherer, written while nobody reads. The parity bit of a word, where
 // the plan has one, is the highest and is not checked here.

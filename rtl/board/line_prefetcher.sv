@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Asks for the lines of queries that are still to come. Queries pass a FIFO of Ahead, unchanged and in order; of each that
-// enters it the near leaf, in which its search begins, is found in a copy of the node memory, and its line is asked for on a line port like
+// enters it the near leaf, in which its search begins, is found in a node memory, its own or one that it shares, and its line is asked for on a line port like
 // a gatherer's. So a cache before a slow memory has it, or waits for it, when the query is dealt. What comes back is not
 // looked at: a line not asked for, or asked for in vain, changes cycles and nothing else.
 //

@@ -287,6 +287,21 @@ endmodule
         self.assertNotEqual(none, of(ports, copy, pins, ", .in_2(1'b1), .out_2(two[0])", unread, " + 4'(unread)"))
         self.assertNotEqual(none, of(ports, " always_ff @(posedge in_2) kept_q[0] <= 0;", pins, ", .in_2(1'b1), .out_2()"))
 
+    def test_a_wire_that_is_read_by_the_name_of_its_block(self) -> None:
+        def of(address: str) -> str:
+            return self.digest(**{"rtl/top.sv": "module rom (input logic a, output logic d);\n  assign d = ~a;\nendmodule\n"
+                                  "module top (input logic [1:0] a, output logic o);\n"
+                                  "  for (genvar i = 0; i < 2; i++) begin : gen_rom\n    logic d;\n"
+                                  f"    rom r (.a({address}), .d(d));\n  end\n"
+                                  "  always_comb o = gen_rom[0].d ^ gen_rom[1].d;\nendmodule\n"})
+        self.assertNotEqual(of("a[i]"), of("a[0]"))
+
+    def test_a_pin_both_ways_is_read_from_outside(self) -> None:
+        def of(value: str) -> str:
+            return self.digest(**{"rtl/top.sv": f"module pad (input logic a, inout wire io);\n  assign io = {value};\nendmodule\n"
+                                  "module top (input logic a, inout wire io);\n  pad p (.a(a), .io(io));\nendmodule\n"})
+        self.assertNotEqual(of("a"), of("~a"))
+
     def test_an_output_that_goes_nowhere_but_is_read_within(self) -> None:
         def of(digit: int) -> str:
             return self.digest(**{"rtl/top.sv": "module zero (output logic z);\n" f"  assign z = 1'b{digit};\nendmodule\n"

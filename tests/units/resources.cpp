@@ -133,6 +133,9 @@ TEST_CASE("a node memory serves two gatherers, or one and the prefetcher") {
     const int own = board_memories(plan).total();
     plan.shared_nodes = true;
     CHECK(own - board_memories(plan).total() == 9 * fewer);
+    // A gatherer by itself has a memory; the prefetcher's is of the photons' blocks.
+    CHECK(board_memories(plan).shared_nodes ==
+          9 * ((gatherers + (gatherers > 1) + 1) / 2 - gatherers));
   }
   plan.cache_bytes = 32 * plan.line_bytes();
   plan.global.r2_max = plan.r2_limit();

@@ -2,8 +2,8 @@
 """The digest of what a routed top was made from: RTL and constraints of its package.
 
 RTL is taken as Verilator elaborates it, parameters and generate blocks resolved, so that neither comments, the order of a text, another
-name for the same wire nor what this top does not generate change the digest, nor what nothing reads: a wire with what drives it, a
-port of a module within. Attributes, which tell Yosys what a memory is made
+name for the same wire nor what this top does not generate change the digest, nor a wire that nothing reads with what drives it,
+unless that is a process, nor a port of a module within that nothing needs. Attributes, which tell Yosys what a memory is made
 of, are not in that and are taken from the text. The plan's hash is left out, which also changes where no net does. Another version of
 Verilator may elaborate otherwise: digests are those of Debian 12's, which the set-up installs."""
 import hashlib
@@ -48,6 +48,7 @@ class Elaboration:
         self.modules = {module.get("name", ""): module for module in netlist.iter("module")}
         self.packages = list(netlist.iter("package"))
         self.primitives = primitives
+        self.read_from_outside = {found.get("name", "") for found in netlist.iter("varxref")}  # by a path through a block's or a module's name
         table = netlist.find("typetable")
         self.types = {kind.get("id"): kind for kind in table} if table is not None else {}
         self.type_texts: dict[str | None, str] = {}
@@ -112,7 +113,8 @@ class ModuleText:
             return
         elements = list(self.elements(self.module, [self.module]))
         ports = [(port.get("dir"), port.get("name", "")) for port in self.module if port.tag == "var" and "dir" in port.attrib]
-        outside = {self.variable_of(name, [self.module]) for way, name in ports if way == "output" and name not in self.open_outputs}
+        outside = {self.variable_of(name, [self.module]) for way, name in ports if way != "input" and name not in self.open_outputs}
+        outside |= {self.representative((scope, name)) for scope, names in self.declared.items() for name in names & self.design.read_from_outside}
         before, read = None, outside
         while before != self.unread:
             before = self.unread
@@ -178,7 +180,9 @@ class ModuleText:
         return self.variable_of(element.get("name", ""), scopes)
 
     def variable_of(self, name: str, scopes: Sequence[Element]) -> Variable:
-        variable = (next((id(scope) for scope in reversed(scopes) if name in self.declared[id(scope)]), 0), name)
+        return self.representative((next((id(scope) for scope in reversed(scopes) if name in self.declared[id(scope)]), 0), name))
+
+    def representative(self, variable: Variable) -> Variable:
         while variable in self.same:
             variable = self.same[variable]
         return variable
