@@ -100,7 +100,7 @@ void describe(const Plan& plan, const std::string& file, const PlanOptions& o,
                                                       : "a board's photon memory",
            b.photons);
   of_board("its replayer and link", b.replayer + b.link);
-  if (plan.shared_nodes) of_board("node memories that two share, fewer", b.shared_nodes);
+  if (plan.shared_nodes) of_board("node memories shared, not one each", b.shared_nodes);
   of_board(
       fmt::format("its whole top, {} gatherer{}", plan.gatherers, plan.gatherers == 1 ? "" : "s"),
       b.total());

@@ -83,7 +83,7 @@ std::string resource_table(const Plan& plan, const std::vector<std::string>& uni
     row(plan.photon_memory == PhotonMemory::kSdram ? "cache before the SDRAM" : "photon memory",
         b.photons);
     row("replayer, link", b.replayer + b.link);
-    if (plan.shared_nodes) row("node memories that two share, fewer", b.shared_nodes);
+    if (plan.shared_nodes) row("node memories shared, not one each", b.shared_nodes);
     row("all of the top", b.total());
   }
   return text;
