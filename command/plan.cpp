@@ -77,6 +77,12 @@ void describe(const Plan& plan, const std::string& file, const PlanOptions& o,
       j["board_ebr"] = {
           {"photons", b.photons}, {"replayer", b.replayer},         {"link", b.link},
           {"units", b.units},     {"shared_nodes", b.shared_nodes}, {"total", b.total()}};
+      Plan other = plan;
+      for (other.gatherers = 1;; ++other.gatherers) {
+        const auto problem = find_problem(other);
+        if (problem && problem->line == "board.gatherers") break;
+        j["board_ebr_of_gatherers"].push_back(board_memories(other).total());
+      }
     }
     if (!further.is_null()) j.update(further);
     fmt::print("{}\n", j.dump(2));

@@ -17,12 +17,13 @@ UNITS = re.findall(r"^ *UNIT\(\w+, (\w+),", (ROOT / "golden/plan/units.hpp").rea
 
 
 class PlanFacts(TypedDict):
-    """Of `photonloom plan --json`: hash and units of the plan; unit -> resource -> prediction; block RAMs of a board's top;
-    unit -> resource -> term of the prediction -> value."""
+    """Of `photonloom plan --json`: hash and units of the plan; unit -> resource -> prediction; block RAMs of a board's top, and
+    with 1, 2, ... gatherers instead; unit -> resource -> term of the prediction -> value."""
     hash: str
     units: list[str]
     resources: dict[str, dict[str, int]]
     board_ebr: dict[str, int]
+    board_ebr_of_gatherers: list[int]
     resource_terms: dict[str, dict[str, dict[str, float]]]
 
 

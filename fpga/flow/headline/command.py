@@ -93,7 +93,7 @@ def predicted_today(data: Data, work: Path) -> Data:
     today = data.copy()
     today["rows"] = [row.copy() for row in data["rows"]]
     for row in today["rows"]:
-        row["fits"] = gatherers_that_fit(facts[row["plan"]], row["gatherers"], board)
+        row["fits"] = gatherers_that_fit(facts[row["plan"]], board)
     return today
 
 

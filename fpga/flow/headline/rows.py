@@ -14,16 +14,17 @@ from flow.package import PlanFacts, describe
 from flow.results import Entry
 from flow.shell import Failure, field, read_toml
 
-# photonloom's name of a resource -> the part's.
-RESOURCES = {"ebr": "DP16KD", "lut": "LUT4", "dsp": "MULT18X18D"}
+BLOCK_RAM = "DP16KD"
+# photonloom's name of any other resource that a gatherer takes -> the part's.
+RESOURCES = {"lut": "LUT4", "dsp": "MULT18X18D"}
 
 
-def gatherers_that_fit(facts: PlanFacts, gatherers: int, board: Board) -> dict[str, int]:
+def gatherers_that_fit(facts: PlanFacts, board: Board) -> dict[str, int]:
     """Resource of the part -> gatherers that it has room for beside what a top has once, as photonloom predicts both: of
     block RAM all memories of the top, of the others the reorder buffer alone. So it is rather too many than too few."""
-    each, once = facts["resources"]["photon_gatherer"], dict(facts["resources"].get("reorder_buffer", {}))
-    once["ebr"] = facts["board_ebr"]["total"] - gatherers * each["ebr"]
-    return {part: int((board.resources[part] - once.get(name, 0)) // each[name]) for name, part in RESOURCES.items()}
+    each, once = facts["resources"]["photon_gatherer"], facts["resources"].get("reorder_buffer", {})
+    blocks = sum(total <= board.resources[BLOCK_RAM] for total in facts["board_ebr_of_gatherers"])
+    return {BLOCK_RAM: blocks, **{part: (board.resources[part] - once.get(name, 0)) // each[name] for name, part in RESOURCES.items()}}
 
 
 def sdram_load(own: Mapping[str, Any], plain: Mapping[str, Any] | None) -> SdramLoad | None:
@@ -67,7 +68,7 @@ def rows_of(plan: HeadlinePlan, top: Top, entry: Entry, simulated: Simulated, co
                     "within_mean": radius is not None, "gatherers": own["gatherers"], "replay_queries": replay, "digest": top.digest,
                     "clock_mhz": top.clock_mhz, "versions": list(versions.values()), "processor": processor,
                     "seeds": [s["seed"] for s in entry["seeds"]], "fmax_mhz": entry["fmax_mhz"], "clocks": entry["clocks"],
-                    "binding": entry["binding"], "fits": gatherers_that_fit(describe(plan.path), own["gatherers"], board),
+                    "binding": entry["binding"], "fits": gatherers_that_fit(describe(plan.path), board),
                     "cycles_per_gather": own["cycles_per_gather"],
                     "cost": {"nodes": own["nodes"], "leaves": own["leaves"], "insertions": own["insertions"],
                              "bound": own["bound"]},
