@@ -18,7 +18,9 @@
 // gatherer gives one result in 9 cycles, whose words take 10.
 module gather_dispatcher #(
     parameter int unsigned Gatherers = photonloom_pkg::Gatherers,
-    parameter int unsigned Pending = 64 * Gatherers,
+    // Of a gatherer 64, four for each of its contexts where that is more: results leave in order, so a slow query holds up the
+    // others once so many are behind it.
+    parameter int unsigned Pending = (4 * photonloom_pkg::Contexts > 64 ? 4 * photonloom_pkg::Contexts : 64) * Gatherers,
     localparam int unsigned QueryBits = photonloom_pkg::GatherQueryPacketBits,
     localparam int unsigned ResultBits = photonloom_pkg::GatherResultPacketBits,
     localparam int unsigned PhotonBits = photonloom_pkg::GatherPhotonPacketBits

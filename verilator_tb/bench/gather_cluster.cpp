@@ -161,8 +161,12 @@ std::vector<BenchPlan> plans() {
     p.shared_nodes = true;
     p.parity = true;
   });
-  // Three gatherers alone: the last has the second memory for itself.
-  add("shared_nodes_odd", [](Plan& p) { p.shared_nodes = true; });
+  // Three gatherers alone: the last has the second memory for itself. With 32 contexts each more
+  // than 64 of its queries wait for the oldest.
+  add("shared_nodes_odd", [](Plan& p) {
+    p.shared_nodes = true;
+    p.contexts = 32;
+  });
   // Lines of 96 bytes, a beat a photon, a cache of four lines.
   add("sdram_narrow", [](Plan& p) {
     p.photon_memory = PhotonMemory::kSdram;
