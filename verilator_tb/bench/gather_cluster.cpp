@@ -161,8 +161,8 @@ std::vector<BenchPlan> plans() {
     p.shared_nodes = true;
     p.parity = true;
   });
-  // Three gatherers alone: the last has the second memory for itself. With 32 contexts each more
-  // than 64 of its queries wait for the oldest.
+  // Three gatherers alone: the last has the second memory for itself. With 32 contexts up to
+  // 128 queries a gatherer may wait for the oldest.
   add("shared_nodes_odd", [](Plan& p) {
     p.shared_nodes = true;
     p.contexts = 32;

@@ -23,8 +23,9 @@ def gatherers_that_fit(facts: PlanFacts, board: Board) -> dict[str, int]:
     """Resource of the part -> gatherers that it has room for beside what a top has once, as photonloom predicts both: of
     block RAM all memories of the top, of the others the reorder buffer alone. So it is rather too many than too few."""
     each, once = facts["resources"]["photon_gatherer"], facts["resources"].get("reorder_buffer", {})
-    blocks = sum(total <= board.resources[BLOCK_RAM] for total in facts["board_ebr_of_gatherers"])
-    return {BLOCK_RAM: blocks, **{part: (board.resources[part] - once.get(name, 0)) // each[name] for name, part in RESOURCES.items()}}
+    totals = enumerate(facts["board_ebr_of_gatherers"], 1)
+    most = max((gatherers for gatherers, total in totals if total <= board.resources[BLOCK_RAM]), default=0)
+    return {BLOCK_RAM: most, **{part: (board.resources[part] - once.get(name, 0)) // each[name] for name, part in RESOURCES.items()}}
 
 
 def sdram_load(own: Mapping[str, Any], plain: Mapping[str, Any] | None) -> SdramLoad | None:
