@@ -181,9 +181,13 @@ Memories gatherer_memories(const Plan& p, bool own_nodes = true) {
   if (p.trees() > 1 && lists > 1) m.add(p.lanes * p.r2_bits(), rows, lists);
 
   // Of a result: what is known of it at the start, at the end, and its reciprocal.
-  const uint64_t most = p.lut_ram_words < 64 || p.lut_ram_words >= 512 ? (p.parity ? 128 : 512)
-                        : p.lut_ram_words < 128                        ? 64
-                                                                       : 128;
+  // LUTs hold them where they hold 4 a context.
+  const uint64_t held = p.lut_ram_words >= 512   ? 512
+                        : p.lut_ram_words >= 128 ? 128
+                        : p.lut_ram_words >= 64  ? 64
+                                                 : 0;
+  const uint64_t wanted = held >= 4 * contexts ? held : 512;
+  const uint64_t most = p.parity ? std::min<uint64_t>(128, wanted) : wanted;
   const uint64_t slots = std::min(8 * contexts, std::max(most, 2 * contexts));
   const int body = p.count_bits() + p.r2_bits() + p.channels * p.flux_bits() +
                    2 * (p.line_bits() + 1) + p.index_bits() + 3;

@@ -8,7 +8,7 @@
 // The slot store of a list is read by its sum, else by the photons. What belongs to the context is read when the sum
 // takes it, since the context may start anew before the sum is out. A query takes count + 1 cycles of its sum, and
 // where there are several up to Sums - 1 more; latency count + 8 from its turn to the end of its sum, where there are several
-// count + 9. Mirrors the end of search_gather in golden/unit/photon_gatherer.cpp.
+// or where they are many and far (ManyContexts) count + 9. Mirrors the end of search_gather in golden/unit/photon_gatherer.cpp.
 module photon_gatherer_answers #(
     parameter int unsigned Contexts = 16,
     parameter int unsigned Trees = 1,
@@ -87,16 +87,19 @@ module photon_gatherer_answers #(
 );
   localparam int unsigned QueueDepth = Contexts > 2 ? (1 << $clog2(Contexts)) : 2;
   // Of results. A slow query shares its gatherer with the others, so hundreds of them overtake it where many are in flight:
-  // 8 a context, up to 512, which block RAM holds as well as fewer. Where LUTs hold fewer and not these, there are as many as
-  // LUTs hold. With parity each takes a flip-flop.
+  // 8 a context, up to 512, which block RAM holds as well as fewer. Where LUTs hold 4 a context and not these, there are as many
+  // as LUTs hold: block RAM is then short, and half of them cost few cycles. With parity each takes a flip-flop.
   localparam int unsigned LutWords = photonloom_pkg::LutRamWords;
-  localparam int unsigned LutSlots = LutWords >= 512 ? 512 : LutWords >= 128 ? 128 : LutWords >= 64 ? 64 : 512;
+  localparam int unsigned LutHolds = LutWords >= 512 ? 512 : LutWords >= 128 ? 128 : LutWords >= 64 ? 64 : 0;
+  localparam int unsigned LutSlots = LutHolds >= 4 * QueueDepth ? LutHolds : 512;
   localparam int unsigned EnoughSlots = photonloom_pkg::Parity != 0 && LutSlots > 128 ? 128 : LutSlots;
   localparam int unsigned MostSlots = EnoughSlots > 2 * QueueDepth ? EnoughSlots : 2 * QueueDepth;
   localparam int unsigned Slots = 8 * QueueDepth < MostSlots ? 8 * QueueDepth : MostSlots;
   localparam int unsigned SlotBits = $clog2(Slots);
   localparam int unsigned Units = photonloom_pkg::Reciprocals != 0 ? photonloom_pkg::Reciprocals : Sums;  // reciprocals at once
   localparam bit ManyLists = Wide && Lists > 2;  // their slot stores are far apart
+  // Memories with a word for each of more than 16 contexts are a choice of two cells of LUT RAM, or more, and spread over the part.
+  localparam bit ManyContexts = photonloom_pkg::FarGatherers != 0 && Contexts > 16;
   localparam int unsigned RideBits = SlotBits + 1 + R2Bits + 2 * NodeBits + IndexBits + 1;
   localparam int unsigned FluxesBits = photonloom_pkg::Channels * photonloom_pkg::FluxBits;
   localparam int unsigned SumBits = CountBits + RideBits + FluxesBits;
@@ -126,8 +129,9 @@ module photon_gatherer_answers #(
       .out_empty_o(next_empty)
   );
 
-  // Of a wide gatherer with fewer sums than trees it is late which tree's query is next: it has a register before its sum.
-  if (Wide && Trees > Sums) begin : gen_end_register
+  // Of a wide gatherer with fewer sums than trees it is late which tree's query is next, and far away what was found for one of
+  // many contexts: it has a register before its sum.
+  if ((Wide && Trees > Sums) || ManyContexts) begin : gen_end_register
     for (genvar s = 0; s < Sums; s++) begin : gen_sum_of
       logic valid_q, empty_q;
       logic [SumContextBits-1:0] context_q;
@@ -324,7 +328,7 @@ module photon_gatherer_answers #(
       .Contexts(Contexts),
       .Trees(Trees),
       .Wide(Wide),
-      .MoveLater(Wide && Lists > Sums),
+      .MoveLater((Wide && Lists > Sums) || ManyContexts),
       .WordLater(ManyLists),
       .StoreBits(StoreBits)
   ) photons (

@@ -89,6 +89,22 @@ TEST_CASE("memories of LUTs are no block RAM") {
   }
 }
 
+TEST_CASE("results have their places in LUTs where these hold four for each context") {
+  Plan plan;
+  plan.global = {.present = true, .photons = 65536};
+  plan.lut_ram_words = 64;
+  const auto gatherer = [&](int contexts) {
+    plan.contexts = contexts;
+    return estimate_resources(plan, "photon_gatherer");
+  };
+  // What else grows from 16 contexts to 32 has 512 words at most, and so as many blocks.
+  plan.k = 16;
+  const int few = gatherer(16).ebr;
+  // 256 places in block RAM: what is known of a result at its start, at its end, its reciprocal.
+  const int start = plan.pixel_bits() + plan.sample_bits() + plan.tag_bits() + 1;
+  CHECK(gatherer(17).ebr >= few + block_rams(start, 256));
+}
+
 TEST_CASE("block RAMs of a prefetcher") {
   // Lines of 96 bytes: 512 of them in the cache before the SDRAM, or 256, or one byte too few.
   Plan plan;

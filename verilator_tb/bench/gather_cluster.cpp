@@ -150,8 +150,9 @@ std::vector<BenchPlan> plans() {
     p.beat_bits = 4 * p.line_bytes();
     p.board_cache_bytes = 256 * p.line_bytes();
   });
-  // Three gatherers and a prefetcher at two node memories.
+  // Three gatherers and a prefetcher at two node memories; far ones of more than 16 contexts.
   add("shared_nodes", [](Plan& p) {
+    p.contexts = 20;
     p.photon_memory = PhotonMemory::kSdram;
     p.sdram_khz = kSdramMostKHz;
     p.photon_bytes = 12;

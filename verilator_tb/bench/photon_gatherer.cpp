@@ -215,6 +215,18 @@ std::vector<BenchPlan> plans() {
     p.cache_bytes = 8 * p.line_bytes();
     p.beat_bits = 4 * 8 * p.photon_bytes;
   });
+  // The same with more contexts than a cell of LUT RAM has words: a register before the sum,
+  // results in block RAM though memories of 64 words are LUTs, codes.
+  add("far_contexts", [](Plan& p) {
+    p.k = 12;
+    p.gatherers = 3;
+    p.contexts = 20;
+    p.photon_memory = PhotonMemory::kSdram;
+    p.photon_bytes = 12;
+    p.cache_bytes = 8 * p.line_bytes();
+    p.beat_bits = 4 * 8 * p.photon_bytes;
+    p.lut_ram_words = 64;
+  });
   return list;
 }
 
