@@ -264,6 +264,11 @@ std::string too_many_wires(const Plan& p) {
       p.gatherers * p.beat_bits, cached ? "with" : "without", most);
 }
 
+// Whether a node memory for each two gatherers is tried: where it was routed.
+bool may_share_nodes(const Plan& p) {
+  return p.photon_memory == PhotonMemory::kSdram && p.nodes_per_cycle == 1 && p.gatherers > 1;
+}
+
 std::string divided(const Plan& p) {
   if (p.photon_memory != PhotonMemory::kBlockRam) return "";
   const bool rows = p.photon_ram_row() > 1;
@@ -303,6 +308,7 @@ Plan with(const Plan& plan, const Stream& s, const Widths& w) {
   p.cache_ways = 2;
   p.cache_bytes = w.cache_lines * p.line_bytes();
   p.lut_ram_words = w.lut_words;
+  p.shared_nodes = false;
   // Before an SDRAM as many photons as lanes: no more come from the chip at once.
   p.beat_bits = s.memory == PhotonMemory::kBlockRam ? widest_beat(p) : 8 * w.stride * w.lanes;
   return p;
@@ -386,6 +392,7 @@ std::vector<const char*> engine_lines(const BoardDescription& board, PhotonLines
                                  "board.photon_memory",
                                  "board.cache_bytes",
                                  "board.lut_ram_words",
+                                 "board.shared_nodes",
                                  "gatherer.nodes_per_cycle",
                                  "gatherer.candidates_per_cycle",
                                  "gatherer.powers_per_cycle",
@@ -446,6 +453,7 @@ EngineSearch fastest_engine(const Plan& given, const PhotonMap& global, const Ph
   struct Candidate {
     size_t stream;
     Widths widths;
+    bool shared_nodes;
     BoardNeeds needs;
     EngineCycles cycles;
   };
@@ -478,9 +486,15 @@ EngineSearch fastest_engine(const Plan& given, const PhotonMap& global, const Ph
     Stream& at = streams[i];
     for (const Widths& w : widths) {
       if (w.cache_lines == 0 && at.memory == PhotonMemory::kSdram) continue;
-      const Plan p = with(plan, at, w);
-      const BoardNeeds needs = needs_of(i, w, p);
-      const std::string why = why_not(p, needs);
+      Plan p = with(plan, at, w);
+      BoardNeeds needs = needs_of(i, w, p);
+      std::string why = why_not(p, needs);
+      // Shared nodes change no cycle, only what fits.
+      if (!why.empty() && may_share_nodes(p)) {
+        p.shared_nodes = true;
+        needs = needs_of(i, w, p);
+        why = why_not(p, needs);
+      }
       if (!why.empty() && needs.blocks >= least_blocks) continue;
       if (const auto problem = find_problem(p)) {
         why_no_plan = problem->line + " " + problem->what;
@@ -500,7 +514,8 @@ EngineSearch fastest_engine(const Plan& given, const PhotonMap& global, const Ph
         if (is_first) work->second = work_of_sdram(p, visits, orders[at.order]);
         sdram = &work->second;
       }
-      fitting.push_back({i, w, needs, predict(p, load, lines->second, sdram, board.core_khz)});
+      fitting.push_back(
+          {i, w, p.shared_nodes, needs, predict(p, load, lines->second, sdram, board.core_khz)});
     }
   }
   if (fitting.empty())
@@ -522,6 +537,7 @@ EngineSearch fastest_engine(const Plan& given, const PhotonMap& global, const Ph
   EngineSearch found;
   found.fitting = fitting.size();
   found.best = {with(plan, streams[best->stream], best->widths), best->cycles};
+  found.best.plan.shared_nodes = best->shared_nodes;
   derive_plan(found.best.plan);
   if (const std::string why = engine_misfit(found.best.plan, board); !why.empty())
     throw std::logic_error("the engine for " + board.name + " " + why +
@@ -533,6 +549,14 @@ EngineSearch fastest_engine(const Plan& given, const PhotonMap& global, const Ph
   // ---- what each line's next values would do, all others as they are but those that it says ----
   const Plan& made = found.best.plan;
   const bool sdram = made.photon_memory == PhotonMemory::kSdram;
+  // As the search has it: nodes are shared where it does not fit otherwise.
+  const auto engine = [&](const Stream& s, const Widths& w) {
+    const Plan own = with(plan, s, w);
+    if (engine_misfit(own, board).empty() || !may_share_nodes(own)) return own;
+    Plan shared = own;
+    shared.shared_nodes = true;
+    return shared;
+  };
   const auto would = [&](const Plan& p) -> std::string {
     if (const auto problem = find_problem(p)) return problem->line + " " + problem->what;
     if (const std::string why = engine_misfit(p, board); !why.empty()) return why;
@@ -553,6 +577,9 @@ EngineSearch fastest_engine(const Plan& given, const PhotonMap& global, const Ph
     for (const auto& one : following)
       if (line != one.line && p.*one.member != made.*one.member)
         text += fmt::format("{}{} = {}", text.empty() ? " (with " : ", ", one.line, p.*one.member);
+    if (line != "board.shared_nodes" && p.shared_nodes != made.shared_nodes)
+      text +=
+          fmt::format("{}board.shared_nodes = {}", text.empty() ? " (with " : ", ", p.shared_nodes);
     return text.empty() ? text : text + ")";
   };
   // Other values, in rising order, each with the plan that has it.
@@ -582,7 +609,7 @@ EngineSearch fastest_engine(const Plan& given, const PhotonMap& global, const Ph
         [&](int value) {
           Widths changed = best->widths;
           changed.*field = value;
-          return with(plan, streams[best->stream], changed);
+          return engine(streams[best->stream], changed);
         },
         unit);
   };
@@ -617,10 +644,15 @@ EngineSearch fastest_engine(const Plan& given, const PhotonMap& global, const Ph
     }
     tell("gatherer.beat_bits", others);
   }
+  {
+    Plan p = made;
+    p.shared_nodes = !made.shared_nodes;
+    tell("board.shared_nodes", {{p.shared_nodes ? "true" : "false", p}});
+  }
   // Other memories and orders, with the same gatherers.
   const int cache_lines = made.board_cache_bytes / made.line_bytes();
   const auto streamed = [&](PhotonMemory memory, ReorderKey key, int packets, int lines) {
-    return with(plan, {memory, key, packets, lines, 0}, best->widths);
+    return engine({memory, key, packets, lines, 0}, best->widths);
   };
   const auto key_of = [&](ReorderKey key) {
     return streamed(made.photon_memory, key,

@@ -51,7 +51,7 @@ struct EngineSearch {
   size_t fitting = 0;  // engines that fit, of which it is the fastest
 };
 
-// Largest share of a part that is planned for: that of the fullest tops of docs/headline.md, 51,378
+// Largest share of a part that is planned for: that of the fullest tops of docs/headline.md, 49,814
 // LUT-equivalents and 201 of 208 block RAMs. One of 207 was not
 // (docs/planner.md). Flip-flops are held to the share of LUTs, though gatherers without leaf caches
 // have more of these than predicted LUTs: it leaves out block_ram_k16 of fpga/headline.
@@ -73,7 +73,8 @@ std::string engine_misfit(const Plan& plan, const BoardDescription& board);
 std::vector<const char*> engine_lines(const BoardDescription& board, PhotonLines photons);
 
 // Every combination of the searched lines that fits is predicted, but before an SDRAM those without
-// leaf caches; the fastest is the plan, the smallest of those that are as fast within 1 %. Throws
+// leaf caches, and there with a node memory for each two gatherers what does not fit otherwise; the
+// fastest is the plan, the smallest of those that are as fast within 1 %. Throws
 // std::runtime_error where none fits, with what the smallest lacks, and where there are no queries.
 EngineSearch fastest_engine(const Plan& plan, const PhotonMap& global, const PhotonMap& caustic,
                             std::span<const GatherQuery> queries, const BoardDescription& board);

@@ -268,10 +268,10 @@ TEST_CASE("the reason of a line that the engine search decides is what its next 
       return at->second;
     };
     for (const char* line :
-         {"board.gatherers", "board.photon_memory", "board.lut_ram_words", "reorder.key",
-          "gatherer.nodes_per_cycle", "gatherer.candidates_per_cycle", "gatherer.powers_per_cycle",
-          "gatherer.lanes", "gatherer.contexts", "gatherer.cache_bytes", "gatherer.beat_bits",
-          "photon.photon_bytes"})
+         {"board.gatherers", "board.photon_memory", "board.lut_ram_words", "board.shared_nodes",
+          "reorder.key", "gatherer.nodes_per_cycle", "gatherer.candidates_per_cycle",
+          "gatherer.powers_per_cycle", "gatherer.lanes", "gatherer.contexts",
+          "gatherer.cache_bytes", "gatherer.beat_bits", "photon.photon_bytes"})
       reason(line);
     const auto begins = [](const std::string& text, const std::string& with) {
       return text.rfind(with, 0) == 0;
@@ -293,7 +293,7 @@ TEST_CASE("the reason of a line that the engine search decides is what its next 
         CAPTURE(line, text, told.str());
         Plan changed = best;
         set_plan_line(changed, line + "=" + told[1].str());
-        static const std::regex kFollows(R"(([\w.]+) = (\d+))");
+        static const std::regex kFollows(R"(([\w.]+) = (\w+))");
         const std::string follow = told[2];
         for (std::sregex_iterator one(follow.begin(), follow.end(), kFollows); one != end; ++one)
           set_plan_line(changed, (*one)[1].str() + "=" + (*one)[2].str());
