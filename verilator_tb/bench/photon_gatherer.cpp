@@ -206,7 +206,7 @@ std::vector<BenchPlan> plans() {
     p.beat_bits = 4 * 8 * p.photon_bytes;
   });
   // One of three before an SDRAM: far, with a leaf cache, and lists that compare whole keys.
-  add("far_cached", [](Plan& p) {
+  const auto far_cached = [](Plan& p) {
     p.k = 8;
     p.gatherers = 3;
     p.contexts = 6;
@@ -214,17 +214,14 @@ std::vector<BenchPlan> plans() {
     p.photon_bytes = 12;
     p.cache_bytes = 8 * p.line_bytes();
     p.beat_bits = 4 * 8 * p.photon_bytes;
-  });
-  // The same with more contexts than a cell of LUT RAM has words: a register before the sum,
-  // results in block RAM though memories of 64 words are LUTs, codes.
-  add("far_contexts", [](Plan& p) {
+  };
+  add("far_cached", far_cached);
+  // With more contexts than a cell of LUT RAM has words: a register before the sum, results in
+  // block RAM though memories of 64 words are LUTs, codes.
+  add("far_contexts", [&](Plan& p) {
+    far_cached(p);
     p.k = 12;
-    p.gatherers = 3;
     p.contexts = 20;
-    p.photon_memory = PhotonMemory::kSdram;
-    p.photon_bytes = 12;
-    p.cache_bytes = 8 * p.line_bytes();
-    p.beat_bits = 4 * 8 * p.photon_bytes;
     p.lut_ram_words = 64;
   });
   return list;
