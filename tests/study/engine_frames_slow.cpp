@@ -48,7 +48,7 @@ TEST_CASE("predicted cycles of a frame's engine are within 15 % of simulated one
     Plan cached = found.best.plan;
     cached.gatherers = 3;
     cached.nodes_per_cycle = 2;
-    cached.contexts = 32;
+    cached.contexts = 16;
     cached.photon_bytes = 16;
     cached.beat_bits = 256;
     cached.lut_ram_words = 64;
