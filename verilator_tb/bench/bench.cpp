@@ -55,8 +55,7 @@ uint64_t restart_cycle(uint64_t seed, const std::string& unit, const std::string
 void run_cases(const std::string& program, const Bench& bench, const BenchPlan& plan,
                const BenchCommand& command, BenchTotals& totals) {
   const std::string& unit = bench.module;
-  // The cluster's photon memory is its own, a kernel has no reset.
-  const bool restarts = bench.restarts && command.backend != "hls";
+  const bool restarts = command.backend != "hls";  // a kernel has no reset
   for (const BenchCase& c : bench.cases) {
     if (!command.only_cases.empty() &&
         std::find(command.only_cases.begin(), command.only_cases.end(), c.name) ==
@@ -269,7 +268,7 @@ int bench_main(int argc, char** argv, const Bench& bench) {
         throw std::runtime_error(
             fmt::format("--plan {}: expected random:N or random:N-M", command.plan));
       for (uint64_t i = *from; i <= *to; ++i)
-        plans.push_back({fmt::format("random:{}", i), random_plan(i)});
+        plans.push_back({fmt::format("random:{}", i), random_plan(i, bench.on_board)});
     } else {
       for (const BenchPlan& p : bench.plans)
         if (command.plan.empty() || p.name == command.plan) plans.push_back(p);

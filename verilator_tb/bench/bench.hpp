@@ -44,7 +44,7 @@ struct Bench {
   std::string module;  // of RTL that runs
   std::vector<BenchPlan> plans;
   std::vector<BenchCase> cases;
-  bool restarts = true;  // policies that reset it in the middle do so
+  bool on_board = false;  // it is a part of a board, for which random plans are drawn
   // Cycles without a handshake after which it counts as stuck, unless --watchdog says otherwise.
   uint64_t watchdog = RunOptions{}.watchdog;
 };
@@ -103,6 +103,7 @@ int stream_bench_main(int argc, char** argv, std::vector<BenchPlan> plans,
 }
 
 // A random plan that check_plan() would pass, small enough to simulate: for `make test-full`.
-Plan random_plan(uint64_t seed);
+// on_board: one that board_problem() has nothing against either.
+Plan random_plan(uint64_t seed, bool on_board = false);
 
 }  // namespace photonloom

@@ -103,8 +103,8 @@ std::vector<GatherCase> gather_cases() {
          GatherStimulus s = stimulus(plan, random, ~0ull, ~0ull);
          for (PackedPhoton& p : s.global) p.position = s.global[0].position;
          for (PackedPhoton& p : s.caustic) p.position = s.caustic[0].position;
-         for (size_t i = 0; i < s.queries.size(); i += 2)
-           s.queries[i].position = s.global[0].position;
+         const auto& there = s.global.empty() ? s.caustic : s.global;
+         for (size_t i = 0; i < s.queries.size(); i += 2) s.queries[i].position = there[0].position;
          return s;
        }},
       {"empty", [](const Plan& plan, BenchRandom& random) { return stimulus(plan, random, 0, 0); }},

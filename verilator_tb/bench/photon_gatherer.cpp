@@ -163,6 +163,23 @@ std::vector<BenchPlan> plans() {
     p.beat_bits = 8 * p.photon_bytes * p.lanes;
     p.nodes_per_cycle = 2;
   });
+  // No leaf cache, and beats of bytes that are no words of a C++ port; the caustic map alone.
+  add("odd_beats", [](Plan& p) {
+    p.bucket = 16;
+    p.lanes = 1;
+    p.photon_bytes = 11;
+    p.mantissa_bits = 7;
+    p.cache_bytes = 0;
+    p.beat_bits = 8 * p.photon_bytes;
+    p.global = {};
+  });
+  // More places than any board's plan, in two banks of lists of codes.
+  add("hundred", [](Plan& p) {
+    p.k = 100;
+    p.contexts = 6;
+    p.lanes = 8;
+    p.nodes_per_cycle = p.candidates_per_cycle = p.powers_per_cycle = 2;
+  });
   // Of a board with five gatherers: two levels of a descent at once, of a map whose upper nodes are
   // of even levels and one whose are of odd ones.
   add("levels", [](Plan& p) {

@@ -134,11 +134,13 @@ Plan rarer(const Plan& drawn, RoleRandom& random) {
 
 }  // namespace
 
-Plan random_plan(uint64_t seed) {
+Plan random_plan(uint64_t seed, bool on_board) {
   RoleRandom random(seed, "plan"), rare(seed, "rare lines of a plan");
   for (;;) {
-    const Plan plan = draw(random);
-    if (!find_problem(plan)) return rarer(plan, rare);
+    const Plan drawn = draw(random);
+    if (find_problem(drawn)) continue;
+    const Plan plan = rarer(drawn, rare);
+    if (!on_board || !board_problem(plan)) return plan;
   }
 }
 

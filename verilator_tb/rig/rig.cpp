@@ -209,8 +209,8 @@ LineMemory::LineMemory(Model& model, const Plan& plan, const RunOptions& options
       line_bits_(plan.line_address_bits()),
       faults_(options.faults),
       line_bytes_(static_cast<size_t>(plan.bucket) * static_cast<size_t>(plan.photon_bytes)),
-      // With parity the port is a bit wider than a beat.
-      beat_bytes_(plan.parity ? static_cast<size_t>(plan.beat_bits) / 8 : rsp_data_.bytes),
+      // The port has a bit more with parity, and whole words.
+      beat_bytes_(static_cast<size_t>(plan.beat_bits) / 8),
       bank_free_(static_cast<size_t>(std::max(1, options.banks)), 0) {
   *req_ready_.data = 0;
   *rsp_valid_.data = 0;

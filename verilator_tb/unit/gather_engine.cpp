@@ -17,8 +17,7 @@ class RtlGatherEngine final : public GathererUnit {
     if (reordered) order_ = make_golden_reorder_buffer(plan);
     rig_.set("reorder_i", reordered);
     if (plan.photon_memory == PhotonMemory::kSdram) {
-      sdram_ = std::make_unique<SdramSocket>(
-          [this](const std::string& port) { return rig_.port(port).data; }, plan.sdram_khz);
+      power_up();
       rig_.add_clock("clk_sdram_i", options.sdram_period,
                      [this](uint64_t edge) { sdram_->before_edge(edge); });
     }
@@ -52,6 +51,22 @@ class RtlGatherEngine final : public GathererUnit {
     configure(image.cfg);
     // The last word is on its way into the memory for a while.
     for (int i = 0; i < 100; ++i) rig_.cycle();
+    loaded_ = std::move(image);
+  }
+
+  // Block RAM keeps its lines. An SDRAM is not refreshed while it is made ready anew, so a board
+  // gets its lines again after a reset (docs/board.md): here on another chip.
+  void configure_again() override {
+    if (!sdram_) return configure(loaded_.cfg);
+    // Until the reset has reached the SDRAM's clock.
+    for (int i = 0; i < 20; ++i) rig_.cycle();
+    power_up();
+    load_lines(std::move(loaded_));
+  }
+
+  void power_up() {
+    sdram_ = std::make_unique<SdramSocket>(
+        [this](const std::string& port) { return rig_.port(port).data; }, plan_.sdram_khz);
   }
 
   void write_word(uint64_t address, uint32_t word) {
@@ -105,6 +120,7 @@ class RtlGatherEngine final : public GathererUnit {
   }
 
   bool back_door_;
+  PhotonGathererImage loaded_;
   std::unique_ptr<SdramSocket> sdram_;  // on the pins of rig_
   std::unique_ptr<ReorderBuffer> order_;
 };

@@ -1,0 +1,21 @@
+# SPDX-License-Identifier: Apache-2.0
+# cmake -D BENCH=PROGRAM -D PLANS=NAME,NAME,... -P plans_of_bench.cmake: whether these are the plans of the bench, so that each
+# one is some test's.
+cmake_minimum_required(VERSION 3.25)
+execute_process(COMMAND ${BENCH} --list OUTPUT_VARIABLE list COMMAND_ERROR_IS_FATAL ANY)
+string(REGEX MATCHALL "plan [a-z_0-9]+" of_bench "${list}")
+list(TRANSFORM of_bench REPLACE "plan " "")
+string(REPLACE "," ";" of_tests "${PLANS}")
+if(NOT of_bench)
+  message(FATAL_ERROR "${BENCH} --list: no plan, expected some")
+endif()
+foreach(plan IN LISTS of_bench)
+  if(NOT plan IN_LIST of_tests)
+    message(FATAL_ERROR "tests/rtl/CMakeLists.txt: has no test of plan ${plan} of ${BENCH}")
+  endif()
+endforeach()
+foreach(plan IN LISTS of_tests)
+  if(NOT plan IN_LIST of_bench)
+    message(FATAL_ERROR "tests/rtl/CMakeLists.txt: tests plan ${plan}, expected one of ${BENCH} --list")
+  endif()
+endforeach()
