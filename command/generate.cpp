@@ -119,6 +119,7 @@ void generate(const GenerateOptions& o) {
   request.boards_dir = o.boards;
   std::map<std::string, std::string> files;
   const auto check_for_board = [&](const Plan& plan, const std::string& file) {
+    throw_problem(hardware_problem(plan), file, asked.set);
     if (!o.board.empty() && o.unit.empty())
       throw_problem(board_problem(plan, read_board(o.board, o.boards)), file, asked.set);
   };

@@ -494,7 +494,21 @@ std::optional<PlanProblem> find_problem(const Plan& plan) {
   return std::nullopt;
 }
 
+std::optional<PlanProblem> hardware_problem(const Plan& plan) {
+  // Configuration addresses of 24 bits, whose upper half are registers
+  // (rtl/photon_gatherer/photon_gatherer_registers.sv).
+  constexpr uint64_t kMostNodes = uint64_t{1} << 23;
+  if (plan.node_words() <= kMostNodes) return std::nullopt;
+  const bool is_caustic = plan.caustic.present && plan.caustic.photons > plan.global.photons;
+  return PlanProblem{
+      is_caustic ? "caustic.photons" : "global.photons",
+      fmt::format("is {}, so the maps have {} lines of {} photons, expected at most {} in "
+                  "hardware: fewer photons or a larger photon.bucket",
+                  plan.map(is_caustic).photons, plan.node_words(), plan.bucket, kMostNodes)};
+}
+
 std::optional<PlanProblem> board_problem(const Plan& plan) {
+  if (auto problem = hardware_problem(plan)) return problem;
   if (plan.photon_memory != PhotonMemory::kBlockRam || plan.beat_bits % 32 == 0)
     return std::nullopt;
   return PlanProblem{"gatherer.beat_bits",

@@ -35,6 +35,10 @@ std::optional<PlanProblem> find_problem(const Plan& plan);
 std::optional<PlanProblem> extent_problem(const Plan& plan);
 std::optional<PlanProblem> channel_problem(const Plan& plan);
 
+// What keeps a plan that golden can render from hardware: more lines than a gatherer has addresses
+// of nodes for.
+std::optional<PlanProblem> hardware_problem(const Plan& plan);
+
 // What keeps a plan whose units can be built from a board: a photon memory of block RAM is written
 // by words of 32 bits.
 std::optional<PlanProblem> board_problem(const Plan& plan);

@@ -336,12 +336,13 @@ module cdf_sampler_weights #(
       cosine_zeros_q, power_zeros_q};
 
   // 9 and 10: shifted by its multiples of 8, then by the rest; what is left fits. The floor.
+  localparam int unsigned ShiftedBits = ExactBits > FineBits ? ExactBits : FineBits;
   logic [FineBits-1:0] coarse10_q;
   logic [ProbabilityBits-1:0] narrow;
   logic [10+Delay:5] touches_q;
   assign narrow = ProbabilityBits'(coarse10_q >> narrow_q[2:0]);
   always_ff @(posedge clk_i) begin
-    coarse10_q <= FineBits'(exact9_q >> {narrow_q[WidthBits-1:3], 3'b000});
+    coarse10_q <= FineBits'(ShiftedBits'(exact9_q) >> {narrow_q[WidthBits-1:3], 3'b000});
     touches_q <= {touches_q[9+Delay:5], !highest[DotBits-1] && highest != '0};
     weight_o  <= !touches_q[10+Delay] ? '0 : narrow == '0 ? ProbabilityBits'(1) : narrow;
   end

@@ -7,6 +7,7 @@
 #include <cctype>
 
 #include "golden/packet/layout.hpp"
+#include "golden/plan/plan_file.hpp"
 #include "golden/unit/self_test.hpp"
 
 namespace photonloom {
@@ -166,6 +167,7 @@ std::string self_test_constants(const Plan& plan) {
 }  // namespace
 
 std::string write_package(const Plan& plan, uint64_t plan_hash) {
+  throw_problem(hardware_problem(plan), "plan", {});
   std::string text = fmt::format(
       "// SPDX-License-Identifier: Apache-2.0\n"
       "// Generated from plan {0:016x}: its constants and packets. Edit the plan, not this file.\n"

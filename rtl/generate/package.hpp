@@ -20,7 +20,8 @@ struct PackageConstant {
 
 std::vector<PackageConstant> package_constants(const Plan& plan);
 
-// Text of photonloom_pkg.sv, deterministic in the plan. `plan_hash` becomes PlanHash.
+// Text of photonloom_pkg.sv, deterministic in the plan. `plan_hash` becomes PlanHash. Throws
+// PlanError of a plan that hardware_problem() tells of.
 std::string write_package(const Plan& plan, uint64_t plan_hash);
 
 // reorder_cell_bits -> ReorderCellBits.

@@ -210,6 +210,21 @@ TEST_CASE("packages of many plans lint", "[slow]") {
   }
 }
 
+TEST_CASE("packages of the narrowest weights lint", "[slow]") {
+  Plan plan = gatherer_plan();
+  plan.gather_rays = 4;
+  plan.mantissa_bits = 2;
+  plan.exponent_bits = plan.channels = plan.cell_bits = 1;
+  plan.normal_bits = 2;
+  derive_plan(plan);
+  const Scratch scratch;
+  for (const auto& [name, text] : generate_hardware({.plan = plan})) {
+    std::filesystem::create_directories((scratch.path / name).parent_path());
+    write_file(scratch / name, text);
+  }
+  check_tools(scratch.path.string(), "photonloom_chip");
+}
+
 TEST_CASE("the packet tables in docs are what the command prints") {
   const std::string page = read_file(source("docs/packets.md"));
   const size_t end = page.rfind("-->\n\n");

@@ -251,6 +251,22 @@ TEST_CASE("an SDRAM holds the maps and its cache a line in each way, or the plan
   CHECK(!find_problem(plan));
 }
 
+TEST_CASE("what golden renders with more lines than a gatherer has addresses is no hardware") {
+  Plan plan;
+  plan.global = {.present = true, .photons = uint64_t{8} << 23};
+  CHECK(!hardware_problem(plan));
+  ++plan.global.photons;
+  CHECK(!find_problem(plan));
+  REQUIRE(hardware_problem(plan));
+  CHECK(hardware_problem(plan)->line == "global.photons");
+  CHECK(board_problem(plan)->line == "global.photons");
+  plan.bucket = 16;
+  CHECK(!hardware_problem(plan));
+  plan.caustic = {.present = true, .photons = plan.global.photons + 1};
+  REQUIRE(hardware_problem(plan));
+  CHECK(hardware_problem(plan)->line == "caustic.photons");
+}
+
 TEST_CASE("no plan that passes can overflow the shader's product or the pixel") {
   // All corners of the widths that meet there: whatever passes the checks has room.
   for (const int mantissa : {2, 9, 16})
