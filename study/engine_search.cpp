@@ -177,12 +177,6 @@ SdramWork work_of_sdram(const Plan& plan, const LineVisits& visits, const Order&
   return {static_cast<double>(fetched) / queries, std::move(parts)};
 }
 
-// Of two bounds, as modelled_cycles joins a gatherer's.
-double joined(const Plan& plan, double a, double b) {
-  const double power = plan.cache_bytes == 0 ? kUncachedPower : kCycleFit.power;
-  return std::pow(std::pow(a, power) + std::pow(b, power), 1 / power);
-}
-
 // sdram: where the plan has one.
 EngineCycles predict(const Plan& plan, const Load& of, double lines, const SdramWork* sdram,
                      int core_khz) {
@@ -200,7 +194,9 @@ EngineCycles predict(const Plan& plan, const Load& of, double lines, const Sdram
   // What the fit has not, for it does not bind where leaf caches and one candidate a cycle do: a
   // reciprocal takes its time (rtl/common/reciprocal.sv). Queries that wait for one hold nothing
   // else up.
-  e.gatherers = std::max(modelled_cycles(plan, load, latency),
+  const bool apart = !sdram && plan.cache_bytes != 0;
+  e.gatherers = std::max(modelled_cycles(plan, load, latency,
+                                         apart ? LineBeats::kElsewhere : LineBeats::kBound),
                          of.reciprocal / std::max(1, plan.reciprocals())) /
                 plan.gatherers;
   const double beats = plan.line_beats();
@@ -217,11 +213,18 @@ EngineCycles predict(const Plan& plan, const Load& of, double lines, const Sdram
     }
     return e;
   }
-  // A port reads a row a cycle; that its beats go to a gatherer one after the other is in that
-  // one's own cycles.
+  // A port reads a row a cycle, and its beats go to a gatherer one after the other.
   const double row = plan.photon_ram_row(), ports = std::min(2, plan.gatherers);
   e.memory = kCycleFit.memory * beats * lines / (row * ports);
-  e.cycles = joined(plan, e.gatherers, e.memory);
+  if (apart) {
+    // With a cache between, lines come while others are searched, and a port is never idle while
+    // some are waited for: what has more to do binds, and the other waits for nothing.
+    e.memory = std::max(e.memory, kCycleFit.memory * beats * lines / plan.gatherers);
+    e.cycles = std::max(e.gatherers, e.memory);
+  } else {
+    e.cycles = std::pow(std::pow(e.gatherers, kUncachedPower) + std::pow(e.memory, kUncachedPower),
+                        1 / kUncachedPower);
+  }
   return e;
 }
 
@@ -314,12 +317,15 @@ Plan with(const Plan& plan, const Stream& s, const Widths& w) {
   return p;
 }
 
-// Bytes a photon: those of the plan, and as few as hold it where lines are plain ones.
+// Bytes a photon: those of the plan, and where lines are plain ones as few as hold it, and as many
+// as the planner pads it to.
 std::vector<int> strides(const Plan& plan) {
-  const int smallest = smallest_stride(plan);
-  if (plan.photon_lines != PhotonLines::kPlain || smallest >= plan.photon_bytes)
-    return {plan.photon_bytes};
-  return {smallest, plan.photon_bytes};
+  if (plan.photon_lines != PhotonLines::kPlain) return {plan.photon_bytes};
+  const int padded = plan.photon_bits() > 8 * 16 ? 32 : 16;
+  std::vector<int> all = {smallest_stride(plan), plan.photon_bytes, padded};
+  std::sort(all.begin(), all.end());
+  all.erase(std::unique(all.begin(), all.end()), all.end());
+  return all;
 }
 
 std::vector<Widths> all_widths(const Plan& plan) {
@@ -552,7 +558,7 @@ EngineSearch fastest_engine(const Plan& given, const PhotonMap& global, const Ph
   // As the search has it: nodes are shared where it does not fit otherwise.
   const auto engine = [&](const Stream& s, const Widths& w) {
     const Plan own = with(plan, s, w);
-    if (engine_misfit(own, board).empty() || !may_share_nodes(own)) return own;
+    if (find_problem(own) || engine_misfit(own, board).empty() || !may_share_nodes(own)) return own;
     Plan shared = own;
     shared.shared_nodes = true;
     return shared;

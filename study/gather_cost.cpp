@@ -126,7 +126,8 @@ GatherCost gather_cost_model(const Plan& plan, const PhotonMap& global, const Ph
   return gather_cost(plan, searched(plan, global, caustic, queries), latency);
 }
 
-double modelled_cycles(const Plan& plan, const GatherLoad& load, int latency) {
+double modelled_cycles(const Plan& plan, const GatherLoad& load, int latency,
+                       LineBeats line_beats) {
   const CycleFit& f = kCycleFit;
   const double parts = static_cast<double>(plan.bucket) / plan.lanes;
   const double beats = plan.line_beats();
@@ -141,10 +142,10 @@ double modelled_cycles(const Plan& plan, const GatherLoad& load, int latency) {
                        load.misses * (latency + beats) + plan.k;
   const double in_lanes = f.lanes * parts * load.leaves, in_memory = f.memory * beats * load.misses;
   // Without a cache between, beats pass the lanes as they come: one bound, the larger.
-  const double bounds[] = {f.nodes * steps / plan.trees(),
-                           cached ? in_lanes : std::max(in_lanes, in_memory),
-                           f.insertions * load.insertions / plan.candidates_per_cycle,
-                           cached ? in_memory : 0, f.latency * alone / plan.contexts};
+  const double bounds[] = {
+      f.nodes * steps / plan.trees(), cached ? in_lanes : std::max(in_lanes, in_memory),
+      f.insertions * load.insertions / plan.candidates_per_cycle,
+      cached && line_beats == LineBeats::kBound ? in_memory : 0, f.latency * alone / plan.contexts};
   const double power = cached ? f.power : kUncachedPower;
   double sum = 0;
   for (const double b : bounds) sum += std::pow(b, power);

@@ -76,8 +76,11 @@ GatherCost gather_cost_model(const Plan& plan, const PhotonMap& global, const Ph
 // waits for less. The best whole number for gatherers on block RAM of 2 to 32 contexts and one or
 // two nodes a cycle, in three scenes (tests/study/wide_gatherers_slow.cpp).
 inline constexpr double kUncachedPower = 5;
-// Cycles of a gather as the fit has it. docs/sweep.md has the formula.
-double modelled_cycles(const Plan& plan, const GatherLoad& load, int latency);
+// Cycles of a gather as the fit has it. docs/sweep.md has the formula. Of a gatherer with a leaf
+// cache kElsewhere leaves the beats of its lines out of the bounds, for who counts them himself.
+enum class LineBeats { kBound, kElsewhere };
+double modelled_cycles(const Plan& plan, const GatherLoad& load, int latency,
+                       LineBeats line_beats = LineBeats::kBound);
 // Of the numbers of fit and cache model; results made with another are made again.
 std::string cycle_fit_signature();
 

@@ -794,13 +794,17 @@ class PlanSearch::Work {
                              "caustic_photons"})
       for (size_t i = 0; i < lines_.size(); ++i) {
         if (lines_[i].name != name) continue;
-        while (!fitting(at) && at[i] + 1 < static_cast<int>(lines_[i].values.size())) ++at[i];
+        // What a given line does not go with is left out: the reason is then what lacks.
+        for (Choice next = at;
+             !fitting(at) && ++next[i] < static_cast<int>(lines_[i].values.size());)
+          if (candidate(next)) at = next;
       }
     const Candidate* c = candidate(at);
-    if (!c || !c->misfit.empty())
+    if (!c) plan_of_point(*scene_, study_, lines_of(at));  // throws the reason
+    if (!c->misfit.empty())
       throw std::runtime_error(
           fmt::format("--board: no plan that the planner knows fits {}: the smallest {}",
-                      request_.board, c ? c->misfit : "is refused"));
+                      request_.board, c->misfit));
     return at;
   }
 

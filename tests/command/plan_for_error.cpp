@@ -118,6 +118,18 @@ TEST_CASE(
     }
 }
 
+TEST_CASE("plan --error --board: what does not fit tells what lacks, not what else is refused") {
+  const Scratch s;
+  // Beside this cache no line can be without padding.
+  const auto o = run("plan" + cornell_box() + small(s) +
+                     "--error 5x --board ulx3s-85f --set gatherer.cache_bytes=1048576 -o '" +
+                     s / "p.toml" + "'");
+  CHECK(o.status == 1);
+  CHECK(o.err.find("no plan that the planner knows fits ulx3s-85f: the smallest needs ") !=
+        std::string::npos);
+  CHECK(o.err.find(" DP16KD") != std::string::npos);
+}
+
 TEST_CASE("plan --error: wrong command lines name the option and what was expected") {
   const Scratch s;
   const std::string end = " -o '" + s / "p.toml" + "'";

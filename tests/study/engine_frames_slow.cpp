@@ -60,7 +60,16 @@ TEST_CASE("predicted cycles of a frame's engine are within 15 % of simulated one
     Plan ordered = cached;
     ordered.reorder_key = ReorderKey::kHilbert;
     derive_plan(ordered);
-    for (const Plan& plan : {found.best.plan, cached, ordered}) {
+    // Fewer with more contexts each, whose lines keep the photon memory's ports busy all the time.
+    Plan crowded = cached;
+    crowded.gatherers = 2;
+    crowded.contexts = 32;
+    derive_plan(crowded);
+    REQUIRE(engine_misfit(crowded, board) == "");
+    Plan alone = crowded;
+    alone.gatherers = alone.nodes_per_cycle = 1;
+    derive_plan(alone);
+    for (const Plan& plan : {found.best.plan, cached, ordered, crowded, alone}) {
       const EngineCycles predicted =
           engine_cycles(plan, frame.global, frame.caustic, in, board.core_khz);
       const double simulated = simulated_cycles(plan, frame, in, {});

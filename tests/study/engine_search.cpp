@@ -190,6 +190,43 @@ TEST_CASE("no engine beside the one for a board is faster and fits") {
   CHECK(uncached < fitting);
 }
 
+TEST_CASE("photons given without padding are searched with it too") {
+  const BoardDescription board = predicted_board("ulx3s-85f");
+  const Load load = make_load(8192, 8);
+  const EngineSearch found = fastest_engine(load.plan, load.map, {}, load.queries, board);
+  Plan packed = load.plan;
+  packed.photon_bytes = 12;
+  packed.cache_bytes = packed.cache_bytes / 16 * 12;
+  packed.beat_bits = 8 * packed.line_bytes();
+  derive_plan(packed);
+  REQUIRE_FALSE(find_problem(packed));
+  const EngineSearch again = fastest_engine(packed, load.map, {}, load.queries, board);
+  CHECK(again.fitting == found.fitting);
+  CHECK(plan_text(again.best.plan) == plan_text(found.best.plan));
+  CHECK(again.reasons == found.reasons);
+}
+
+TEST_CASE("lines of fewer photons than the lanes that are searched have engines and reasons") {
+  const BoardDescription board = predicted_board("ulx3s-85f");
+  for (const int bucket : {2, 4}) {
+    Load load = make_load(4096, 8);
+    load.plan.bucket = load.plan.lanes = bucket;
+    load.plan.photon_bytes = 16;
+    load.plan.cache_bytes = 64 * load.plan.line_bytes();
+    load.plan.beat_bits = 8 * load.plan.line_bytes();
+    derive_plan(load.plan);
+    REQUIRE_FALSE(find_problem(load.plan));
+    std::vector<PackedPhoton> packed(4096);
+    for (uint64_t i = 0; i < packed.size(); ++i) packed[i].position = on_a_wall(1, i, i);
+    load.map = build_photon_map(packed, load.plan);
+    const EngineSearch found = fastest_engine(load.plan, load.map, {}, load.queries, board);
+    CHECK(found.best.plan.lanes <= bucket);
+    if (2 * found.best.plan.lanes > bucket && bucket < 8)
+      CHECK(found.reasons.at("gatherer.lanes").find("expected a power of two up to the bucket") !=
+            std::string::npos);
+  }
+}
+
 TEST_CASE("beats wider together than in any routed top are no engine for a board") {
   const BoardDescription board = predicted_board("ulx3s-85f");
   Plan plan = make_load(2048, 8).plan;
