@@ -289,7 +289,7 @@ void cosim(const CosimOptions& o) {
   describe_frame(hardware_image, frame, request, "golden");
   const GatherDiagnosis diagnosis = diagnose_into(golden_image, golden_gathers, frame, request);
   diagnose_into(hardware_image, hardware_gathers, frame, request);
-  print_warnings(diagnosis_messages(diagnosis));
+  print_warnings(diagnosis_messages(diagnosis, request));
   print_warnings(count_messages(counts));
   const std::string golden_file = folder.temporary() + "/golden.exr",
                     hardware_file = folder.temporary() + "/" + name + ".exr";

@@ -240,9 +240,14 @@ nlohmann::ordered_json diagnosis_json(const GatherDiagnosis& diagnosis) {
   return json;
 }
 
-std::vector<std::string> diagnosis_messages(const GatherDiagnosis& diagnosis) {
+std::vector<std::string> diagnosis_messages(const GatherDiagnosis& diagnosis,
+                                            const FrameRequest& request) {
   std::vector<std::string> messages;
-  for (const ShortRegion& r : diagnosis.regions) messages.push_back(r.message);
+  for (const ShortRegion& r : diagnosis.regions)
+    messages.push_back(r.message +
+                       (!request.plan_file.empty() && r.advice.options.starts_with("--photons")
+                            ? " (--photons in a plan made anew: that of --plan has its own)"
+                            : ""));
   return messages;
 }
 

@@ -73,7 +73,9 @@ void describe_frame(Image& image, const PreparedFrame& frame, const FrameRequest
 GatherDiagnosis diagnose_into(Image& image, const GatherWatch& watch, const PreparedFrame& frame,
                               const FrameRequest& request);
 nlohmann::ordered_json diagnosis_json(const GatherDiagnosis& diagnosis);
-std::vector<std::string> diagnosis_messages(const GatherDiagnosis& diagnosis);
+// Where the request names a plan, with what that decides.
+std::vector<std::string> diagnosis_messages(const GatherDiagnosis& diagnosis,
+                                            const FrameRequest& request);
 
 // What happened in a frame, in packets, and what was taken as the largest that fits; messages for
 // what a user should know of it.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // photonloom generate PLAN|SCENE -o DIR
 #include <fmt/core.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -55,11 +56,18 @@ std::map<std::string, std::string> images(const PreparedFrame& frame) {
 void warn_of_block_ram(const std::string& source, const Plan& plan, const BoardDescription& board) {
   const std::optional<int> has = block_rams_of(board);
   const int blocks = board_memories(plan).total();
-  if (has && blocks > *has)
-    print_warnings({fmt::format(
-        "{}: the top takes {} block RAMs, {} has {}; expected fewer photons in block RAM, a "
-        "smaller reorder.packets or gatherer.cache_bytes (photonloom plan tells what takes them)",
-        source, blocks, board.name, *has)});
+  if (!has || blocks <= *has) return;
+  // What of this plan takes some.
+  std::vector<std::string> less;
+  if (plan.gatherers > 1) less.push_back("fewer board.gatherers");
+  less.push_back(plan.photon_memory == PhotonMemory::kSdram ? "a smaller board.cache_bytes"
+                                                            : "fewer photons in block RAM");
+  if (plan.reorder_key != ReorderKey::kNone) less.push_back("a smaller reorder.packets");
+  if (plan.cache_bytes != 0) less.push_back("a smaller gatherer.cache_bytes");
+  print_warnings(
+      {fmt::format("{}: the top takes {} block RAMs, {} has {}; expected {} (photonloom plan tells "
+                   "what takes them)",
+                   source, blocks, board.name, *has, fmt::join(less, " or "))});
 }
 
 // Throws where the package in `dir` has kernels that are not what its plan and the sources give.

@@ -81,7 +81,7 @@ Image photon_map(const RenderOptions& o, const FrameRequest& request, ConsolePro
   summary["pixels_sha256"] = pixel_sha256(image);  // of what the plan decides
   if (arithmetic == Arithmetic::kGolden) {
     const GatherDiagnosis diagnosis = diagnose_into(image, watch, frame, request);
-    print_warnings(diagnosis_messages(diagnosis));
+    print_warnings(diagnosis_messages(diagnosis, request));
     summary["diagnosis"] = diagnosis_json(diagnosis);
   }
   summary["spp"] = plan.spp;

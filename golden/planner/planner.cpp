@@ -454,9 +454,9 @@ PlannedFrame make_plan(const World& world, const PlanRequest& request, const Pho
   why["sampler.cosine_samples"] = "used where sampler.combine is weighted";
   for (const char* line :
        {"present", "records", "hits", "passes", "accuracy", "radius", "probe_rays", "radius_min",
-        "radius_max", "angle_bits", "weight_bits", "glossy"})
+        "radius_max", "angle_bits", "weight_bits", "glossy", "gradients"})
     why[std::string("cache.") + line] =
-        plan.cache_present ? "set by hand" : "no irradiance cache unless it is asked for";
+        plan.cache_present ? "by default" : "no irradiance cache unless it is asked for";
   if (map_bytes > kBoardBlockRamBytes) plan.photon_memory = PhotonMemory::kSdram;
   // What comes from an SDRAM comes in whole photons.
   if (plan.photon_memory == PhotonMemory::kSdram)
@@ -467,7 +467,8 @@ PlannedFrame make_plan(const World& world, const PlanRequest& request, const Pho
   why["board.cache_bytes"] = "used before an SDRAM: some 26 block RAMs of an LFE5U-85F";
   why["board.sdram_khz"] = "most routed tops reach it; set by hand where one reaches less, or more";
   why["board.replay_queries"] = "the rate of a board without its link";
-  why["board.lut_ram_words"] = "block RAM is short where several gatherers share it";
+  why["board.lut_ram_words"] =
+      "LUTs save block RAM, which is short where several gatherers share it";
   why["board.shared_nodes"] = "a node memory each; set by hand where a board lacks block RAM";
   why["board.parity"] = "set by hand where flipped bits must be told";
   why["board.self_test"] = "set by hand where a board must try itself";
@@ -493,6 +494,9 @@ PlannedFrame make_plan(const World& world, const PlanRequest& request, const Pho
                                  : "about a million samples at a time in the host's memory";
   choose_pixel(plan, world, request, why);
   set_by_hand();
+  if (plan.cache_bytes == 0)
+    for (const char* line : {"gatherer.cache_ways", "gatherer.cache_misses"})
+      if (why[line] != "set by hand") why[line] = "used where gatherer.cache_bytes is not 0";
   // Three bits too few still make an image.
   if (wanted > 7 && wanted + 16 - plan.position_bits > 3)
     result.warnings.push_back(

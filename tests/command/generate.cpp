@@ -325,6 +325,17 @@ TEST_CASE("a photon map too large for the board's block RAM is told before synth
   CHECK_THAT(made.err, ContainsSubstring(fmt::format(
                            "warning: {}: the top takes {} block RAMs, ulx3s-85f has 208",
                            scratch / "plan.toml", blocks)));
+  CHECK_THAT(made.err, ContainsSubstring("fewer photons in block RAM"));
+  CHECK_THAT(made.err, !ContainsSubstring("gatherers"));
+  const std::string wide = " --set board.gatherers=16 --set reorder.key=none";
+  const Outcome sixteen = run(board + wide);
+  CHECK_THAT(sixteen.err, ContainsSubstring("expected fewer board.gatherers or fewer photons"));
+  CHECK_THAT(sixteen.err, !ContainsSubstring("reorder.packets"));
+  const Outcome before_sdram =
+      run(board + wide + " --set board.photon_memory=sdram --set gatherer.beat_bits=128");
+  CHECK_THAT(before_sdram.err, ContainsSubstring("a smaller board.cache_bytes"));
+  CHECK_THAT(before_sdram.err, !ContainsSubstring("photons in block RAM"));
+  REQUIRE(run(board).status == 0);
   CHECK_THAT(read_file(scratch / "hw" + "/README.md"),
              ContainsSubstring(fmt::format("| all of the top | | | | {} |", blocks)));
   CHECK_THAT(run(tell).out,

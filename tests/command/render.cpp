@@ -210,6 +210,12 @@ TEST_CASE("scenes at the edge of what can be: the right image, a warning, or one
   const size_t advice = one.find("try --photons ");
   REQUIRE(advice != std::string::npos);
   CHECK(std::stoi(one.substr(advice + 14)) >= 50);
+  // A plan that is given has its photons, and takes no --photons beside it.
+  CHECK(one.find("a plan made anew") == std::string::npos);
+  good("plan" + balls() + "--photons 1 --caustic-photons 1 --size 8x8 --spp 1 --gather-rays 4 -o" +
+       quoted(scratch / "few.toml"));
+  CHECK(good("render" + balls() + "--plan" + quoted(scratch / "few.toml") + out)
+            .err.find("--photons in a plan made anew") != std::string::npos);
   for (const std::string scale : {"1e13", "1e-13"}) {
     write_file(file, room(point_light("0", "1"), scale));
     for (const std::string integrator : {"path", "photonmap"})
@@ -227,14 +233,17 @@ TEST_CASE("a plan is complete, says why, and reads back") {
   CHECK(!plan.caustic.present);
   CHECK(o.out.find("no surface is a mirror or glass") != std::string::npos);
   // Every line of the file has a reason after its meaning.
-  std::istringstream text(o.out);
-  for (std::string line; std::getline(text, line);) {
-    if (line.find(" = ") == std::string::npos || line.rfind("name", 0) == 0) continue;
-    INFO(line);
-    const size_t comment = line.find(" # ");
-    REQUIRE(comment != std::string::npos);
-    CHECK(line.find(": ", comment) != std::string::npos);
-  }
+  Plan::visit(plan, [&](const std::string& section, const std::string& key, const auto&, auto, auto,
+                        const char* meaning) {
+    if (section == "scene" && key == "name") return;
+    const size_t at = o.out.find("\n" + key + " = ", o.out.find("[" + section + "]")) + 1;
+    const std::string line = o.out.substr(at, o.out.find('\n', at) - at);
+    INFO(section << ": " << line);
+    CHECK(line.find(std::string(" # ") + meaning + ": ") != std::string::npos);
+  });
+  const std::string uncached =
+      good("plan" + box() + "--photons 4000 --k 8 --set gatherer.cache_bytes=0 -o -").out;
+  CHECK(uncached.find("cache_bytes is not 0") != std::string::npos);
   const Plan fine =
       parse_plan(good("plan" + box() + "--photons 4000 --format-error 0.0005 -o -").out, "fine");
   const Plan coarse =

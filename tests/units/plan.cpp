@@ -6,10 +6,12 @@
 
 #include <random>
 
+#include "golden/numeric/output_file.hpp"
 #include "golden/numeric/random.hpp"
 #include "golden/numeric/shared_exponent.hpp"
 #include "golden/plan/quantiser.hpp"
 #include "tests/catch.hpp"
+#include "tests/command/run.hpp"
 
 using namespace photonloom;
 
@@ -56,6 +58,27 @@ TEST_CASE("a plan reads back to the bit, with its hash") {
   CHECK(again.extent == plan.extent);
   CHECK(again.global.r2_max == plan.global.r2_max);
   CHECK(plan_hash(again) == plan_hash(plan));
+}
+
+TEST_CASE("docs/plan.md names the lines that may be left out, and a plan without them is read") {
+  const std::string page = read_file(photonloom::test::source("docs/plan.md"));
+  const size_t begin = page.find("## Lines that may be left out");
+  REQUIRE(begin != std::string::npos);
+  const std::string part = page.substr(begin, page.find("\n## ", begin) - begin);
+  Plan plan;
+  std::string shortest = text_of(plan);
+  Plan::visit(plan, [&](const std::string& section, const std::string& key, auto&, auto, auto,
+                        const char*) {
+    const std::string line = section + "." + key;
+    INFO(line);
+    const bool named = part.find("`" + line + "`") != std::string::npos ||
+                       (section == "cache" && part.find("`cache.*`") != std::string::npos);
+    CHECK(named == may_be_left_out(line));
+    if (!named) return;
+    const size_t at = shortest.find("\n" + key + " = ", shortest.find("[" + section + "]")) + 1;
+    shortest.erase(at, shortest.find('\n', at) + 1 - at);
+  });
+  CHECK(plan_hash(parse_plan(shortest, "p.toml")) == plan_hash(plan));
 }
 
 TEST_CASE("characters beyond ASCII stand in strings and comments alone") {
