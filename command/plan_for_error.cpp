@@ -213,14 +213,17 @@ void PlanForError::run(const FrameRequest& request, const std::string& output, b
     if (check_) throw UsageError("--check: goes with --error");
     if (!output.empty()) throw UsageError("--explain: writes no plan without --error; no -o");
   }
+  const char* const option = asked ? "--error" : "--explain";
   if (request.format_error)
-    throw UsageError("--format-error: --error chooses the formats; give one of them");
+    throw UsageError(
+        fmt::format("--format-error: {} chooses the formats; give one of them", option));
   if (!request.plan_file.empty() || is_plan(request.scene_file))
-    throw UsageError("--error: searches from a scene, not from a plan");
+    throw UsageError(fmt::format("{}: starts from a scene, not from a plan", option));
   if (!request.load_photons.empty() || !request.load_caustics.empty())
     throw UsageError(
-        "--load-photons, --load-caustics: --error measures with photons of several "
-        "seeds, which it traces");
+        fmt::format("--load-photons, --load-caustics: {} measures with photons of several seeds, "
+                    "which it traces",
+                    option));
   if (asked && output.empty() && !json)
     throw UsageError("a scene's plan needs -o FILE (- for standard output)");
 

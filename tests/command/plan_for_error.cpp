@@ -132,6 +132,9 @@ TEST_CASE("plan --error --board: what does not fit tells what lacks, not what el
 
 TEST_CASE("plan --error: wrong command lines name the option and what was expected") {
   const Scratch s;
+  for (const std::string option : {"--error", "--explain"})
+    CHECK(run("plan p.toml " + option + (option == "--error" ? " 0.1" : " gather.k"))
+              .err.find(option + ": starts from a scene, not from a plan") != std::string::npos);
   const std::string end = " -o '" + s / "p.toml" + "'";
   const struct {
     std::string arguments, said;
