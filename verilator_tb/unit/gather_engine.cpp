@@ -54,8 +54,8 @@ class RtlGatherEngine final : public GathererUnit {
     loaded_ = std::move(image);
   }
 
-  // Block RAM keeps its lines. An SDRAM is not refreshed while it is made ready anew, so a board
-  // gets its lines again after a reset (docs/board.md): here on another chip.
+  // Block RAM keeps its lines. An SDRAM is not refreshed while it is made ready anew, so it gets
+  // them again (docs/gather_cluster.md, "Reset"): here on another chip.
   void configure_again() override {
     if (!sdram_) return configure(loaded_.cfg);
     // Until the reset has reached the SDRAM's clock.

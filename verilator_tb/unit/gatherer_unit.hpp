@@ -88,7 +88,7 @@ class GathererUnit : public ClockedPhotonGatherer {
  protected:
   // Puts lines and configuration where the unit finds them.
   virtual void load_lines(PhotonGathererImage image) = 0;
-  // After a reset; the lines are still there.
+  // After a reset: what that has lost. Of a line memory outside the lines are still there.
   virtual void configure_again() = 0;
   // The queries whose results come, in their order, once those of `in` have gone in.
   virtual std::vector<GatherQuery> take_due(std::span<const GatherQuery> in) {
