@@ -495,16 +495,13 @@ std::optional<PlanProblem> find_problem(const Plan& plan) {
 }
 
 std::optional<PlanProblem> hardware_problem(const Plan& plan) {
-  // Configuration addresses of 24 bits, whose upper half are registers
-  // (rtl/photon_gatherer/photon_gatherer_registers.sv).
-  constexpr uint64_t kMostNodes = uint64_t{1} << 23;
-  if (plan.node_words() <= kMostNodes) return std::nullopt;
+  if (plan.node_words() <= kNodeAddresses) return std::nullopt;
   const bool is_caustic = plan.caustic.present && plan.caustic.photons > plan.global.photons;
   return PlanProblem{
       is_caustic ? "caustic.photons" : "global.photons",
       fmt::format("is {}, so the maps have {} lines of {} photons, expected at most {} in "
                   "hardware: fewer photons or a larger photon.bucket",
-                  plan.map(is_caustic).photons, plan.node_words(), plan.bucket, kMostNodes)};
+                  plan.map(is_caustic).photons, plan.node_words(), plan.bucket, kNodeAddresses)};
 }
 
 std::optional<PlanProblem> board_problem(const Plan& plan) {

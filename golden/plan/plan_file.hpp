@@ -35,8 +35,10 @@ std::optional<PlanProblem> find_problem(const Plan& plan);
 std::optional<PlanProblem> extent_problem(const Plan& plan);
 std::optional<PlanProblem> channel_problem(const Plan& plan);
 
-// What keeps a plan that golden can render from hardware: more lines than a gatherer has addresses
-// of nodes for.
+// Addresses of a gatherer's nodes, the first of its configuration; registers come after them
+// (docs/photon_gatherer.md).
+inline constexpr uint32_t kNodeAddresses = 1u << 23;
+// What keeps a plan that golden can render from hardware: more lines than there are of these.
 std::optional<PlanProblem> hardware_problem(const Plan& plan);
 
 // What keeps a plan whose units can be built from a board: a photon memory of block RAM is written

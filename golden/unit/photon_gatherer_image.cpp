@@ -1,15 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "golden/unit/photon_gatherer_image.hpp"
 
+#include "golden/plan/plan_file.hpp"
 #include "golden/unit/photon_lines.hpp"
 
 namespace photonloom {
-
-namespace {
-
-constexpr uint32_t kRegisters = 1u << 23;  // above node memory; 2 per map, then cache control
-
-}  // namespace
 
 PhotonGathererImage photon_gatherer_image(const Plan& plan, const PhotonMap& global,
                                           const PhotonMap& caustic) {
@@ -21,7 +16,7 @@ PhotonGathererImage photon_gatherer_image(const Plan& plan, const PhotonMap& glo
     for (uint32_t node = 1; node < map.lines; ++node)
       image.cfg.push_back({base + node, uint64_t{map.nodes[node].axis} << plan.position_bits |
                                             map.nodes[node].split});
-    const uint32_t registers = kRegisters + (is_caustic ? 2 : 0);
+    const uint32_t registers = kNodeAddresses + (is_caustic ? 2 : 0);  // two a map
     image.cfg.push_back({registers, map.lines});
     image.cfg.push_back({registers + 1, plan.map(is_caustic).r2_max});
   }
