@@ -45,6 +45,11 @@ void Connection::again(Frame& frame) {
   transmit(frame);
 }
 
+void Connection::hear() {
+  heard_ = timer_ = link_->now();
+  damaged_before_ = counts_.bad_answers;
+}
+
 void Connection::send(LinkCommand command, std::span<const uint8_t> body, OnAnswer on_answer) {
   const uint8_t id = next_id_++;
   Bytes content{id, static_cast<uint8_t>(command)};
@@ -52,7 +57,7 @@ void Connection::send(LinkCommand command, std::span<const uint8_t> body, OnAnsw
   Bytes wire = encode_frame(content);
   while (!frames_.empty() && (frames_.size() >= kMaxFrames || in_flight_ + wire.size() > window_))
     wait();
-  if (frames_.empty()) heard_ = timer_ = link_->now();
+  if (frames_.empty()) hear();
   in_flight_ += wire.size();
   ++counts_.frames;
   frames_.push_back({id, command, std::move(wire), std::move(on_answer)});
@@ -67,9 +72,13 @@ void Connection::wait() {
     const double left = timer_ + timeout_ - link_->now();
     const size_t n = left > 0 ? link_->read(buffer, left) : 0;
     counts_.bytes_received += n;
-    for (size_t i = 0; i < n; ++i)
-      if (const auto content = decoder_.take(buffer[i])) take(*content);
-    counts_.bad_answers = decoder_.bad();
+    for (size_t i = 0; i < n; ++i) {
+      const auto content = decoder_.take(buffer[i]);
+      if (content) take(*content);
+      if (decoder_.bad() == counts_.bad_answers) continue;
+      counts_.bad_answers = decoder_.bad();
+      oldest_again();
+    }
     if (n == 0) time_out();
   }
 }
@@ -78,15 +87,19 @@ void Connection::drain() {
   while (!frames_.empty()) wait();
 }
 
+// A frame was damaged on its way, to the board or from it. The board answers in order, so it is
+// most likely of the command that has been on the way for longest.
+void Connection::oldest_again() {
+  const auto oldest =
+      std::min_element(frames_.begin(), frames_.end(),
+                       [](const Frame& a, const Frame& b) { return a.last < b.last; });
+  if (oldest != frames_.end()) again(*oldest);
+}
+
 void Connection::take(const Bytes& content) {
   if (content.size() == 2 && content[0] == 0 && content[1] == kBad) {
-    // The board answers in order, so the frame that it could not read is most likely the one that
-    // has been on the way for longest.
     ++counts_.reported_bad;
-    const auto oldest =
-        std::min_element(frames_.begin(), frames_.end(),
-                         [](const Frame& a, const Frame& b) { return a.last < b.last; });
-    if (oldest != frames_.end()) again(*oldest);
+    oldest_again();
     return;
   }
   const auto at = std::find_if(frames_.begin(), frames_.end(), [&](const Frame& f) {
@@ -97,11 +110,11 @@ void Connection::take(const Bytes& content) {
   frames_.erase(at);
   in_flight_ -= frame.wire.size();
   ++answered_;
-  heard_ = timer_ = link_->now();
-  if (frame.first == frame.last) {  // else it is not known which transmission was answered
+  hear();
+  if (frame.first == frame.last)  // else it is not known which transmission was answered
     slowest_ = std::max(heard_ - frame.sent, 0.99 * slowest_);
-    timeout_ = std::clamp(4 * slowest_, kShortest, kLongest);
-  }
+  // Time-outs grew while the board was silent, which it is no longer.
+  if (slowest_ > 0) timeout_ = std::clamp(4 * slowest_, kShortest, kLongest);
   // Frames sent before this one was sent first can no longer be answered by what is on the way.
   for (Frame& f : frames_)
     if (f.last < frame.first) again(f);
@@ -111,8 +124,12 @@ void Connection::take(const Bytes& content) {
 void Connection::time_out() {
   const double now = link_->now();
   if (now < timer_ + timeout_) return;
-  if (now - heard_ >= patience_)
-    throw LinkLost(fmt::format("{}: no answer for {:.3g} seconds", name(), patience_));
+  if (now - heard_ >= patience_) {
+    const uint64_t damaged = counts_.bad_answers - damaged_before_;
+    throw LinkLost(fmt::format(
+        "{}: no {}answer for {:.3g} seconds{}", name(), damaged ? "whole " : "", patience_,
+        damaged ? fmt::format(", {} damaged one{}", damaged, damaged == 1 ? "" : "s") : ""));
+  }
   for (Frame& f : frames_) {
     ++counts_.timeouts;
     again(f);

@@ -70,6 +70,8 @@ class Connection {
   };
   void transmit(Frame& frame);
   void again(Frame& frame);
+  void oldest_again();
+  void hear();
   void take(const Bytes& content);
   void time_out();
   void send_write(uint32_t address, std::span<const uint32_t> words,
@@ -82,10 +84,11 @@ class Connection {
   size_t in_flight_ = 0;      // their bytes
   uint64_t transmissions_ = 0, answered_ = 0;
   uint8_t next_id_ = 1;
-  double heard_ = 0;    // when the last answer came, or the first of the waiting frames went
-  double timer_ = 0;    // from when the time-out counts
-  double timeout_ = 1;  // seconds
-  double slowest_ = 0;  // round trip seen, decaying
+  double heard_ = 0;  // when the last answer came, or the first of the waiting frames went
+  uint64_t damaged_before_ = 0;  // answers, when heard_ was
+  double timer_ = 0;             // from when the time-out counts
+  double timeout_ = 1;           // seconds
+  double slowest_ = 0;           // round trip seen, decaying
   FrameDecoder decoder_;
   LinkCounts counts_;
 };

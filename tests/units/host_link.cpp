@@ -243,6 +243,32 @@ TEST_CASE("harmed bytes cost time and no packet") {
   CHECK(all_again > 500);
 }
 
+TEST_CASE("a link that harms a byte in 220 is slow, and not lost") {
+  const LinkCase c;
+  for (uint64_t seed = 1; seed <= 6; ++seed) {
+    INFO("seed " << seed);
+    const Scratch scratch;
+    const auto board = c.board();
+    board->rx_bytes = seed % 2 ? 600 : 4000;
+    FaultyLink::Log log;
+    const Faults faults{.corrupt = 500, .drop = 400};
+    const Run run = run_on(c, {.open =
+                                   [&] {
+                                     auto link = std::make_unique<FaultyLink>(*board, faults, seed);
+                                     link->log = &log;
+                                     return link;
+                                   },
+                               .device = "double",
+                               .work_dir = scratch / "work"});
+    check_equal(c, run);
+    CHECK(run.counters.at("link lost") == 0);
+    // In the wire's own time: as long as its bytes take, at 10 us each, and waiting besides.
+    const double bytes = 1e-5 * static_cast<double>(run.counters.at("link bytes out") +
+                                                    run.counters.at("link bytes in"));
+    CHECK(log.seconds < 2 * bytes);
+  }
+}
+
 TEST_CASE("a board that comes back goes on, with or without its memory") {
   const LinkCase c;
   for (const bool reset : {false, true}) {
