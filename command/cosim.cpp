@@ -2,6 +2,7 @@
 // photonloom cosim SCENE --backend unit=rtl,...
 #include <fmt/core.h>
 
+#include <exception>
 #include <filesystem>
 #include <functional>
 #include <map>
@@ -188,6 +189,24 @@ void print_units(const std::vector<UnitReport>& units) {
   }
 }
 
+// Results that were there before, which a run that fails leaves as they are: told then.
+class EarlierResults {
+ public:
+  explicit EarlierResults(const std::string& folder)
+      : folder_(std::filesystem::exists(folder + "/summary.json") ? folder : "") {}
+  ~EarlierResults() {
+    if (!folder_.empty() && std::uncaught_exceptions() > 0)
+      fmt::print(stderr, "photonloom: {}: holds the results of an earlier run, not of this one\n",
+                 folder_);
+  }
+  EarlierResults(const EarlierResults&) = delete;
+  EarlierResults& operator=(const EarlierResults&) = delete;
+  void replaced() { folder_.clear(); }
+
+ private:
+  std::string folder_;
+};
+
 void cosim(const CosimOptions& o) {
   FrameRequest request = o.frame.request();
   Hardware hardware = hardware_units(o.backends);
@@ -217,6 +236,7 @@ void cosim(const CosimOptions& o) {
                                "\"plan_hash\"",
                                {"*.exr", "*.png", "*.html", "*.fst", "*.vcd", "packets.json",
                                 "plan.toml", "timeline.json"}});
+  EarlierResults earlier(output);
 
   ConsoleProgress progress;
   PreparedFrame frame = prepare_frame(request, Arithmetic::kReference, &progress);
@@ -346,6 +366,7 @@ void cosim(const CosimOptions& o) {
     summary["phases"].push_back({{"phase", t.phase}, {"wall", t.wall}, {"cpu", t.cpu}});
   write_file(folder.temporary() + "/summary.json", summary.dump(2) + "\n");
   folder.commit();
+  earlier.replaced();
 
   if (o.json) {
     fmt::print("{}\n", summary.dump(2));

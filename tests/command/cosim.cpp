@@ -139,7 +139,7 @@ TEST_CASE("a planted bug is reported with a command that shows it, and reaches t
                  ContainsSubstring(" matched before)") && ContainsSubstring("\n  cycle ") &&
                  ContainsSubstring("\n  input  {\"pixel\": ") &&
                  ContainsSubstring("\n  golden 0x") && ContainsSubstring("\n  rtl    0x") &&
-                 ContainsSubstring("\n  * flux[0]"));
+                 ContainsSubstring("\n  * flux[0]") && !ContainsSubstring("earlier run"));
 
   // The command in the report runs as it stands.
   const size_t at = stopped.err.find("    " + environment("PHOTONLOOM"));
@@ -175,6 +175,13 @@ TEST_CASE("a planted bug is reported with a command that shows it, and reaches t
                                                      "none of golden\n",
                                                      clamped.get<uint64_t>())));
   CHECK_FALSE(summary["command"].get<std::string>().empty());
+
+  // A run that ends at a difference writes nothing, and says so where results are there already.
+  const Outcome again = run(bug);
+  CHECK(again.status == 1);
+  CHECK_THAT(again.err,
+             ContainsSubstring(fmt::format(
+                 "{}: holds the results of an earlier run, not of this one", scratch / "out")));
 }
 
 TEST_CASE("a counter of the RTL that is not golden's fails the run") {

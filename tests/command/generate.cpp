@@ -199,15 +199,16 @@ TEST_CASE("packages of every way to reorder lint", "[slow]") {
 }
 
 TEST_CASE("packages of many plans lint", "[slow]") {
-  for (uint64_t seed = 1; seed <= 3; ++seed) {
-    const Scratch scratch;
-    INFO("random plan " << seed);
-    for (const auto& [name, text] : generate_hardware({.plan = random_plan(seed)})) {
-      std::filesystem::create_directories((scratch.path / name).parent_path());
-      write_file(scratch / name, text);
+  for (const RandomPlans which : {RandomPlans::kUsual, RandomPlans::kEnds})
+    for (uint64_t seed = 1; seed <= 5; ++seed) {
+      const Scratch scratch;
+      INFO((which == RandomPlans::kEnds ? "ends:" : "random:") << seed);
+      for (const auto& [name, text] : generate_hardware({.plan = random_plan(seed, which)})) {
+        std::filesystem::create_directories((scratch.path / name).parent_path());
+        write_file(scratch / name, text);
+      }
+      check_tools(scratch.path.string(), "photonloom_chip");
     }
-    check_tools(scratch.path.string(), "photonloom_chip");
-  }
 }
 
 TEST_CASE("packages of the narrowest weights lint", "[slow]") {

@@ -210,7 +210,8 @@ int bench_main(int argc, char** argv, const Bench& bench) {
   BenchCommand command;
   command.rig = RigFlags(bench.watchdog);
   app.add_option("--plan", command.plan,
-                 "A plan of --list, random:N, or random:N-M for a range. Default: all of --list.");
+                 "A plan of --list, random:N, or random:N-M for a range, or ends:N of plans at the "
+                 "ends of ranges. Default: all of --list.");
   app.add_option("--case", command.only_cases,
                  "Cases of --list, with commas between. Default: all.")
       ->delimiter(',');
@@ -258,17 +259,19 @@ int bench_main(int argc, char** argv, const Bench& bench) {
                        [&](const BenchCase& c) { return c.name == name; }))
         throw std::runtime_error(fmt::format("--case {}: not a case of --list", name));
     std::vector<BenchPlan> plans;
-    if (command.plan.starts_with("random:")) {
-      const std::string range = command.plan.substr(7);
+    const std::string family = command.plan.substr(0, command.plan.find(':'));
+    if (family != command.plan && (family == "random" || family == "ends")) {
+      const std::string range = command.plan.substr(family.size() + 1);
       const size_t dash = range.find('-');
       const auto from = strict_number<uint64_t>(range.substr(0, dash)),
                  to = dash == std::string::npos ? from
                                                 : strict_number<uint64_t>(range.substr(dash + 1));
       if (!from || !to || *from > *to)
         throw std::runtime_error(
-            fmt::format("--plan {}: expected random:N or random:N-M", command.plan));
+            fmt::format("--plan {}: expected {}:N or {}:N-M", command.plan, family, family));
+      const RandomPlans which = family == "ends" ? RandomPlans::kEnds : RandomPlans::kUsual;
       for (uint64_t i = *from; i <= *to; ++i)
-        plans.push_back({fmt::format("random:{}", i), random_plan(i, bench.on_board)});
+        plans.push_back({fmt::format("{}:{}", family, i), random_plan(i, which, bench.on_board)});
     } else {
       for (const BenchPlan& p : bench.plans)
         if (command.plan.empty() || p.name == command.plan) plans.push_back(p);

@@ -3,10 +3,10 @@
 // under several stall policies, memory latencies and initial register values, golden beside RTL (or
 // its netlist, or its CXXRTL model).
 //
-// A bench program: --list; --plan NAME (a name of the bench, or random:N), --case NAME, --seed S,
-// --policy N, --one-policy (one drawn for each case), --packets N, --soak, --backend NAME, and the
-// rig's flags, which replace the list of policies when --stall* or --latency is given. Exit status
-// 0 when packets were checked and all were equal.
+// A bench program: --list; --plan NAME (a name of the bench, random:N or ends:N), --case NAME,
+// --seed S, --policy N, --one-policy (one drawn for each case), --packets N, --soak, --backend
+// NAME, and the rig's flags, which replace the list of policies when --stall* or --latency is
+// given. Exit status 0 when packets were checked and all were equal.
 #pragma once
 #include <functional>
 #include <string>
@@ -102,8 +102,13 @@ int stream_bench_main(int argc, char** argv, std::vector<BenchPlan> plans,
   return bench_main(argc, argv, bench);
 }
 
+enum class RandomPlans {
+  kUsual,
+  kEnds,  // every other line at an end of its range
+};
+
 // A random plan that check_plan() would pass, small enough to simulate: for `make test-full`.
 // on_board: one that board_problem() has nothing against either.
-Plan random_plan(uint64_t seed, bool on_board = false);
+Plan random_plan(uint64_t seed, RandomPlans which = RandomPlans::kUsual, bool on_board = false);
 
 }  // namespace photonloom

@@ -8,26 +8,35 @@ namespace photonloom {
 
 namespace {
 
-// Compressed lines from the shortest that its formats can have, so that many leaves take several;
-// caches have as many lines as they had.
-void compress(Plan& p, RoleRandom& random) {
-  const int plain = p.line_bytes(), sets = p.cache_bytes / (plain * p.cache_ways);
-  const bool whole_line = p.beat_bits == 8 * plain, half_line = p.beat_bits == 4 * plain;
-  p.photon_lines = PhotonLines::kCompressed;
-  p.further_percent = 1500;
-  const auto fits = [&] {
-    const auto problem = find_problem(p);
-    return !problem || problem->line != "photon.photon_bytes";
-  };
-  const int longer = static_cast<int>(random.below(3));
-  p.photon_bytes = 4;
-  while (p.photon_bytes < 32 && !fits()) ++p.photon_bytes;
-  for (int i = 0; i < longer && p.photon_bytes < 32; ++i) ++p.photon_bytes;
+// Changes what decides the bytes of a line; caches keep their lines, and a beat that was a whole
+// line or half of one stays that.
+template <class Change>
+void change_line(Plan& p, Change change) {
+  const int before = p.line_bytes(), cached = p.cache_bytes / before,
+            board_cached = p.board_cache_bytes / before;
+  const bool whole_line = p.beat_bits == 8 * before, half_line = p.beat_bits == 4 * before;
+  change();
   while (p.bucket * p.photon_bytes % 16 != 0) ++p.photon_bytes;
-  p.cache_bytes = p.line_bytes() * p.cache_ways * sets;
-  p.board_cache_bytes = p.board_cache_bytes / plain * p.line_bytes();
+  p.cache_bytes = p.line_bytes() * cached;
+  p.board_cache_bytes = p.line_bytes() * board_cached;
   if (whole_line) p.beat_bits = 8 * p.line_bytes();
   if (half_line) p.beat_bits = 4 * p.line_bytes();
+}
+
+// Compressed lines from the shortest that its formats can have, so that many leaves take several.
+void compress(Plan& p, RoleRandom& random) {
+  change_line(p, [&] {
+    p.photon_lines = PhotonLines::kCompressed;
+    p.further_percent = 1500;
+    const auto fits = [&] {
+      const auto problem = find_problem(p);
+      return !problem || problem->line != "photon.photon_bytes";
+    };
+    const int longer = static_cast<int>(random.below(3));
+    p.photon_bytes = 4;
+    while (p.photon_bytes < 32 && !fits()) ++p.photon_bytes;
+    for (int i = 0; i < longer && p.photon_bytes < 32; ++i) ++p.photon_bytes;
+  });
 }
 
 Plan draw(RoleRandom& random) {
@@ -102,16 +111,20 @@ Plan draw(RoleRandom& random) {
   return p;
 }
 
+// Applies a change to one plan in `one_in` that has nothing against it.
+template <class Change>
+void maybe(Plan& plan, RoleRandom& random, uint64_t one_in, Change change) {
+  if (random.below(one_in) != 0) return;
+  Plan other = plan;
+  change(other);
+  if (!find_problem(other)) plan = other;
+}
+
 // What few plans have: a leaf in one beat of lanes, ways that are no power of two, memories of
 // LUTs, no leaf cache, more than four gatherers.
 Plan rarer(const Plan& drawn, RoleRandom& random) {
   Plan plan = drawn;
-  const auto change = [&](auto&& line) {
-    if (random.below(4) != 0) return;
-    Plan other = plan;
-    line(other);
-    if (!find_problem(other)) plan = other;
-  };
+  const auto change = [&](auto&& line) { maybe(plan, random, 4, line); };
   change([](Plan& p) { p.lanes = p.bucket; });
   change([&](Plan& p) {
     const int bytes_of_a_way = p.cache_bytes / p.cache_ways;
@@ -132,14 +145,40 @@ Plan rarer(const Plan& drawn, RoleRandom& random) {
   return plan;
 }
 
+// Every other line at an end of its range that draw() and rarer() leave out: long lists, lines of
+// few photons, formats of fewest and most bits, most queries in flight, a caustic map alone.
+Plan at_ends(const Plan& drawn, RoleRandom& random) {
+  Plan plan = drawn;
+  const auto change = [&](auto&& line) { maybe(plan, random, 2, line); };
+  change([&](Plan& p) { p.k = 65 + static_cast<int>(random.below(192)); });
+  change([&](Plan& p) {
+    const int bucket = random.below(2) ? 2 : 4;
+    change_line(p, [&] { p.bucket = bucket; });
+    p.lanes = std::min(p.lanes, bucket);
+  });
+  change([](Plan& p) { p.contexts = 64; });
+  change([&](Plan& p) {
+    p.mantissa_bits = random.below(2) ? 2 : 16;
+    p.exponent_bits = random.below(2) ? 1 : 5;
+    p.direction_bits = p.normal_bits = 14;
+    change_line(p, [&] { p.photon_bytes = std::max(p.photon_bytes, (p.photon_bits() + 7) / 8); });
+  });
+  change([](Plan& p) {
+    if (p.caustic.present) p.global = {};
+  });
+  return plan;
+}
+
 }  // namespace
 
-Plan random_plan(uint64_t seed, bool on_board) {
-  RoleRandom random(seed, "plan"), rare(seed, "rare lines of a plan");
+Plan random_plan(uint64_t seed, RandomPlans which, bool on_board) {
+  const bool ends = which == RandomPlans::kEnds;
+  RoleRandom random(seed, ends ? "plan at ends of ranges" : "plan"),
+      rare(seed, ends ? "ends of ranges" : "rare lines of a plan");
   for (;;) {
     const Plan drawn = draw(random);
     if (find_problem(drawn)) continue;
-    const Plan plan = rarer(drawn, rare);
+    const Plan plan = ends ? at_ends(rarer(drawn, rare), rare) : rarer(drawn, rare);
     if (!on_board || !board_problem(plan)) return plan;
   }
 }
