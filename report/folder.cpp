@@ -32,13 +32,18 @@ const Json& member(const Json& object, const std::string& name, const std::strin
 void ImageSet::add(const std::string& label, const std::string& file, const std::string& about,
                    Image image) {
   Entry entry{label, file, about, std::move(image), {}};
+  if (like_.empty()) {
+    like_ = file;
+    width_ = entry.image.width;
+    height_ = entry.image.height;
+  }
+  if (entry.image.width != width_ || entry.image.height != height_)
+    throw std::runtime_error(fmt::format("{}: has {}x{} pixels, expected {}x{} as {} has", file,
+                                         entry.image.width, entry.image.height, width_, height_,
+                                         like_));
   for (const Entry& e : images_) {
     if (e.label == label)
       throw std::runtime_error(fmt::format("{}: there is an image '{}' already", file, label));
-    if (e.image.width != entry.image.width || e.image.height != entry.image.height)
-      throw std::runtime_error(fmt::format("{}: has {}x{} pixels, expected {}x{} as {} has", file,
-                                           entry.image.width, entry.image.height, e.image.width,
-                                           e.image.height, e.file));
     const auto same = [](const Channel& a, const Channel& b) {
       return a.name == b.name && a.pixels == b.pixels;
     };
@@ -48,6 +53,13 @@ void ImageSet::add(const std::string& label, const std::string& file, const std:
       entry.same_as = e.label;
   }
   images_.push_back(std::move(entry));
+}
+
+void ImageSet::expect_size_of(const std::string& file) {
+  const Image image = read_exr(file);
+  like_ = file;
+  width_ = image.width;
+  height_ = image.height;
 }
 
 void ImageSet::add_file(const std::string& label, const std::string& file,

@@ -26,6 +26,8 @@ class ImageSet {
   void add(const std::string& label, const std::string& file, const std::string& about,
            Image image);
   void add_file(const std::string& label, const std::string& file, const std::string& about);
+  // Every image must have the size of this file's, and the error names the one that has not.
+  void expect_size_of(const std::string& file);
   bool empty() const { return images_.empty(); }
   // {width, height, mantissa, list: [{label, file, about, same_as, layers}], pairs: [{a, b,
   // metrics, flip}]}: every later image against every earlier one, where they differ.
@@ -40,6 +42,8 @@ class ImageSet {
   int mantissa_;
   Payloads& payloads_;
   std::vector<Entry> images_;
+  std::string like_;  // whose size images must have; empty: the first one's
+  int width_ = 0, height_ = 0;
 };
 
 // A plan's lines: {hash, lines: [{section, key, value, meaning, reason}]}.

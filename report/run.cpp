@@ -163,6 +163,7 @@ Json run_json(const std::string& folder, const std::vector<ExtraImage>& extra, P
   std::string name = std::filesystem::path(scene).stem().string();
   const std::string hardware = summary.value("hardware", std::string("rtl"));
   ImageSet images(kRunMantissa, payloads);
+  images.expect_size_of(folder + "/golden.exr");
   for (const ExtraImage& e : extra)
     if (e.scene == name) images.add_file(e.label, e.file, "given with --image");
   if (std::filesystem::exists(folder + "/reference.exr"))

@@ -558,6 +558,10 @@ class Sweep {
 
 }  // namespace
 
-SweepReport run_sweep(const SweepRequest& request) { return Sweep(request).run(); }
+SweepReport run_sweep(const SweepRequest& request) {
+  if (request.on_slurm)
+    if (const std::string why = slurm_missing(); !why.empty()) throw std::runtime_error(why);
+  return Sweep(request).run();
+}
 
 }  // namespace photonloom

@@ -23,6 +23,16 @@ constexpr size_t kTasks = 1000;  // of an array: Slurm's own default limit is 10
 
 }  // namespace
 
+std::string slurm_missing() {
+  for (const char* command : {"sbatch", "squeue"})
+    if (output_of(fmt::format("command -v {}", command)).first != 0)
+      return fmt::format(
+          "--on slurm needs {}, which is not in PATH: only a machine of a Slurm "
+          "cluster submits jobs",
+          command);
+  return "";
+}
+
 void run_on_slurm(const SlurmWork& work, const std::function<void()>& alive) {
   const std::string folder = std::filesystem::absolute(work.folder).string() + "/slurm";
   std::filesystem::create_directories(folder);

@@ -13,6 +13,9 @@ struct SlurmWork {
   std::vector<uint32_t> points;
 };
 
+// What this machine lacks to submit jobs, as a sentence; empty where it lacks nothing.
+std::string slurm_missing();
+
 // Submits one array job and returns when none of its tasks is queued or running; what they left
 // behind is the caller's to see. `alive` is called while it waits. Throws std::runtime_error where
 // sbatch is missing or refuses.

@@ -298,6 +298,7 @@ TEST_CASE("what cannot be is one clear error, and nothing is left behind") {
           2, {"--format-error: '" + error + "', expected"});
   fails("rendre" + box() + out, 2, {"'rendre' is no command; photonloom --help"});
   fails("study foo -o x", 2, {"'foo' is no command of study; photonloom study --help"});
+  fails("--bogus", 2, {"--bogus: is no option of photonloom; photonloom --help"});
   fails("board foo", 2, {"'foo' is no command of board; photonloom board --help"});
   fails("render" + box() + "--arithmetic exact" + out, 2, {"--arithmetic"});
   fails("render" + box() + "-D x" + out, 2, {"-D"});

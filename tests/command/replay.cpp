@@ -238,6 +238,12 @@ TEST_CASE("wrong use ends with status 2") {
   const Outcome work = f.replay("reorder_buffer", "queries.jsonl", "--backend golden --work cosim");
   CHECK(work.status == 2);
   CHECK_THAT(work.err, ContainsSubstring("--work: has no effect"));
+  const std::string plan = f.scratch / "plan.toml";
+  const Outcome no_folder =
+      run(fmt::format("replay reorder_buffer --plan {} --packets {} -o {} --work {}", plan,
+                      f.scratch / "queries.jsonl", f.scratch / "out.jsonl", plan));
+  CHECK(no_folder.status == 1);
+  CHECK_THAT(no_folder.err, ContainsSubstring("--work " + plan + ": is a file, expected a folder"));
   CHECK(f.replay("reorder_buffer", "queries.jsonl", "--photons x").status == 2);
   CHECK(f.replay("ray_caster", "queries.jsonl", "").status == 2);
   // What the backend does not read.

@@ -334,7 +334,8 @@ TEST_CASE("a further image is the first; one of no scene or another size is refu
   const Outcome large =
       with("cornell_balls/traced=" + source("scenes/references/cornell_balls.exr"));
   CHECK(large.status == 1);
-  CHECK_THAT(large.err, ContainsSubstring("expected 256x256"));
+  CHECK_THAT(large.err,
+             ContainsSubstring("references/cornell_balls.exr: has 256x256 pixels, expected "));
   REQUIRE(with("cornell_balls/traced=" + reference).status == 0);
   const Json images = Json::parse(block(read_file(s / "report.html"), "data"))["runs"][0]["images"];
   CHECK(images["list"][0]["label"] == "traced");

@@ -210,6 +210,18 @@ TEST_CASE("a point of fewer seeds is on no front by the luck of these") {
   }
 }
 
+TEST_CASE("array jobs without Slurm are refused before anything is written") {
+  const Scratch s;
+  write_file(s / "study.toml", small_study(cornell(), kPoints));
+  const std::string path = getenv("PATH");
+  setenv("PATH", s.path.c_str(), 1);
+  const auto refused = run(command(s / "study.toml", s / "a") + " --on slurm");
+  setenv("PATH", path.c_str(), 1);
+  CHECK(refused.status == 1);
+  CHECK(refused.err.find("--on slurm needs sbatch, which is not in PATH") != std::string::npos);
+  CHECK_FALSE(std::filesystem::exists(s / "a"));
+}
+
 TEST_CASE("points by hand, then the rest") {
   const Scratch s;
   write_file(s / "study.toml", small_study(cornell(), kPoints));

@@ -4,6 +4,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <filesystem>
 
 #include "rtl/generate/data_files.hpp"
 
@@ -82,6 +83,9 @@ RunOptions RigFlags::options(const std::string& unit) const {
   o.watchdog = watchdog_;
   o.rtl_dir = rtl_;
   o.work_dir = work_.empty() ? default_work_dir() : work_;
+  if (std::filesystem::exists(o.work_dir) && !std::filesystem::is_directory(o.work_dir))
+    throw std::runtime_error(
+        fmt::format("--work {}: is a file, expected a folder of models", o.work_dir));
   o.yosys = yosys_;
   o.netlist = netlist_;
   if (wave_.empty() || (!wave_unit_.empty() && wave_unit_ != unit)) return o;
