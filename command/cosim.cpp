@@ -236,8 +236,6 @@ void cosim(const CosimOptions& o) {
                                "\"plan_hash\"",
                                {"*.exr", "*.png", "*.html", "*.fst", "*.vcd", "packets.json",
                                 "plan.toml", "timeline.json"}});
-  EarlierResults earlier(output);
-
   ConsoleProgress progress;
   PreparedFrame frame = prepare_frame(request, Arithmetic::kReference, &progress);
   print_warnings(frame.warnings);
@@ -275,6 +273,7 @@ void cosim(const CosimOptions& o) {
   Image hardware_image;
   std::vector<UnitReport> reports;
   std::map<std::string, std::string> tools;  // versions of what made the models
+  EarlierResults earlier(output);
   try {
     {
       const ProgressPhase phase(&progress, "models", hardware.size(), "units");

@@ -70,8 +70,9 @@ void Connection::wait() {
   while (answered_ == before) {
     std::array<uint8_t, 4096> buffer;
     const double left = timer_ + timeout_ - link_->now();
-    const size_t n = left > 0 ? link_->read(buffer, left) : 0;
+    const size_t n = link_->read(buffer, std::max(left, 0.0));
     counts_.bytes_received += n;
+    may_repeat_ = frames_.size();
     for (size_t i = 0; i < n; ++i) {
       const auto content = decoder_.take(buffer[i]);
       if (content) take(*content);
@@ -79,7 +80,7 @@ void Connection::wait() {
       counts_.bad_answers = decoder_.bad();
       oldest_again();
     }
-    if (n == 0) time_out();
+    if (answered_ == before) time_out();
   }
 }
 
@@ -90,6 +91,9 @@ void Connection::drain() {
 // A frame was damaged on its way, to the board or from it. The board answers in order, so it is
 // most likely of the command that has been on the way for longest.
 void Connection::oldest_again() {
+  // Noise full of frame ends asks for no more than what is unanswered.
+  if (may_repeat_ == 0) return;
+  --may_repeat_;
   const auto oldest =
       std::min_element(frames_.begin(), frames_.end(),
                        [](const Frame& a, const Frame& b) { return a.last < b.last; });
@@ -113,8 +117,9 @@ void Connection::take(const Bytes& content) {
   hear();
   if (frame.first == frame.last)  // else it is not known which transmission was answered
     slowest_ = std::max(heard_ - frame.sent, 0.99 * slowest_);
-  // Time-outs grew while the board was silent, which it is no longer.
-  if (slowest_ > 0) timeout_ = std::clamp(4 * slowest_, kShortest, kLongest);
+  // A frame that a time-out sent again says nothing of how long a round trip is: the time-out may
+  // have been too short for it.
+  if (!frame.timed_out && slowest_ > 0) timeout_ = std::clamp(4 * slowest_, kShortest, kLongest);
   // Frames sent before this one was sent first can no longer be answered by what is on the way.
   for (Frame& f : frames_)
     if (f.last < frame.first) again(f);
@@ -132,6 +137,7 @@ void Connection::time_out() {
   }
   for (Frame& f : frames_) {
     ++counts_.timeouts;
+    f.timed_out = true;
     again(f);
   }
   timer_ = now;

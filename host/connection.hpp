@@ -67,6 +67,7 @@ class Connection {
     OnAnswer on_answer;
     uint64_t first = 0, last = 0;  // number of its first and its latest transmission
     double sent = 0;               // when, of the latest
+    bool timed_out = false;        // sent again for want of any answer
   };
   void transmit(Frame& frame);
   void again(Frame& frame);
@@ -82,6 +83,7 @@ class Connection {
   size_t window_ = kMaxFrameBytes;
   std::deque<Frame> frames_;  // unanswered, in the order of send()
   size_t in_flight_ = 0;      // their bytes
+  size_t may_repeat_ = 0;     // frames, for damage among the bytes that were read last
   uint64_t transmissions_ = 0, answered_ = 0;
   uint8_t next_id_ = 1;
   double heard_ = 0;  // when the last answer came, or the first of the waiting frames went

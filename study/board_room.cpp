@@ -71,8 +71,11 @@ BoardNeeds gatherer_needs(const Plan& plan) {
 BoardNeeds other_needs(const Plan& plan) {
   BoardNeeds needs;
   for (const UnitInfo& unit : all_units()) {
-    if (unit.board != BoardPlace::kInside || !unit.lacks(plan).empty()) continue;
-    if (is_predicted(unit.name)) needs = needs + unit_needs(plan, unit.name);
+    if (unit.board != BoardPlace::kInside || !is_predicted(unit.name)) continue;
+    // A board has the reorder buffer of its plan whether the frame has final gathers for it or not.
+    if (std::string(unit.name) == unit_name<ReorderBuffer> ? plan.reorder_key != ReorderKey::kNone
+                                                           : unit.lacks(plan).empty())
+      needs = needs + unit_needs(plan, unit.name);
   }
   needs.blocks = board_memories(plan).total() -
                  plan.gatherers * estimate_resources(plan, unit_name<PhotonGatherer>).ebr;

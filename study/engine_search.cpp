@@ -127,9 +127,11 @@ size_t queries_at_once(const Plan& plan) {
 // and row changes: of each that leaves a row for another one of the bank that was just read.
 SdramWork work_of_sdram(const Plan& plan, const LineVisits& visits, const Order& order) {
   const auto line_bytes = static_cast<uint32_t>(plan.line_bytes());
-  CacheModel cache({std::max<uint32_t>(1, static_cast<uint32_t>(plan.board_cache_bytes) /
-                                              line_bytes / kSharedWays),
-                    kSharedWays});
+  // Sets are a power of two, as rtl/board/photon_sdram.sv has them.
+  CacheModel cache(
+      {std::max<uint32_t>(1, std::bit_floor(static_cast<uint32_t>(plan.board_cache_bytes) /
+                                            line_bytes / kSharedWays)),
+       kSharedWays});
   // A line has a place of a power of two halfwords; those of the caustic map come after the others.
   const uint32_t halfwords = line_bytes / 2, row_lines = kSdramRow >> clog2(halfwords);
   const uint32_t caustic = 1u << plan.line_address_bits();

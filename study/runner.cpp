@@ -559,7 +559,8 @@ class Sweep {
 }  // namespace
 
 SweepReport run_sweep(const SweepRequest& request) {
-  if (request.on_slurm)
+  // In a new folder all points are missing. One that is there may have them all.
+  if (request.on_slurm && !std::filesystem::exists(request.folder))
     if (const std::string why = slurm_missing(); !why.empty()) throw std::runtime_error(why);
   return Sweep(request).run();
 }

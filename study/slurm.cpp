@@ -34,6 +34,7 @@ std::string slurm_missing() {
 }
 
 void run_on_slurm(const SlurmWork& work, const std::function<void()>& alive) {
+  if (const std::string why = slurm_missing(); !why.empty()) throw std::runtime_error(why);
   const std::string folder = std::filesystem::absolute(work.folder).string() + "/slurm";
   std::filesystem::create_directories(folder);
   const size_t each = (work.points.size() + kTasks - 1) / kTasks;

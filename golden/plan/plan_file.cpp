@@ -506,6 +506,15 @@ std::optional<PlanProblem> hardware_problem(const Plan& plan) {
 
 std::optional<PlanProblem> board_problem(const Plan& plan) {
   if (auto problem = hardware_problem(plan)) return problem;
+  const uint64_t words = (plan.memory_lines(plan.global) + plan.memory_lines(plan.caustic)) *
+                         static_cast<uint64_t>(plan.line_bytes()) / 4;
+  if (words >= kLinkWords)
+    return PlanProblem{
+        "board.photon_memory",
+        fmt::format("is {}, and the maps' lines take {} words of 32 bits, expected fewer than the "
+                    "{} that a board's link has addresses for",
+                    plan.photon_memory == PhotonMemory::kBlockRam ? "block_ram" : "sdram", words,
+                    kLinkWords)};
   if (plan.photon_memory != PhotonMemory::kBlockRam || plan.beat_bits % 32 == 0)
     return std::nullopt;
   return PlanProblem{"gatherer.beat_bits",

@@ -419,9 +419,10 @@ BoardMemories board_memories(const Plan& p) {
   link.add(8, 512);
   link.add(32, 512);
   link.add(32, 1024);
-  if (p.self_test) link.add(32, make_self_test(p).words.size());
   b.replayer = replayer.blocks;
   b.link = link.blocks;
+  // The self-test's script is block RAM whatever board.lut_ram_words says (rtl/board/self_test.sv).
+  if (p.self_test) b.link += block_rams(32, make_self_test(p).words.size());
   b.units = p.gatherers * gatherer_memories(p).blocks;
   if (p.shared_nodes) {
     Memories nodes(p);

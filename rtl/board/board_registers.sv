@@ -66,7 +66,9 @@ module board_registers #(
   localparam int unsigned CausticLines = photonloom_pkg::CausticPresent == 0 ? 0 :
       (photonloom_pkg::CausticPhotons + photonloom_pkg::Bucket - 1) / photonloom_pkg::Bucket;
   localparam int unsigned Nodes = GlobalLines + CausticLines;
-  localparam int unsigned LineWords = (Nodes * photonloom_pkg::Bucket * photonloom_pkg::PhotonBytes + 3) / 4;
+  // Behind the leaves' lines of each map there may be room for further ones. A line has whole words.
+  localparam int unsigned LineWords = (photonloom_pkg::GlobalMemoryLines + photonloom_pkg::CausticMemoryLines) *
+      (photonloom_pkg::Bucket * photonloom_pkg::PhotonBytes / 4);
   localparam int unsigned QueryWords = (photonloom_pkg::GatherQueryPacketBits + 31) / 32;
   localparam int unsigned QueryStride = 1 << $clog2(QueryWords);
 
@@ -153,7 +155,7 @@ module board_registers #(
     queries_good_q <= write_word_i != '0 && write_word_i <= 32'(photonloom_pkg::ReplayQueries);
     // Whole pairs, of a node or of one of the five registers behind address 0x800000.
     cfg_good_q <= (address_i[0] ? !first_i : !write_last_i) && address_i[27:25] == '0 &&
-        (address_i[24] ? high_cfg < 23'd5 : high_cfg < 23'(Nodes));
+        (address_i[24] ? high_cfg < 23'd5 : Nodes >= 32'h80_0000 || high_cfg < 23'(Nodes));
     line_good_q <= address_i[27:0] < 28'(LineWords);
     query_good_q <= address_i[27:0] < 28'(photonloom_pkg::ReplayQueries * QueryStride);
     busy_q <= busy_o || replay_busy_i;

@@ -220,6 +220,18 @@ TEST_CASE("array jobs without Slurm are refused before anything is written") {
   CHECK(refused.status == 1);
   CHECK(refused.err.find("--on slurm needs sbatch, which is not in PATH") != std::string::npos);
   CHECK_FALSE(std::filesystem::exists(s / "a"));
+
+  // Nor is anything written into one that is there; without a missing point there are no jobs.
+  REQUIRE(run(command(s / "study.toml", s / "a") + " --points 3").status == 0);
+  setenv("PATH", s.path.c_str(), 1);
+  const auto some = run(command(s / "study.toml", s / "a") + " --on slurm");
+  const auto none = run(command(s / "study.toml", s / "a") + " --points 3 --on slurm");
+  setenv("PATH", path.c_str(), 1);
+  CHECK(some.status == 1);
+  CHECK(some.err.find("--on slurm needs sbatch") != std::string::npos);
+  CHECK_FALSE(std::filesystem::exists(s / "a/slurm"));
+  INFO(none.err);
+  CHECK(none.status == 0);
 }
 
 TEST_CASE("points by hand, then the rest") {

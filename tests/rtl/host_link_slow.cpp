@@ -11,6 +11,35 @@ TEST_CASE("host link: many damaged frames, other registers at the start") {
     soak({.initial_seed = seed, .work_dir = "cosim"}, small_plan(), seed, 600);
 }
 
+TEST_CASE("host link: compressed lines, most leaves of several") {
+  Plan plan = small_plan();
+  plan.bucket = 16;
+  plan.photon_bytes = 9;
+  plan.photon_lines = PhotonLines::kCompressed;
+  plan.further_percent = 1500;
+  plan.cache_bytes = 4 * plan.line_bytes();
+  plan.beat_bits = 4 * plan.line_bytes();
+  plan.board_cache_bytes = 8 * plan.line_bytes();
+  plan.self_test = true;
+  uint64_t seed = 80;
+  for (const PhotonMemory memory : {PhotonMemory::kBlockRam, PhotonMemory::kSdram})
+    for (const bool both : {true, false}) {
+      plan.photon_memory = memory;
+      plan.caustic = both ? small_plan().caustic : MapPlan{};
+      INFO((memory == PhotonMemory::kSdram ? "SDRAM" : "block RAM")
+           << (both ? ", both maps" : ", one map"));
+      test::Bench bench(plan, {.work_dir = "cosim"});
+      bench.run(300000);  // the self-test, which hears nothing
+      CHECK(bench.reg(26) == 2);
+      const uint32_t words =
+          static_cast<uint32_t>((plan.memory_lines(plan.global) + plan.memory_lines(plan.caustic)) *
+                                static_cast<uint64_t>(plan.line_bytes()) / 4);
+      CHECK(bench.write(kLines + words - 1, {0}) == 0);
+      CHECK(bench.write(kLines + words, {0}) == 1);
+      CHECK(soak_on(bench, ++seed, 100, damaged) > 0);
+    }
+}
+
 TEST_CASE("host link: photons in SDRAM") {
   Plan plan = small_plan();
   plan.photon_memory = PhotonMemory::kSdram;

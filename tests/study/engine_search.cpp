@@ -121,6 +121,31 @@ TEST_CASE("which part of a frame comes first does not decide what an engine is p
   CHECK(memory(corner_first) == Approx(0.75 * memory(load.queries)).epsilon(0.1));
 }
 
+TEST_CASE("the cache before an SDRAM has a power of two of sets") {
+  Load load = make_load(16384, 16, 10000);
+  load.plan.photon_memory = PhotonMemory::kSdram;
+  load.plan.photon_bytes = 12;
+  load.plan.cache_bytes = 16 * load.plan.line_bytes();
+  load.plan.beat_bits = 4 * load.plan.line_bytes();
+  REQUIRE(load.plan.line_bytes() == 96);
+  const auto lines = [&](int bytes) {
+    load.plan.board_cache_bytes = bytes;
+    return engine_cycles(load.plan, load.map, {}, load.queries, 50000).memory_lines;
+  };
+  CHECK(lines(65536) == lines(128 * 4 * 96));  // room for 170
+  CHECK(lines(65536) != lines(256 * 4 * 96));
+}
+
+TEST_CASE("a board's reorder buffer takes room also where no final gathers go through it") {
+  Plan plan;
+  plan.caustic = {.present = true, .photons = 10000};
+  plan.gather_rays = 0;
+  plan.board_cache_bytes = 65536;
+  const double with = other_needs(plan).lut;
+  plan.reorder_key = ReorderKey::kNone;
+  CHECK(with > other_needs(plan).lut + 100);
+}
+
 TEST_CASE("stretches of work for the SDRAM alone and for the gatherers alone add up") {
   Load load = make_load(65536, 16, 20000);
   load.plan.reorder_key = ReorderKey::kNone;

@@ -303,6 +303,7 @@ class FaultyLink final : public ByteLink {
              uint64_t bytes_until_lost = ~0ull)
       : board_(board), faults_(faults), seed_(seed), left_(bytes_until_lost) {}
 
+  double byte_seconds = 1e-5;
   uint64_t reset_board_at = ~0ull;  // bytes to the board until somebody presses its button
   // What happened on it, kept by whoever made it.
   struct Log {
@@ -320,12 +321,12 @@ class FaultyLink final : public ByteLink {
       if (left_-- == 0) throw LinkLost(name_ + ": is gone");
       if (bytes_++ == reset_board_at) board_.reset();
       // A board that has not yet room for what comes loses it.
-      to_board_ = std::max(to_board_, now_) + kByte;
+      to_board_ = std::max(to_board_, now_) + byte_seconds;
       if (log) log->seconds = std::max(log->seconds, to_board_);
       for (const uint8_t b : harmed(byte))
         for (const uint8_t answer : board_.take(b))
           for (const uint8_t a : harmed(answer)) {
-            to_host_ = std::max(to_host_, to_board_) + kByte;
+            to_host_ = std::max(to_host_, to_board_) + byte_seconds;
             arriving_.push_back({to_host_, a});
           }
     }
@@ -347,7 +348,6 @@ class FaultyLink final : public ByteLink {
   }
 
  private:
-  static constexpr double kByte = 1e-5;
   struct Arriving {
     double at;
     uint8_t byte;

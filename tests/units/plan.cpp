@@ -290,6 +290,19 @@ TEST_CASE("what golden renders with more lines than a gatherer has addresses is 
   CHECK(hardware_problem(plan)->line == "caustic.photons");
 }
 
+TEST_CASE("lines that the link of a board has no addresses for are no board's") {
+  Plan plan;
+  plan.bucket = 16;
+  plan.photon_bytes = 32;
+  // 2^28 words of 4 bytes.
+  plan.global = {.present = true, .photons = uint64_t{1} << 25};
+  CHECK(!hardware_problem(plan));
+  REQUIRE(board_problem(plan));
+  CHECK(board_problem(plan)->line == "board.photon_memory");
+  plan.global.photons -= 16;
+  CHECK(!board_problem(plan));
+}
+
 TEST_CASE("no plan that passes can overflow the shader's product or the pixel") {
   // All corners of the widths that meet there: whatever passes the checks has room.
   for (const int mantissa : {2, 9, 16})

@@ -160,6 +160,16 @@ TEST_CASE("a node memory serves two gatherers, or one and the prefetcher") {
   CHECK(find_problem(plan)->line == "board.shared_nodes");
 }
 
+TEST_CASE("the self-test's script is block RAM whatever fits in LUTs") {
+  Plan plan;
+  plan.global = {.present = true, .photons = 1000};
+  plan.board_cache_bytes = 65536;
+  plan.lut_ram_words = 1024;
+  const int without = board_memories(plan).link;
+  plan.self_test = true;
+  CHECK(board_memories(plan).link - without >= 1);
+}
+
 TEST_CASE("block RAMs of a board's top") {
   Plan plan;
   plan.global = {.present = true, .photons = 16384};

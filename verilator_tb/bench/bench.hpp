@@ -104,7 +104,7 @@ int stream_bench_main(int argc, char** argv, std::vector<BenchPlan> plans,
 
 enum class RandomPlans {
   kUsual,
-  kEnds,  // every other line at an end of its range
+  kEnds,  // lists, lines, formats, contexts or maps at the ends of their ranges
 };
 
 // A random plan that check_plan() would pass, small enough to simulate: for `make test-full`.

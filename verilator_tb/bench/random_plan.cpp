@@ -23,18 +23,23 @@ void change_line(Plan& p, Change change) {
   if (half_line) p.beat_bits = 4 * p.line_bytes();
 }
 
+// The fewest bytes in which a photon's slot has room for what its formats need.
+void fewest_bytes(Plan& p) {
+  const auto fits = [&] {
+    const auto problem = find_problem(p);
+    return !problem || problem->line != "photon.photon_bytes";
+  };
+  p.photon_bytes = 4;
+  while (p.photon_bytes < 32 && !fits()) ++p.photon_bytes;
+}
+
 // Compressed lines from the shortest that its formats can have, so that many leaves take several.
 void compress(Plan& p, RoleRandom& random) {
   change_line(p, [&] {
     p.photon_lines = PhotonLines::kCompressed;
     p.further_percent = 1500;
-    const auto fits = [&] {
-      const auto problem = find_problem(p);
-      return !problem || problem->line != "photon.photon_bytes";
-    };
     const int longer = static_cast<int>(random.below(3));
-    p.photon_bytes = 4;
-    while (p.photon_bytes < 32 && !fits()) ++p.photon_bytes;
+    fewest_bytes(p);
     for (int i = 0; i < longer && p.photon_bytes < 32; ++i) ++p.photon_bytes;
   });
 }
@@ -145,23 +150,33 @@ Plan rarer(const Plan& drawn, RoleRandom& random) {
   return plan;
 }
 
-// Every other line at an end of its range that draw() and rarer() leave out: long lists, lines of
-// few photons, formats of fewest and most bits, most queries in flight, a caustic map alone.
+// Ends of ranges that draw() and rarer() leave out: long lists, lines of few photons, formats of
+// fewest or most bits, most queries in flight, a caustic map alone. Each in half of the plans,
+// where nothing is against it.
 Plan at_ends(const Plan& drawn, RoleRandom& random) {
   Plan plan = drawn;
   const auto change = [&](auto&& line) { maybe(plan, random, 2, line); };
-  change([&](Plan& p) { p.k = 65 + static_cast<int>(random.below(192)); });
+  change([&](Plan& p) { p.k = random.below(2) ? 256 : 65 + static_cast<int>(random.below(191)); });
   change([&](Plan& p) {
-    const int bucket = random.below(2) ? 2 : 4;
-    change_line(p, [&] { p.bucket = bucket; });
-    p.lanes = std::min(p.lanes, bucket);
+    change_line(p, [&] {
+      p.bucket = random.below(2) ? 2 : 4;
+      p.lanes = std::min(p.lanes, p.bucket);
+      if (p.compressed()) fewest_bytes(p);
+    });
   });
   change([](Plan& p) { p.contexts = 64; });
   change([&](Plan& p) {
-    p.mantissa_bits = random.below(2) ? 2 : 16;
-    p.exponent_bits = random.below(2) ? 1 : 5;
-    p.direction_bits = p.normal_bits = 14;
-    change_line(p, [&] { p.photon_bytes = std::max(p.photon_bytes, (p.photon_bits() + 7) / 8); });
+    change_line(p, [&] {
+      p.mantissa_bits = random.below(2) ? 2 : 16;
+      p.exponent_bits = random.below(2) ? 1 : 5;
+      p.direction_bits = random.below(2) ? 2 : 14;
+      p.normal_bits = random.below(2) ? 2 : 14;
+      p.cell_bits = std::min(p.cell_bits, p.direction_bits);
+      p.levels = std::min(p.levels, p.cell_bits + 1);
+      p.cache_angle_bits = std::min(p.cache_angle_bits, 2 * p.normal_bits + 2);
+      p.u_bits = std::max(p.u_bits, std::min(48, p.total_bits() + 8));
+      fewest_bytes(p);
+    });
   });
   change([](Plan& p) {
     if (p.caustic.present) p.global = {};

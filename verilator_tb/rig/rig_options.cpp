@@ -83,7 +83,9 @@ RunOptions RigFlags::options(const std::string& unit) const {
   o.watchdog = watchdog_;
   o.rtl_dir = rtl_;
   o.work_dir = work_.empty() ? default_work_dir() : work_;
-  if (std::filesystem::exists(o.work_dir) && !std::filesystem::is_directory(o.work_dir))
+  std::error_code unseen;  // what may not be looked at is told where it is used
+  if (std::filesystem::exists(o.work_dir, unseen) &&
+      !std::filesystem::is_directory(o.work_dir, unseen))
     throw std::runtime_error(
         fmt::format("--work {}: is a file, expected a folder of models", o.work_dir));
   o.yosys = yosys_;
