@@ -70,13 +70,9 @@ BoardNeeds gatherer_needs(const Plan& plan) {
 
 BoardNeeds other_needs(const Plan& plan) {
   BoardNeeds needs;
-  for (const UnitInfo& unit : all_units()) {
-    if (unit.board != BoardPlace::kInside || !is_predicted(unit.name)) continue;
-    // A board has the reorder buffer of its plan whether the frame has final gathers for it or not.
-    if (std::string(unit.name) == unit_name<ReorderBuffer> ? plan.reorder_key != ReorderKey::kNone
-                                                           : unit.lacks(plan).empty())
-      needs = needs + unit_needs(plan, unit.name);
-  }
+  for (const std::string& unit : units_on_board(plan))
+    if (unit != unit_name<PhotonGatherer> && is_predicted(unit))
+      needs = needs + unit_needs(plan, unit);
   needs.blocks = board_memories(plan).total() -
                  plan.gatherers * estimate_resources(plan, unit_name<PhotonGatherer>).ebr;
   return needs;

@@ -50,14 +50,31 @@ UnitInfo find_unit(const std::string& name) {
   throw std::runtime_error("there is no unit " + name + ", expected " + unit_names_text());
 }
 
-std::vector<std::string> units_present(const Plan& plan) {
+namespace {
+
+template <class Has>
+std::vector<std::string> names_where(Has has) {
   std::vector<UnitInfo> units = all_units();
   std::sort(units.begin(), units.end(),
             [](const UnitInfo& a, const UnitInfo& b) { return a.chip_place < b.chip_place; });
   std::vector<std::string> names;
   for (const UnitInfo& u : units)
-    if (u.lacks(plan).empty()) names.push_back(u.name);
+    if (has(u)) names.push_back(u.name);
   return names;
+}
+
+}  // namespace
+
+std::vector<std::string> units_present(const Plan& plan) {
+  return names_where([&](const UnitInfo& u) { return u.lacks(plan).empty(); });
+}
+
+std::vector<std::string> units_on_board(const Plan& plan) {
+  return names_where([&](const UnitInfo& u) {
+    if (u.board == BoardPlace::kHost) return false;
+    return u.board == BoardPlace::kInside ? plan.reorder_key != ReorderKey::kNone
+                                          : u.lacks(plan).empty();
+  });
 }
 
 }  // namespace photonloom

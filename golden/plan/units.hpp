@@ -90,5 +90,8 @@ void with_unit(const std::string& name, F&& f) {
 
 // Names of the units that the plan's hardware has, in the order in which they stand on the chip.
 std::vector<std::string> units_present(const Plan& plan);
+// Names of those inside a board's top, in the same order: also a reorder buffer that no final
+// gathers of the plan's frame go through.
+std::vector<std::string> units_on_board(const Plan& plan);
 
 }  // namespace photonloom

@@ -9,6 +9,7 @@
 #include "golden/numeric/random.hpp"
 #include "golden/packet/layout.hpp"
 #include "golden/unit/photon_gatherer_image.hpp"
+#include "golden/unit/photon_lines.hpp"
 
 namespace photonloom {
 
@@ -48,37 +49,55 @@ GatherQuery flush(const Plan& plan, Draw& draw) {
   return q;
 }
 
-// The largest mantissa of a photon has its top bit where the exponent is not 0.
-void set_power(const Plan& plan, Draw& draw, Channels32& mantissa, uint32_t& exponent) {
-  exponent = static_cast<uint32_t>(draw.bits(plan.exponent_bits));
+// The largest mantissa of a photon has its top bit where the exponent is not 0. Exponents are the
+// highest 2^exponent_bits.
+void set_power(const Plan& plan, Draw& draw, Channels32& mantissa, uint32_t& exponent,
+               int exponent_bits) {
+  exponent = static_cast<uint32_t>(ones(plan.exponent_bits) - ones(exponent_bits) +
+                                   draw.bits(exponent_bits));
   for (int c = 0; c < plan.channels; ++c)
     mantissa[static_cast<size_t>(c)] = static_cast<uint32_t>(draw.bits(plan.mantissa_bits));
   if (exponent) mantissa[0] |= 1u << (plan.mantissa_bits - 1);
 }
 
-// Photons in a cube whose edge is twice the largest radius, or the whole range.
-std::vector<PackedPhoton> drawn_photons(const Plan& plan, uint64_t r2_max, uint64_t most,
+// Photons in a cube whose edge is twice the largest radius, or the whole range, and of all
+// exponents; by `narrower` bits less of each.
+std::vector<PackedPhoton> drawn_photons(const Plan& plan, const MapPlan& map, int narrower,
                                         Draw& draw) {
   int edge = 2;
-  while (edge < plan.position_bits && uint64_t{1} << (2 * edge - 2) <= r2_max) ++edge;
-  std::vector<PackedPhoton> photons(std::min<uint64_t>(most, 512));
+  while (edge < plan.position_bits && uint64_t{1} << (2 * edge - 2) <= map.r2_max) ++edge;
+  edge = std::max(0, std::min(edge, plan.position_bits) - narrower);
+  std::vector<PackedPhoton> photons(std::min<uint64_t>(map.photons, 512));
   for (PackedPhoton& p : photons) {
-    for (uint32_t& x : p.position)
-      x = static_cast<uint32_t>(draw.bits(std::min(edge, plan.position_bits)));
-    set_power(plan, draw, p.power.mantissa, p.power.exponent);
+    for (uint32_t& x : p.position) x = static_cast<uint32_t>(draw.bits(edge));
+    set_power(plan, draw, p.power.mantissa, p.power.exponent,
+              std::max(0, plan.exponent_bits - narrower));
     p.direction = {static_cast<uint32_t>(draw.bits(plan.direction_bits)),
                    static_cast<uint32_t>(draw.bits(plan.direction_bits))};
   }
   return photons;
 }
 
+bool lines_fit(const Plan& plan, const std::vector<PackedPhoton>& photons, bool is_caustic) {
+  Plan roomy = plan;
+  roomy.further_percent = 100 * plan.bucket;
+  return photon_lines(roomy, build_photon_map(photons, plan), is_caustic).size() <=
+         plan.memory_lines(plan.map(is_caustic)) * static_cast<uint64_t>(plan.line_bytes());
+}
+
 std::vector<std::vector<PackedPhoton>> photon_lists(const Plan& plan) {
   Draw draw(2);
   std::vector<std::vector<PackedPhoton>> lists(2);
-  if (plan.global.present)
-    lists[0] = drawn_photons(plan, plan.global.r2_max, plan.global.photons, draw);
-  if (plan.caustic.present)
-    lists[1] = drawn_photons(plan, plan.caustic.r2_max, plan.caustic.photons, draw);
+  for (const bool is_caustic : {false, true}) {
+    const MapPlan& map = plan.map(is_caustic);
+    if (!map.present) continue;
+    // Compressed leaves of photons that have little in common take more lines than the plan has
+    // room for, which is for a scene's.
+    for (int narrower = 0; narrower <= plan.position_bits; ++narrower) {
+      lists[is_caustic] = drawn_photons(plan, map, narrower, draw);
+      if (!plan.compressed() || lines_fit(plan, lists[is_caustic], is_caustic)) break;
+    }
+  }
   return lists;
 }
 
@@ -171,7 +190,7 @@ std::vector<SamplerInput> drawn_packets(std::type_identity<CdfSampler>, const Pl
     for (int i = 0; i < photons; ++i) {
       SamplerInput p{};
       p.kind = 1;
-      set_power(plan, draw, p.mantissa, p.exponent);
+      set_power(plan, draw, p.mantissa, p.exponent, plan.exponent_bits);
       for (uint32_t& d : p.direction) d = static_cast<uint32_t>(draw.bits(plan.direction_bits));
       in.push_back(p);
     }
@@ -258,16 +277,19 @@ std::string write_recording(std::type_identity<PhotonGatherer> unit, const Plan&
       "constexpr unsigned nodes_words = {};\nconstexpr NodeWord nodes[] = {{{}}};\n",
       registers[0], registers[2], registers[1], registers[3], words, nodes);
   for (const size_t map : {size_t{0}, size_t{1}}) {
+    // A beat begins a word, as a packet does.
     const std::vector<uint8_t>& bytes = image.lines[map];
-    std::vector<uint32_t> line_words(bytes.size() / 4);
-    for (size_t i = 0; i < bytes.size(); ++i) {
-      if (i / 4 < line_words.size())
-        line_words[i / 4] |= static_cast<uint32_t>(bytes[i]) << (8 * (i % 4));
-    }
+    const size_t beat_bytes = static_cast<size_t>(plan.beat_bits) / 8,
+                 beats = bytes.size() / beat_bytes, words_of_beat = (beat_bytes + 3) / 4;
+    std::vector<uint32_t> line_words(beats * words_of_beat);
+    for (size_t beat = 0; beat < beats; ++beat)
+      for (size_t i = 0; i < beat_bytes; ++i)
+        line_words[beat * words_of_beat + i / 4] |=
+            static_cast<uint32_t>(bytes[beat * beat_bytes + i]) << (8 * (i % 4));
     const std::string name = map == 0 ? "global" : "caustic";
     text +=
         fmt::format("\n// Line memory, a beat after the other\nconstexpr unsigned {}_beats = {};\n",
-                    name, 8 * bytes.size() / static_cast<size_t>(plan.beat_bits)) +
+                    name, beats) +
         words_text(name, line_words);
   }
   return file_text(text + packets_text("in", plan, in) +

@@ -26,7 +26,8 @@ HLS_MAIN {
   const uint32_t* words[2] = {recorded::global, recorded::caustic};
   for (unsigned map = 0; map < 2; ++map)
     for (unsigned i = 0; i < beats[map]; ++i)
-      from_words<kLineBeatBits>(words[map] + i * (kLineBeatBits / 32), lines[first[map] + i]);
+      from_words<kLineBeatBits>(words[map] + i * ((kLineBeatBits + 31) / 32),
+                                lines[first[map] + i]);
 
   HLS_CHANNEL(Tool, GatherQuery<Tool>, in, kPortDepth);
   HLS_CHANNEL(Tool, GatherResult<Tool>, result, kPortDepth);

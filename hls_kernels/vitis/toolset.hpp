@@ -2,6 +2,10 @@
 // The toolset of Vitis HLS: ap_(u)int of arbitrary precision and hls::stream (AMD UG1399). The
 // compiler is told -DPHOTONLOOM_HLS_VITIS.
 #pragma once
+// Lines have up to 4,096 bits, the most that ap_int.h can be asked for; it has 1,024 otherwise.
+#ifndef AP_INT_MAX_W
+#define AP_INT_MAX_W 4096
+#endif
 #include <ap_int.h>
 #include <hls_stream.h>
 

@@ -75,11 +75,11 @@ std::string sdram_examples(const BoardDescription& board, int core_khz) {
 void choose_baud(const BoardDescription& board, BoardClocks& clocks) {
   const long hz = 1000L * clocks.core_khz;
   for (const int baud : board.baud) {
-    const long whole = hz / baud;
+    const long whole = (hz + baud / 2) / baud;
     // 2 % off in the middle of the last bit is what a receiver bears; exact rates are the rule.
     if (whole < 8 || std::labs(hz - whole * baud) * 200 > hz) continue;
     clocks.baud = baud;
-    clocks.clocks_per_bit = (hz + baud / 2) / baud;
+    clocks.clocks_per_bit = whole;
     return;
   }
   throw std::runtime_error(

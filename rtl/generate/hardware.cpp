@@ -70,9 +70,7 @@ std::map<std::string, std::string> generate_hardware(const HardwareRequest& requ
   const std::set<std::string> without = modules_not_taken(plan);
   // On a board the units stand in board_core; work of others stays with the host.
   const bool core = !request.board.empty() && request.unit.empty();
-  if (core)
-    std::erase_if(
-        units, [](const std::string& unit) { return find_unit(unit).board == BoardPlace::kHost; });
+  if (core) units = units_on_board(plan);
   for (const std::string& unit : core ? std::vector<std::string>{"board_core"} : units)
     for (const std::string& file : module_files(rtl, unit, without)) {
       if (!files.emplace("rtl/" + file, read_file(rtl + "/" + file)).second) continue;

@@ -4,6 +4,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cmath>
 #include <tuple>
 
 #include "golden/plan/plan_file.hpp"
@@ -299,6 +300,14 @@ TEST_CASE("dividers are exact and within the PLL's limits") {
       CHECK(c.vco_khz >= board.pll->vco_khz.least);
       CHECK(c.vco_khz <= board.pll->vco_khz.most);
       CHECK(c.clocks_per_bit >= 8);
+      // The fastest rate of which whole clocks are within half a percent.
+      int fastest = 0;
+      for (const int baud : board.baud) {
+        const double clocks = 1000.0 * khz / baud;
+        if (std::round(clocks) >= 8 && std::abs(clocks - std::round(clocks)) <= 0.005 * clocks)
+          fastest = std::max(fastest, baud);
+      }
+      CHECK(c.baud == fastest);
     }
     CHECK(made >= 5);
   }

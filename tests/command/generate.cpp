@@ -307,6 +307,41 @@ TEST_CASE("packages for boards lint and are checked") {
     }
 }
 
+TEST_CASE("a board's README has the reorder buffer that its top has") {
+  for (const ReorderKey key : {ReorderKey::kHilbert, ReorderKey::kNone}) {
+    Plan plan = gatherer_plan();
+    plan.gather_rays = 0;  // nothing of the frame goes through it
+    plan.reorder_key = key;
+    const auto files = generate_hardware({.plan = plan, .board = "ulx3s-85f"});
+    const bool there = key != ReorderKey::kNone;
+    CHECK((files.at("README.md").find("reorder_buffer") != std::string::npos) == there);
+  }
+}
+
+TEST_CASE("compressed maps of any size have recorded packets for HLS kernels") {
+  for (const uint64_t photons : {1, 40, 500, 3000}) {
+    Plan plan = gatherer_plan();
+    plan.photon_lines = PhotonLines::kCompressed;
+    plan.position_bits = 16;
+    plan.photon_bytes = 10;
+    plan.cache_bytes = 16 * plan.line_bytes();
+    plan.beat_bits = 80;
+    plan.global = {.present = true, .photons = photons, .r2_max = plan.r2_limit()};
+    plan.caustic = {.present = true, .photons = photons, .r2_max = plan.r2_limit()};
+    REQUIRE_FALSE(find_problem(plan));
+    INFO(photons << " photons");
+    const Scratch scratch;
+    write_plan(plan, scratch / "plan.toml");
+    const Outcome made =
+        run(fmt::format("generate {} -o {} --hls", scratch / "plan.toml", scratch / "hw"));
+    INFO(made.err);
+    CHECK(made.status == 0);
+    // Beats of bytes that are no whole words: the testbench reads what was recorded.
+    if (photons == 500)
+      CHECK(tool(fmt::format("make -s -C {} UNITS=photon_gatherer", scratch / "hw/hls")));
+  }
+}
+
 TEST_CASE("a photon map too large for the board's block RAM is told before synthesis") {
   const Scratch scratch;
   Plan plan = gatherer_plan();

@@ -2,6 +2,7 @@
 // Longer runs of the board's side of docs/host-link.md: more seeds, and photons in SDRAM with its
 // clock at several ratios.
 #include "tests/rtl/link_bench.hpp"
+#include "verilator_tb/bench/bench.hpp"
 
 using namespace photonloom;
 using namespace photonloom::test;
@@ -37,6 +38,24 @@ TEST_CASE("host link: compressed lines, most leaves of several") {
       CHECK(bench.write(kLines + words - 1, {0}) == 0);
       CHECK(bench.write(kLines + words, {0}) == 1);
       CHECK(soak_on(bench, ++seed, 100, damaged) > 0);
+    }
+}
+
+TEST_CASE("host link: boards of random plans") {
+  for (const RandomPlans which : {RandomPlans::kUsual, RandomPlans::kEnds})
+    for (uint64_t seed = 1; seed <= 8; ++seed) {
+      INFO((which == RandomPlans::kEnds ? "ends:" : "random:") << seed);
+      Plan plan = random_plan(seed, which, true);
+      // Fewer photons, for each comes over the link.
+      plan.global.photons = std::min<uint64_t>(plan.global.photons, 300);
+      plan.caustic.photons = std::min<uint64_t>(plan.caustic.photons, 100);
+      plan.replay_queries = 64;
+      plan.self_test = true;
+      REQUIRE_FALSE(board_problem(plan));
+      test::Bench bench(plan, {.work_dir = "cosim"});
+      for (int i = 0; i < 40; ++i) bench.run(50000);  // the self-test, which hears nothing
+      CHECK(bench.reg(26) == 2);
+      CHECK(soak_on(bench, seed, 60, damaged) > 0);
     }
 }
 

@@ -91,6 +91,9 @@ std::string find_or_build(const Plan& plan, const ModelSource& source) {
   in.yosys = source.yosys;
   in.netlist = source.netlist;
   const Builder& builder = kBuilders[static_cast<size_t>(source.kind)];
+  if (!builder.build)
+    throw std::runtime_error(
+        fmt::format("{} has no model of kind {}", source.unit, model_kind_name(source.kind)));
   const std::vector<std::string> files = module_files(rtl, source.unit);
   // A unit alone does not read PlanHash; without it plans that differ elsewhere share a model.
   const bool reads_hash = std::any_of(files.begin(), files.end(), [&](const std::string& file) {
