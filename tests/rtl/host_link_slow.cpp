@@ -13,13 +13,7 @@ TEST_CASE("host link: many damaged frames, other registers at the start") {
 }
 
 TEST_CASE("host link: compressed lines, most leaves of several") {
-  Plan plan = small_plan();
-  plan.bucket = 16;
-  plan.photon_bytes = 9;
-  plan.photon_lines = PhotonLines::kCompressed;
-  plan.further_percent = 1500;
-  plan.cache_bytes = 4 * plan.line_bytes();
-  plan.beat_bits = 4 * plan.line_bytes();
+  Plan plan = compressed(small_plan());
   plan.board_cache_bytes = 8 * plan.line_bytes();
   plan.self_test = true;
   uint64_t seed = 80;

@@ -102,6 +102,17 @@ inline Plan small_plan() {
   return plan;
 }
 
+// Most leaves of such a plan take several lines.
+inline Plan compressed(Plan plan) {
+  plan.bucket = 16;
+  plan.photon_bytes = 9;
+  plan.photon_lines = PhotonLines::kCompressed;
+  plan.further_percent = 1500;
+  plan.cache_bytes = 4 * plan.line_bytes();
+  plan.beat_bits = 4 * plan.line_bytes();
+  return plan;
+}
+
 // A board and the other end of its cable.
 class Bench {
  public:

@@ -23,18 +23,6 @@ Plan parity_plan() {
   return plan;
 }
 
-// Most of its leaves take several lines.
-Plan compressed_plan() {
-  Plan plan = parity_plan();
-  plan.bucket = 16;
-  plan.photon_bytes = 9;
-  plan.photon_lines = PhotonLines::kCompressed;
-  plan.further_percent = 1500;
-  plan.cache_bytes = 4 * plan.line_bytes();
-  plan.beat_bits = 4 * plan.line_bytes();
-  return plan;
-}
-
 using MakeUnit = std::unique_ptr<ClockedPhotonGatherer> (*)(const Plan&, const RunOptions&);
 
 std::unique_ptr<ClockedPhotonGatherer> make_engine(const Plan& plan, const RunOptions& options) {
@@ -215,7 +203,7 @@ TEST_CASE("faults: flipped bits of memories with parity") {
   sdram.board_cache_bytes = 8 * sdram.line_bytes();
   sdram.cache_bytes = 4 * sdram.line_bytes();
   sdram.cache_ways = 2;
-  const Plan compressed = compressed_plan();
+  const Plan lines = compressed(parity_plan());
   // More than 2,048 beats, the two of a line side by side.
   Plan rows = board;
   rows.bucket = rows.lanes = 2;
@@ -237,7 +225,7 @@ TEST_CASE("faults: flipped bits of memories with parity") {
        true,
        1500},
       {"`photon_gatherer`, cached lines, compressed",
-       compressed,
+       lines,
        make_rtl_photon_gatherer,
        {"leaf_cache.lines"},
        true,
@@ -262,7 +250,7 @@ TEST_CASE("faults: errors at the line port") {
   // Four beats are what the lanes take a cycle.
   Plan uncached = parity_plan();
   uncached.cache_bytes = 0;
-  const Plan plans[] = {parity_plan(), compressed_plan(), uncached};
+  const Plan plans[] = {parity_plan(), compressed(parity_plan()), uncached};
   const char* const where[] = {"memory port", "memory port, compressed lines",
                                "memory port, no leaf cache"};
   for (const size_t i : {0, 1, 2}) {
