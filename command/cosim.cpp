@@ -236,6 +236,7 @@ void cosim(const CosimOptions& o) {
                                "\"plan_hash\"",
                                {"*.exr", "*.png", "*.html", "*.fst", "*.vcd", "packets.json",
                                 "plan.toml", "timeline.json"}});
+
   ConsoleProgress progress;
   PreparedFrame frame = prepare_frame(request, Arithmetic::kReference, &progress);
   print_warnings(frame.warnings);

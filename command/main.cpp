@@ -73,12 +73,14 @@ int run(int argc, char** argv) {
   std::string path = "photonloom";
   for (int i = 1; i < argc && above->get_require_subcommand_min() > 0; ++i) {
     const std::string word = argv[i];
-    const std::string option =
-        word.starts_with("--") ? word.substr(0, word.find('=')) : word.substr(0, 2);
-    if (above == &app && word.starts_with('-') && !app.get_option_no_throw(option))
-      throw UsageError(
-          fmt::format("{}: is no option of photonloom; photonloom --help lists them", word));
-    if (word.empty() || word[0] == '-') break;
+    if (word.empty()) break;
+    if (word[0] == '-') {
+      const std::string option = word.substr(0, word.starts_with("--") ? word.find('=') : 2);
+      if (above == &app && !app.get_option_no_throw(option))
+        throw UsageError(
+            fmt::format("{}: is no option of photonloom; photonloom --help lists them", word));
+      break;
+    }
     const auto found = above->get_subcommands(
         [&](const CLI::App* command) { return command->get_name() == word; });
     if (found.empty())

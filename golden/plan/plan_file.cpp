@@ -513,8 +513,7 @@ std::optional<PlanProblem> board_problem(const Plan& plan) {
         "board.photon_memory",
         fmt::format("is {}, and the maps' lines take {} words of 32 bits, expected fewer than the "
                     "{} that a board's link has addresses for",
-                    plan.photon_memory == PhotonMemory::kBlockRam ? "block_ram" : "sdram", words,
-                    kLinkWords)};
+                    value_text(plan.photon_memory), words, kLinkWords)};
   if (plan.photon_memory != PhotonMemory::kBlockRam || plan.beat_bits % 32 == 0)
     return std::nullopt;
   return PlanProblem{"gatherer.beat_bits",

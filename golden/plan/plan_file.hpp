@@ -38,13 +38,14 @@ std::optional<PlanProblem> channel_problem(const Plan& plan);
 // Addresses of a gatherer's nodes, the first of its configuration; registers come after them
 // (docs/photon_gatherer.md).
 inline constexpr uint32_t kNodeAddresses = 1u << 23;
-// Words of 32 bits of photon lines that a board's link has addresses for (docs/host-link.md).
-inline constexpr uint64_t kLinkWords = 1u << 28;
 // What keeps a plan that golden can render from hardware: more lines than there are of these.
 std::optional<PlanProblem> hardware_problem(const Plan& plan);
 
-// What keeps a plan whose units can be built from a board: a photon memory of block RAM is written
-// by words of 32 bits.
+// Words of 32 bits of photon lines that a board's link has addresses for (docs/host-link.md).
+inline constexpr uint64_t kLinkWords = 1u << 28;
+
+// What keeps a plan whose units can be built from a board: as many words of lines as these, or
+// beats that are no whole words, by which a photon memory of block RAM is written.
 std::optional<PlanProblem> board_problem(const Plan& plan);
 
 // Throws PlanError with the first problem.

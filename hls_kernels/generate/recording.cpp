@@ -8,6 +8,7 @@
 
 #include "golden/numeric/random.hpp"
 #include "golden/packet/layout.hpp"
+#include "golden/plan/plan_file.hpp"
 #include "golden/unit/photon_gatherer_image.hpp"
 #include "golden/unit/photon_lines.hpp"
 
@@ -255,14 +256,13 @@ std::string write_recording(std::type_identity<PhotonGatherer> unit, const Plan&
   golden->process(in, results, photons);
 
   // Configuration as docs/photon_gatherer.md has it: nodes, then registers.
-  constexpr uint32_t kRegisters = 1u << 23;
   const PhotonGathererImage image = photon_gatherer_image(plan, maps[0], maps[1]);
   std::string nodes;
   size_t words = 0;
   uint64_t registers[4] = {};
   for (const CfgWrite& w : image.cfg) {
-    if (w.address >= kRegisters) {
-      if (w.address < kRegisters + 4) registers[w.address - kRegisters] = w.data;
+    if (w.address >= kNodeAddresses) {
+      if (w.address < kNodeAddresses + 4) registers[w.address - kNodeAddresses] = w.data;
       continue;
     }
     nodes +=
