@@ -15,12 +15,14 @@
 // next query and whether there is room for its number and for a result.
 //
 // One query, one result and one photon a cycle; latency of each 2 to 4 cycles, of photons that come from far 3 to 5. From far each
-// gatherer gives one result in 9 cycles, whose words take 10.
+// gatherer gives one result in 9 cycles, whose words take 10. With TurnLater there is a cycle between the photons of two queries.
 module gather_dispatcher #(
     parameter int unsigned Gatherers = photonloom_pkg::Gatherers,
     // Of a gatherer 64, four for each of its contexts where that is more: results leave in order, so a slow query holds up the
     // others once so many are behind it.
     parameter int unsigned Pending = (4 * photonloom_pkg::Contexts > 64 ? 4 * photonloom_pkg::Contexts : 64) * Gatherers,
+    // Gatherers of so many contexts fill the part, and the buffers of their photons lie far from what says whose turn it is.
+    parameter bit TurnLater = photonloom_pkg::FarGatherers != 0 && photonloom_pkg::Contexts > 16,
     localparam int unsigned QueryBits = photonloom_pkg::GatherQueryPacketBits,
     localparam int unsigned ResultBits = photonloom_pkg::GatherResultPacketBits,
     localparam int unsigned PhotonBits = photonloom_pkg::GatherPhotonPacketBits
@@ -360,8 +362,8 @@ module gather_dispatcher #(
   /* verilator lint_off UNUSEDSIGNAL */  // has room for every query whose photons can wait
   logic turns_ready;
   /* verilator lint_on UNUSEDSIGNAL */
-  logic waiting_valid, waiting_taken;
-  logic [SourceBits-1:0] waiting_source;
+  logic waiting_valid, waiting_taken, after_valid, after_taken;
+  logic [SourceBits-1:0] waiting_source, after_source;
 
   fifo #(
       .Width(SourceBits),
@@ -387,14 +389,31 @@ module gather_dispatcher #(
         .in_valid_i(waiting_valid),
         .in_ready_o(waiting_taken),
         .in_i(waiting_source),
-        .out_valid_o(turn_valid),
-        .out_ready_i(turn_taken),
-        .out_o(turn_source)
+        .out_valid_o(after_valid),
+        .out_ready_i(after_taken),
+        .out_o(after_source)
     );
   end else begin : gen_no_register
-    assign turn_valid = waiting_valid;
-    assign waiting_taken = turn_taken;
-    assign turn_source = waiting_source;
+    assign after_valid = waiting_valid;
+    assign waiting_taken = after_taken;
+    assign after_source = waiting_source;
+  end
+  if (TurnLater) begin : gen_turn_later
+    // That a photon was the last decides of one flip-flop here, not of the buffer before it.
+    logic holds_q;
+    logic [SourceBits-1:0] holder_q;
+    always_ff @(posedge clk_i) begin
+      holds_q <= holds_q ? !turn_taken : after_valid;
+      if (!holds_q) holder_q <= after_source;
+      if (rst_i) holds_q <= 1'b0;
+    end
+    assign turn_valid = holds_q;
+    assign turn_source = holder_q;
+    assign after_taken = !holds_q;
+  end else begin : gen_turn_at_once
+    assign turn_valid = after_valid;
+    assign turn_source = after_source;
+    assign after_taken = turn_taken;
   end
 
   logic [PhotonBits-1:0] photon_bits;

@@ -98,6 +98,8 @@ module photon_gatherer_candidates #(
   // Far: the bounds of the pair that waits and of the next one are both read, before it is known which it will be, and in hand a
   // candidate has the exponent of its code.
   localparam bit Far = Wide || photonloom_pkg::FarGatherers != 0;
+  // Memories with a word for each of more than 16 contexts are a choice of two cells of LUT RAM, or more, and spread over the part.
+  localparam bit ManyContexts = photonloom_pkg::FarGatherers != 0 && Contexts > 16;
   localparam int unsigned ExponentBits = photonloom_pkg::ListCodeBits < 20 ? 4 : 3;  // with 16 bits, 4 leave the coarsest codes 10 bits of their keys of 42, 3 only 8
   localparam int unsigned KeyLow = IndexBits > 8 ? 8 : IndexBits;  // of the index in a code; less than a mantissa's bits
 
@@ -379,8 +381,8 @@ module photon_gatherer_candidates #(
         .CodeBits(photonloom_pkg::ListCodeBits),
         .ExponentBits(ExponentBits),
         .Known(Known),
-        .CountAhead(Wide),
-        .WriteLater(Wide && K > 24)
+        .CountAhead(Wide || ManyContexts),
+        .WriteLater((Wide && K > 24) || ManyContexts)
     ) list (
         .clk_i(clk_i),
         .rst_i(rst_i),

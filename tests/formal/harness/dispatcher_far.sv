@@ -7,7 +7,8 @@
 // the order of the queries, once and unchanged (Photons 0); photons come out query by query in that order, each query's together and
 // whole (Photons 1). A query's lowest position bit says whether it has photons if it wants them.
 module dispatcher_far #(
-    parameter int unsigned Photons = 0
+    parameter int unsigned Photons = 0,
+    parameter bit TurnLater = 1'b0
 ) (
     input logic clk_i,
     input logic rst_i,
@@ -27,7 +28,8 @@ module dispatcher_far #(
 
   gather_dispatcher #(
       .Gatherers(2),
-      .Pending(8)
+      .Pending(8),
+      .TurnLater(TurnLater)
   ) dut (
       .clk_i(clk_i),
       .rst_i(rst_i),
