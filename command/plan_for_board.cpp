@@ -24,11 +24,15 @@ BoardPlan plan_for_board(const FrameRequest& request, const std::string& board_n
   found.core_khz = board.core_khz;
   found.reasons = frame.reasons;
   for (const auto& [line, why] : found.engine.reasons) found.reasons[line] = why;
-  // The search may take padding away, and so make a line shorter; a bucket that was asked for keeps
-  // its reason.
-  if (const auto bucket = found.reasons.find("photon.bucket");
-      bucket != found.reasons.end() && bucket->second == bucket_reason(frame.plan))
-    bucket->second = bucket_reason(found.engine.best.plan);
+  // The search may take padding away, and so make a line shorter, and has its own reorder buffer; a
+  // line that was asked for keeps its reason.
+  const auto say_anew = [&](const char* line, std::string (*reason_in)(const Plan&)) {
+    const auto reason = found.reasons.find(line);
+    if (reason != found.reasons.end() && reason->second == reason_in(frame.plan))
+      reason->second = reason_in(found.engine.best.plan);
+  };
+  say_anew("photon.bucket", bucket_reason);
+  say_anew("frame.order", order_reason);
   return found;
 }
 

@@ -250,6 +250,15 @@ void choose_pixel(Plan& plan, const World& world, const PlanRequest& request, Pl
       "the largest k * power / (pi r2_floor) * weight, so that nothing overflows";
 }
 
+// Beats of plain lines before an SDRAM, from which whole photons come: of at least 128 bits where
+// as many of them are taken at once, a line's, or the lanes' where there is no leaf cache between.
+int sdram_beat_bits(const Plan& plan) {
+  const int most = plan.cache_bytes == 0 ? plan.lanes : plan.bucket;
+  int photons = 1;
+  while (8 * plan.photon_bytes * photons < 128 && 2 * photons <= most) photons *= 2;
+  return 8 * plan.photon_bytes * photons;
+}
+
 // The shortest compressed slot whose offsets have two thirds of a position's bits: leaves of most
 // maps then fit in a line.
 int compressed_photon_bytes(Plan plan) {
@@ -302,6 +311,13 @@ double default_radius(double share, int k, double area, uint64_t photons) {
 
 std::string bucket_reason(const Plan& plan) {
   return fmt::format("a line of {} bytes", plan.line_bytes());
+}
+
+std::string order_reason(const Plan& plan) {
+  if (!plan.global.present) return "there are no final gather queries to order";
+  if (plan.reorder_key == ReorderKey::kNone)
+    return "rays of a tile are made together; no reorder buffer follows";
+  return "the reorder buffer brings neighbours together; the frame need not";
 }
 
 PlannedFrame make_plan(const World& world, const PlanRequest& request, const PhotonPass& global,
@@ -412,15 +428,19 @@ PlannedFrame make_plan(const World& world, const PlanRequest& request, const Pho
   plan.lanes = std::min(plan.lanes, plan.bucket);
   why["gatherer.lanes"] = fmt::format("a line of {} photons in {} cycles", plan.bucket,
                                       plan.bucket / std::max(1, plan.lanes));
-  const int way = plan.line_bytes() * plan.cache_ways;
+  const auto way =
+      static_cast<uint64_t>(plan.line_bytes()) * static_cast<uint64_t>(plan.cache_ways);
   const uint64_t map_bytes = (plan.memory_lines(plan.global) + plan.memory_lines(plan.caustic)) *
                              static_cast<uint64_t>(plan.line_bytes());
-  if (map_bytes <= kCachedMapBytes) plan.cache_bytes = static_cast<int>(std::bit_ceil(map_bytes));
+  const uint64_t sets =
+      map_bytes <= kCachedMapBytes
+          ? std::bit_ceil((map_bytes + way - 1) / way)
+          : std::bit_floor(std::max<uint64_t>(1, static_cast<uint64_t>(plan.cache_bytes) / way));
+  plan.cache_bytes = static_cast<int>(way * sets);
+  if (map_bytes > kBoardBlockRamBytes) plan.photon_memory = PhotonMemory::kSdram;
   set_by_hand();
-  plan.cache_bytes =
-      way *
-      static_cast<int>(std::bit_floor(static_cast<unsigned>(std::max(1, plan.cache_bytes / way))));
-  const bool cache_holds_maps = static_cast<uint64_t>(plan.cache_bytes) >= map_bytes;
+  const bool cache_holds_maps =
+      plan.cache_bytes > 0 && map_bytes > 0 && static_cast<uint64_t>(plan.cache_bytes) >= map_bytes;
   why["gatherer.cache_bytes"] = fmt::format(
       "{} lines of {} bytes{}", plan.cache_bytes / plan.line_bytes(), plan.line_bytes(),
       cache_holds_maps
@@ -430,7 +450,13 @@ PlannedFrame make_plan(const World& world, const PlanRequest& request, const Pho
       why["gatherer.powers_per_cycle"] = "the smallest gatherer; more make it faster";
   why["gatherer.cache_ways"] = "fewer conflicts for little area";
   why["gatherer.cache_misses"] = "keeps the memory port busy";
-  why["gatherer.beat_bits"] = plan.compressed() ? "a part of a line" : "a 128-bit memory port";
+  const bool is_sdram = plan.photon_memory == PhotonMemory::kSdram;
+  if (is_sdram && !plan.compressed()) plan.beat_bits = sdram_beat_bits(plan);
+  why["gatherer.beat_bits"] =
+      plan.compressed() ? "a part of a line"
+      : is_sdram
+          ? fmt::format("whole photons of {} bytes, as they come from an SDRAM", plan.photon_bytes)
+          : "a 128-bit memory port";
 
   // Reordering and the sampler.
   if (!plan.global.present || cache_holds_maps) plan.reorder_key = ReorderKey::kNone;
@@ -457,10 +483,6 @@ PlannedFrame make_plan(const World& world, const PlanRequest& request, const Pho
         "radius_max", "angle_bits", "weight_bits", "glossy", "gradients"})
     why[std::string("cache.") + line] =
         plan.cache_present ? "by default" : "no irradiance cache unless it is asked for";
-  if (map_bytes > kBoardBlockRamBytes) plan.photon_memory = PhotonMemory::kSdram;
-  // What comes from an SDRAM comes in whole photons.
-  if (plan.photon_memory == PhotonMemory::kSdram)
-    plan.beat_bits = std::max(plan.beat_bits, 8 * plan.photon_bytes);
   why["board.gatherers"] = "one behind the dispatcher; more where a board has room";
   why["board.photon_memory"] = fmt::format("the maps have {} KiB, block RAM serves up to {}",
                                            map_bytes / 1024, kBoardBlockRamBytes / 1024);
@@ -479,7 +501,6 @@ PlannedFrame make_plan(const World& world, const PlanRequest& request, const Pho
   why["frame.first_shadow_rays"] = why["frame.mean_shadow_rays"] =
       "one pass, the same number of shadow rays everywhere";
   why["frame.table_photons"] = "tables of all photons around a point";
-  why["frame.order"] = "the reorder buffer brings neighbours together; the frame need not";
   why["frame.direction_bin_bits"] = "used where frame.order is direction_bins";
   why["frame.tile"] = "rays of a tile are made together";
   const uint64_t tile_samples = static_cast<uint64_t>(plan.tile) *
@@ -494,6 +515,7 @@ PlannedFrame make_plan(const World& world, const PlanRequest& request, const Pho
                                  : "about a million samples at a time in the host's memory";
   choose_pixel(plan, world, request, why);
   set_by_hand();
+  why.try_emplace("frame.order", order_reason(plan));
   if (plan.cache_bytes == 0)
     for (const char* line : {"gatherer.cache_ways", "gatherer.cache_misses"})
       if (why[line] != "set by hand") why[line] = "used where gatherer.cache_bytes is not 0";

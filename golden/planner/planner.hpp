@@ -55,9 +55,10 @@ void check_plan_makes_an_image(const Plan& plan, const std::string& name);
 // A sentence where a pixel's steps are coarser than any plan has them that is derived; "" else.
 std::string why_pixels_are_coarse(const Plan& plan, const World& world);
 
-// The reason of photon.bucket in a derived plan; whoever changes the stride of a photon says it
-// anew.
+// The reasons of photon.bucket and frame.order in a derived plan; whoever changes the stride of a
+// photon, or the reorder buffer, says them anew.
 std::string bucket_reason(const Plan& plan);
+std::string order_reason(const Plan& plan);
 
 // The plan for rendering these photons. Throws PlanError, with the reason, where there is none.
 PlannedFrame make_plan(const World& world, const PlanRequest& request, const PhotonPass& global,

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a derived plan's lines and their reasons say of each other.
+#include "golden/planner/planner.hpp"
+
+#include <fmt/core.h>
+
+#include "tests/catch.hpp"
+#include "tests/oracles/scenes.hpp"
+
+using namespace photonloom;
+using namespace photonloom::oracle;
+
+namespace {
+
+const World& small_room() {
+  static const World world = [] {
+    Scene s;
+    const int white = add_diffuse(s, Rgb(0.7));
+    add_room(s, white, Vec3(0), Vec3(1));
+    add_quad(s, white, Vec3(0.35, 0.999, 0.35), Vec3(0.3, 0, 0), Vec3(0, 0, 0.3)).radiance =
+        Rgb(10);
+    return World(s);
+  }();
+  return world;
+}
+
+PlannedFrame planned(size_t photons, std::vector<std::string> set, int gather_rays = 16) {
+  PhotonPass pass;
+  for (size_t i = 0; i < photons; ++i) {
+    const double along = static_cast<double>(i) / static_cast<double>(photons);
+    // Two colours, so that the plan has three channels.
+    const Rgb power(1 + static_cast<double>(i % 2), 1, 1);
+    pass.photons.push_back({Vec3(0.1 + 0.8 * along, 0, 0.5), Vec3(0, 1, 0), power, i, 1});
+  }
+  pass.paths = photons;
+  PlanRequest request;
+  request.set = std::move(set);
+  request.gather_rays = gather_rays;
+  return make_plan(small_room(), request, pass, {});
+}
+
+uint64_t map_bytes(const Plan& p) {
+  return p.memory_lines(p.global) * static_cast<uint64_t>(p.line_bytes());
+}
+
+}  // namespace
+
+TEST_CASE("beats before an SDRAM are whole photons of any stride, 128 bits of them or more") {
+  for (const auto& [bytes, beat] :
+       {std::pair{12, 192}, {13, 208}, {16, 128}, {20, 160}, {24, 192}, {32, 256}}) {
+    CAPTURE(bytes);
+    const std::string stride = fmt::format("photon.photon_bytes={}", bytes);
+    // More photons than block RAM serves.
+    const Plan plan = planned(70000, {stride, "photon.bucket=16"}).plan;
+    CHECK(plan.photon_memory == PhotonMemory::kSdram);
+    CHECK(plan.beat_bits == beat);
+    const Plan small = planned(100, {stride, "photon.bucket=16", "board.photon_memory=sdram"}).plan;
+    CHECK(small.beat_bits == beat);
+    CHECK(planned(40000, {stride, "photon.bucket=16", "board.photon_memory=block_ram"})
+              .plan.beat_bits == 128);
+  }
+  // Without a leaf cache lanes take a beat a cycle.
+  CHECK(planned(40000, {"photon.photon_bytes=12", "gatherer.cache_bytes=0", "gatherer.lanes=1"})
+            .plan.beat_bits == 96);
+}
+
+TEST_CASE("small maps lie in the leaf cache whole, whatever a line's bytes and the cache's ways") {
+  for (const char* stride : {"12", "14", "16", "20", "32"})
+    for (const char* ways : {"1", "2", "3"})
+      for (const size_t photons : {10u, 1000u, 2040u}) {
+        const PlannedFrame frame = planned(photons, {std::string("photon.photon_bytes=") + stride,
+                                                     std::string("gatherer.cache_ways=") + ways});
+        CAPTURE(stride, ways, photons);
+        REQUIRE(map_bytes(frame.plan) <= 65536);
+        CHECK(static_cast<uint64_t>(frame.plan.cache_bytes) >= map_bytes(frame.plan));
+        CHECK_THAT(frame.reasons.at("gatherer.cache_bytes"), ContainsSubstring(" of the maps"));
+        CHECK(frame.plan.reorder_key == ReorderKey::kNone);
+      }
+  CHECK(planned(1000, {}).plan.cache_bytes == 16384);
+  // 60,000 bytes in ways of 192 bytes times a power of two.
+  CHECK(planned(5000, {"photon.photon_bytes=12"}).plan.cache_bytes == 512 * 192);
+}
+
+TEST_CASE("a reason says that the leaf cache holds the maps only where both are there") {
+  const PlannedFrame uncached = planned(8, {"gatherer.cache_bytes=0"});
+  CHECK(uncached.plan.reorder_key == ReorderKey::kHilbert);
+  CHECK_THAT(uncached.reasons.at("reorder.key"), !ContainsSubstring("leaf cache"));
+  const PlannedFrame empty = planned(1000, {}, 0);
+  REQUIRE_FALSE(empty.plan.global.present);
+  CHECK_THAT(empty.reasons.at("gatherer.cache_bytes"), !ContainsSubstring("of the maps"));
+}
+
+TEST_CASE("reasons of the frame's order and of beats are true for the plan that has them") {
+  const auto reason = [](const PlannedFrame& frame, const char* line) {
+    return frame.reasons.at(line);
+  };
+  const std::string buffered = "the reorder buffer brings neighbours together; the frame need not";
+  CHECK(reason(planned(40000, {}), "frame.order") == buffered);
+  CHECK(reason(planned(1000, {}), "frame.order") ==
+        "rays of a tile are made together; no reorder buffer follows");
+  CHECK(reason(planned(40000, {"reorder.key=none"}), "frame.order") ==
+        "rays of a tile are made together; no reorder buffer follows");
+  CHECK(reason(planned(1000, {"reorder.key=hilbert"}), "frame.order") == buffered);
+  CHECK(reason(planned(1000, {}, 0), "frame.order") ==
+        "there are no final gather queries to order");
+  CHECK(reason(planned(1000, {"frame.order=pixel"}), "frame.order") == "set by hand");
+
+  CHECK(reason(planned(1000, {}), "gatherer.beat_bits") == "a 128-bit memory port");
+  CHECK(reason(planned(40000, {"photon.photon_bytes=32"}), "gatherer.beat_bits") ==
+        "whole photons of 32 bytes, as they come from an SDRAM");
+  CHECK(reason(planned(1000, {"photon.lines=compressed"}), "gatherer.beat_bits") ==
+        "a part of a line");
+}
