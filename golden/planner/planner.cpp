@@ -450,13 +450,13 @@ PlannedFrame make_plan(const World& world, const PlanRequest& request, const Pho
       why["gatherer.powers_per_cycle"] = "the smallest gatherer; more make it faster";
   why["gatherer.cache_ways"] = "fewer conflicts for little area";
   why["gatherer.cache_misses"] = "keeps the memory port busy";
-  const bool is_sdram = plan.photon_memory == PhotonMemory::kSdram;
-  if (is_sdram && !plan.compressed()) plan.beat_bits = sdram_beat_bits(plan);
+  if (plan.photon_memory == PhotonMemory::kSdram && !plan.compressed())
+    plan.beat_bits = sdram_beat_bits(plan);
   why["gatherer.beat_bits"] =
       plan.compressed() ? "a part of a line"
-      : is_sdram
-          ? fmt::format("whole photons of {} bytes, as they come from an SDRAM", plan.photon_bytes)
-          : "a 128-bit memory port";
+      : plan.beat_bits == 128
+          ? "a 128-bit memory port"
+          : fmt::format("whole photons of {} bytes, as they come from an SDRAM", plan.photon_bytes);
 
   // Reordering and the sampler.
   if (!plan.global.present || cache_holds_maps) plan.reorder_key = ReorderKey::kNone;

@@ -393,12 +393,13 @@ TEST_CASE("plan --board: a plan whose memory the board lacks has no cycles there
   CHECK(json["engine"]["without"].contains("misfit"));
 }
 
-TEST_CASE("plan --board: the line's bytes are told with the stride that the search takes") {
+TEST_CASE(
+    "plan --board: the line's bytes and the frame's order are told of what the search takes") {
   const Scratch s;
   const std::string plan = s / "p.toml";
   const auto o =
       run("plan" + cornell_box() +
-          "--photons 4000 --k 16 --size 8x8 --spp 1 --gather-rays 4 --board ulx3s-85f -o '" + plan +
+          "--photons 8000 --k 16 --size 8x8 --spp 1 --gather-rays 4 --board ulx3s-85f -o '" + plan +
           "'");
   INFO(o.err);
   REQUIRE(o.status == 0);
@@ -406,6 +407,8 @@ TEST_CASE("plan --board: the line's bytes are told with the stride that the sear
   CHECK(p.photon_bytes == 12);  // derived with 16
   CHECK(read_file(plan).find(fmt::format("a line of {} bytes", p.bucket * p.photon_bytes)) !=
         std::string::npos);
+  CHECK(p.reorder_key == ReorderKey::kNone);  // derived with a buffer
+  CHECK(read_file(plan).find("no reorder buffer follows") != std::string::npos);
 }
 
 TEST_CASE("plan: a board that cannot be read does not stand in another's way") {
