@@ -58,7 +58,7 @@ std::vector<std::string> decided_lines(const std::string& line) {
   if (line == "photons") return {"global.photons"};
   if (line == "caustic_photons") return {"caustic.photons"};
   if (line == "radius_scale") return {"global.radius", "caustic.radius"};
-  if (line == "packed") return {"photon.photon_bytes", "gatherer.beat_bits"};
+  if (line == "packed") return {"photon.photon_bytes"};
   return {line};
 }
 

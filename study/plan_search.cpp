@@ -208,7 +208,8 @@ class PlanSearch::Work {
     for (ChosenLine& line :
          chosen_lines(photons_asked("photons"), photons_asked("caustic_photons"))) {
       const bool idle = (line.name == "photons" && !plan.global.present) ||
-                        (line.name == "caustic_photons" && !plan.caustic.present);
+                        (line.name == "caustic_photons" && !plan.caustic.present) ||
+                        (line.name == "packed" && plan.compressed());
       if (is_free(line.name) && !idle) lines_.push_back(std::move(line));
     }
   }
@@ -391,8 +392,7 @@ class PlanSearch::Work {
       for (const auto& [asked, its_value] : request_.asked) {
         if (asked == name) return false;
         if (name == "radius_scale" && asked.ends_with(".radius")) return false;
-        if (name == "packed" && (asked == "photon.photon_bytes" || asked == "gatherer.beat_bits"))
-          return false;
+        if (name == "packed" && asked == "photon.photon_bytes") return false;
       }
     return true;
   }

@@ -30,14 +30,6 @@ int plan_integer(const std::string& line, const std::string& text, int Plan::*me
   return plan.*member;
 }
 
-// Beats of at least 128 bits; before an SDRAM whole photons, which an SDRAM sends.
-int beat_bits(const Plan& plan, int stride) {
-  if (plan.photon_memory == PhotonMemory::kBlockRam) return 128;
-  int bits = 8 * stride;
-  while (bits < 128) bits *= 2;
-  return bits;
-}
-
 }  // namespace
 
 int smallest_stride(const Plan& plan) {
@@ -106,27 +98,15 @@ PointPlan plan_of_point(StudyScene& scene, const Study& study, const LineValues&
   };
   if (radius_scale != 1 || packed) {
     // What these two ask for depends on the plan without them, whose stride always has room.
-    PlanRequest loose = request;
-    const Plan plan =
-        make_plan(world, loose, passes[0] ? *passes[0] : none, passes[1] ? *passes[1] : none).plan;
+    const Plan plan = make().plan;
     if (radius_scale != 1)
       for (const bool is_caustic : {false, true})
         if (plan.map(is_caustic).present)
           request.set.push_back(fmt::format("{}.radius={}", is_caustic ? "caustic" : "global",
                                             radius_scale * plan.map(is_caustic).radius));
-    if (packed) {
-      const int stride = smallest_stride(plan);
-      request.set.push_back(fmt::format("photon.photon_bytes={}", stride));
-      Plan narrow = plan;
-      narrow.photon_bytes = stride;
-      const uint64_t bytes = (plan.lines(plan.global) + plan.lines(plan.caustic)) *
-                             static_cast<uint64_t>(narrow.line_bytes());
-      // The planner moves smaller maps into block RAM.
-      const bool is_sdram =
-          plan.photon_memory == PhotonMemory::kSdram && bytes > kBoardBlockRamBytes;
-      narrow.photon_memory = is_sdram ? PhotonMemory::kSdram : PhotonMemory::kBlockRam;
-      request.set.push_back(fmt::format("gatherer.beat_bits={}", beat_bits(narrow, stride)));
-    }
+    // Compressed photons have no padding.
+    if (packed && !plan.compressed())
+      request.set.push_back(fmt::format("photon.photon_bytes={}", smallest_stride(plan)));
   }
   PlannedFrame planned = make();
   if (const std::string why = plan_misfit(planned.plan, world, passes[0] ? *passes[0] : none,
