@@ -168,7 +168,8 @@ board-sim: build ## a frame through a simulated board over a pseudo-terminal, wi
 fpga-fast: build ## the gatherer alone, wide and narrow: cycles, clocks, gathers a second for 1,000 LUT-equivalents (an hour; takes what was routed)
 	@scripts/setup fpga-fast
 	@scripts/fpga-tools
-	@[ -s build/bench/rtl_photon_gatherer.json ] || scripts/bench-rtl photon_gatherer || [ -s build/bench/rtl_photon_gatherer.json ]
+	@rm -f build/bench/rtl_photon_gatherer.json # cycles of earlier RTL
+	@scripts/bench-rtl photon_gatherer || [ -s build/bench/rtl_photon_gatherer.json ]
 	@scripts/fpga-fast
 
 fpga-plans: build ## what several plans cost, and the fit that predicts it: docs/fpga-plans.md (an hour)

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from flow.arguments import check_names
 from flow.boards import FAMILIES
 from flow.goals import area_goals
 from flow.package import PHOTONLOOM, UNITS, describe, set_options
@@ -73,7 +74,13 @@ class Section:
             raise Failure(f"{len(grown)} resources grew by more than {100 * limit:.0f} %; make them smaller, or show "
                           "the price in the same commit with scripts/area-check --update")
 
-    def update(self, units: Sequence[str], yosys: str) -> None:
+    def update(self, units: Sequence[str], yosys: str, plan_hash: str) -> None:
+        """Measures these units; the others stay, so all are measured of a plan that is another."""
+        before, others = self.values.get("plan"), [unit for unit in UNITS if unit not in units]
+        if others and before != plan_hash:
+            raise Failure(f"{self.path}: was made of plan {before}, but fpga/area.toml is {plan_hash}; expected --update without "
+                          f"names, for {', '.join(others)} are of the old plan too")
+        self.values["plan"] = plan_hash
         for unit in units:
             counts = counted(unit, yosys)
             self.values[unit] = {name: counts[name] for name in FAMILY.cells}
@@ -92,9 +99,7 @@ def main() -> int:
     p.add_argument("--yosys", default="yosys", help="another Yosys than the one on PATH")
     p.add_argument("--baseline", type=Path, default=ROOT / "fpga" / "baseline.json")
     o = p.parse_args()
-    for unit in o.units:
-        if unit not in UNITS:
-            p.error(f"there is no unit {unit}, expected some of {', '.join(UNITS)}")
+    check_names(p, o.units, UNITS, "unit")
     goals, units = area_goals(), o.units or UNITS
     version = yosys_version(first_line([o.yosys, "-V"]))
     if not version:
@@ -117,8 +122,7 @@ def main() -> int:
                           "scripts/area-check --update writes it anew")
         section.check(units, o.yosys, goals.growth)
         return 0
-    section.values["plan"] = plan_hash
-    section.update(units, o.yosys)
+    section.update(units, o.yosys, plan_hash)
     write_json(o.baseline, dict(sorted(baseline.items())), indent=2)
     say(f"wrote Yosys {version} into {os.path.relpath(o.baseline, ROOT)}")
     others = [v for v in baseline if v != version]

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Kinds of numbers on a command line, for argparse: what they refuse ends a command with status 2 before it does anything."""
+"""Kinds of numbers on a command line, for argparse: what they refuse ends a command with status 2 before it does anything; and names and folders."""
 import argparse
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Collection, Sequence
+from pathlib import Path
 
 # What nextpnr's --seed holds.
 LAST_SEED = 2**31 - 1
@@ -19,6 +20,23 @@ def whole(least: int, most: int | None = None) -> Callable[[str], int]:
         raise argparse.ArgumentTypeError(f"is {text}, expected a whole number of at least {least}" +
                                          ("" if most is None else f" and at most {most}"))
     return read
+
+
+def folder(text: str) -> Path:
+    """Where results go; one that is there or will be made."""
+    if Path(text).exists() and not Path(text).is_dir():
+        raise argparse.ArgumentTypeError(f"{text} is a file, expected a folder")
+    return Path(text)
+
+
+def check_names(p: argparse.ArgumentParser, names: Sequence[str], known: Collection[str], kind: str = "", option: str = "") -> None:
+    """That there are these, and each is named once. kind: what they are; option: by which they are named."""
+    where, what = f"{option}: " if option else "", f"{kind} " if kind else ""
+    for name in names:
+        if name not in known:
+            p.error(f"{where}there is no {what}{name}, expected some of {', '.join(known)}")
+    if twice := next((name for name in names if names.count(name) > 1), None):
+        p.error(f"{where}{what}{twice} is named twice, expected each once")
 
 
 def positive(text: str) -> float:

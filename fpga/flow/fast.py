@@ -11,18 +11,18 @@ from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 from typing import NotRequired, TypedDict
 
-from flow.arguments import whole
+from flow.arguments import check_names, whole
 from flow.boards import LUT_EQ, Board, read_board
 from flow.goals import FastGoals, fast_goals
 from flow.headline.netlist import digest_now, netlist_digest
-from flow.package import describe, generate
+from flow.package import describe, generate, lock_of
 from flow.plans.catalogue import read_catalogue
 from flow.results import median, report_folder
 from flow.routing import Clock, clocks_of, place, placements, routed_name
-from flow.shell import ROOT, Failure, field, read_json, read_text, read_toml, say, write_json
+from flow.shell import ROOT, Failure, field, locked, read_json, read_toml, say, write_json
 from flow.synthesis import Counts, synthesise
-from flow.tables import markdown, replace_between
-from flow.tools import Tools, find_tools
+from flow.tables import between, markdown, replace_between
+from flow.tools import Tools, find_tools, require_same
 
 FAST = ROOT / "fpga" / "fast"
 DATA = ROOT / "fpga" / "fast.json"
@@ -88,11 +88,18 @@ def slowest(clocks: Mapping[str, Clock]) -> float:
 def measure(name: str, board: Board, tools: Tools, seeds: Sequence[int], placer: str, cycle_rows: Sequence[CycleRow],
             route: bool) -> Row:
     """One plan through synthesis and each seed; what is there already is taken."""
-    path = FAST / f"{name}.toml"
-    said, facts = read_toml(path), describe(path)
+    facts = describe(FAST / f"{name}.toml")
     folder = report_folder(board, facts["hash"]) / UNIT
-    folder.parent.mkdir(parents=True, exist_ok=True)
-    generate(path, folder, board, UNIT)
+    with locked(lock_of(folder)):
+        return measure_in(folder, name, facts["hash"], board, tools, seeds, placer, cycle_rows, route)
+
+
+def measure_in(folder: Path, name: str, plan_hash: str, board: Board, tools: Tools, seeds: Sequence[int], placer: str,
+               cycle_rows: Sequence[CycleRow], route: bool) -> Row:
+    path = FAST / f"{name}.toml"
+    said, cycles = read_toml(path), cycles_of(cycle_rows, plan_hash, CYCLES)
+    generate(path, folder, board, UNIT, versions=tools.versions)
+    of_sources = netlist_digest(folder)
     top = board.top(UNIT)
     say(f"{name}: synthesis")
     counts = synthesise(folder, board, top, UNIT, tools)
@@ -109,8 +116,8 @@ def measure(name: str, board: Board, tools: Tools, seeds: Sequence[int], placer:
         mhz = [before for seed in seeds if (before := routed_before(folder, top, seed, placer)) is not None]
     return {"plan": name, "k": field(said, path, "gather.k", int, "a count"),
             "widths": [field(said, path, f"gatherer.{width}", int, "a count") for width in WIDTHS],
-            "contexts": field(said, path, "gatherer.contexts", int, "a count"), "digest": netlist_digest(folder),
-            "cycles": cycles_of(cycle_rows, facts["hash"], CYCLES), "resources": counts, "mhz": mhz}
+            "contexts": field(said, path, "gatherer.contexts", int, "a count"), "digest": of_sources,
+            "cycles": cycles, "resources": counts, "mhz": mhz}
 
 
 def rate(row: Row) -> float | None:
@@ -192,18 +199,20 @@ def main() -> int:
     p.add_argument("--check", action="store_true", help="tell whether docs/photon_gatherer.md is that of fpga/fast.json and of today's RTL")
     o = p.parse_args()
     goals = fast_goals()
-    for name in o.plans:
-        if name not in names():
-            p.error(f"there is no plan {name}, expected some of {', '.join(names())}")
+    check_names(p, o.plans, names(), "plan")
+    if o.plans and (o.check or o.render):
+        p.error("--check and --render are of the whole table, expected no plans")
     board = read_board(goals.board)
     if o.check or o.render:
         made: Data = read_json(DATA)
-        text = page(made, goals, stale_rows(made, board))
+        stale = stale_rows(made, board)
+        text = page(made, goals, stale)
         if o.render:
             replace_between(PAGE, "fast", text)
-        elif text not in read_text(PAGE):
+        elif between(PAGE, "fast") != text:
             raise Failure(f"{PAGE}: is not what {DATA} and today's RTL give; scripts/fpga-fast --render writes it")
-        say("docs/photon_gatherer.md is that of fpga/fast.json and of today's RTL")
+        say("docs/photon_gatherer.md is that of fpga/fast.json" +
+            (f", and says that earlier RTL was measured for {', '.join(stale)}" if stale else " and of today's RTL"))
         return 0
     tools = find_tools(board)
     cycle_rows: list[CycleRow] = read_json(CYCLES)[UNIT]
@@ -211,6 +220,8 @@ def main() -> int:
     kept: Data | None = read_json(DATA) if o.plans and DATA.is_file() else None
     if kept and kept["placer"] != o.placer:
         p.error(f"{DATA} is of the placer {kept['placer']}, expected --placer {kept['placer']} or all plans")
+    if kept and any(row["plan"] not in o.plans for row in kept["rows"]):
+        require_same(kept["versions"], tools, DATA, "scripts/fpga-fast without plans")
     old: dict[str, Row] = {row["plan"]: row for row in kept["rows"]} if kept else {}
     rows = []
     for name in names():

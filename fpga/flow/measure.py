@@ -8,17 +8,18 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from flow.arguments import LAST_SEED, positive, whole
+from flow.arguments import LAST_SEED, check_names, positive, whole
 from flow.boards import FAMILIES, Board, UnknownBoard, board_names, read_board
-from flow.package import UNITS, PackageFacts, describe, digest, generate
+from flow.package import UNITS, PackageFacts, describe, digest, generate, lock_of
 from flow.results import Entry, Report, add_placements, entries_of, missed_clocks, report_folder
 from flow.routing import place, placements
-from flow.shell import ROOT, Failure, UsageError, say, warn, write_json
+from flow.shell import ROOT, Failure, UsageError, locked, say, warn, write_json
 from flow.synthesis import binding, synthesise
 from flow.tables import around, markdown, replace_between
 from flow.tools import Tools, find_tools
 
 PARTS = UNITS + ["board"]
+README_BOARD = "ulx3s-85f"
 
 
 @dataclass(frozen=True)
@@ -35,16 +36,29 @@ class Options:
     dry_run: bool
 
 
-def package(o: Options, folder: Path, name: str, versions: dict[str, str]) -> tuple[Path, PackageFacts, str]:
-    """Writes the package of a unit or of the board: (its folder, what package.json says, its digest)."""
-    where, whole = folder / name, name == "board"
-    said = generate(o.plan, where, o.board, None if whole else name, o.clock if whole else None)
-    return where, said, digest(where, versions)
+def package(o: Options, where: Path, versions: dict[str, str]) -> tuple[PackageFacts, str]:
+    """Writes the package of a unit or of the board, by the name of its folder: (what package.json says, its digest)."""
+    whole = where.name == "board"
+    said = generate(o.plan, where, o.board, None if whole else where.name, o.clock if whole else None, versions)
+    return said, digest(where, versions)
 
 
 def measure(o: Options, folder: Path, name: str, tools: Tools) -> Entry:
     """One package through the flow: its entry of the report."""
-    where, said, of_sources = package(o, folder, name, tools.versions)
+    where = folder / name
+    with locked(lock_of(where)):
+        return measure_in(o, where, tools)
+
+
+def digest_now(o: Options, folder: Path, name: str, tools: Tools) -> str:
+    """The digest of today's package, which another command may be placing."""
+    with locked(lock_of(folder / name)):
+        return package(o, folder / name, tools.versions)[1]
+
+
+def measure_in(o: Options, where: Path, tools: Tools) -> Entry:
+    said, of_sources = package(o, where, tools.versions)
+    name = where.name
     top = o.board.top(None if name == "board" else name)
     say(f"{name}: synthesis")
     counts = synthesise(where, o.board, top, top if name == "board" else name, tools)
@@ -89,7 +103,7 @@ def parser() -> argparse.ArgumentParser:
     p = argparse.ArgumentParser(prog="fpga", description=__doc__)
     p.add_argument("plan", nargs="?", help="a plan.toml (default: fpga/gatherer.toml, that of make bench-rtl; for up5k "
                                            "the small fpga/up5k.toml; each board.toml names its own)")
-    p.add_argument("--board", default="ulx3s-85f", help=" or ".join(board_names()))
+    p.add_argument("--board", default=README_BOARD, help=" or ".join(board_names()))
     p.add_argument("--units", help="these alone, separated by commas: photon_gatherer, reorder_buffer, cdf_sampler, "
                                    "board (default: all that the plan has, and the board's top; on a UP5K the reorder buffer)")
     p.add_argument("--seeds", type=whole(1), default=3, help="placements of each")
@@ -124,12 +138,14 @@ def options() -> tuple[Options, list[str] | None, dict[Path, str]]:
         p.error(f"--placer: {board.name} has no choice of one")
     if o.first_seed + o.seeds - 1 > LAST_SEED:
         p.error(f"--seeds: the last one is {o.first_seed + o.seeds - 1}, expected at most {LAST_SEED}")
-    asked = o.units.split(",") if o.units else None
-    for unit in asked or []:
-        if unit not in PARTS:
-            p.error(f"--units: there is no {unit}, expected some of {', '.join(PARTS)}")
+    asked = o.units.split(",") if o.units is not None else None
+    check_names(p, asked or [], PARTS, option="--units")
+    if o.clock and "board" not in (asked or list(board.units) or PARTS):
+        p.error("--clock: is the board's, expected board among --units")
     pages = {}
     if o.readme:
+        if board.name != README_BOARD:
+            p.error(f"--readme: README.md has a table of {README_BOARD}, expected that board or --page")
         pages[ROOT / "README.md"] = "size and speed"
     if o.page:
         pages[o.page] = board.name
@@ -166,7 +182,7 @@ def main() -> int:
     entries = [measure(o, folder, unit, tools) for unit in units]
     # What was measured of the other parts stays while their sources are the same.
     kept = [e for e in entries_of(path)
-            if e["name"] not in units and e.get("digest") == package(o, folder, e["name"], tools.versions)[2]] if asked else []
+            if e["name"] not in units and e.get("digest") == digest_now(o, folder, e["name"], tools)] if asked else []
     entries = sorted(kept + entries, key=lambda e: PARTS.index(e["name"]))
     report: Report = {"board": o.board.name, "plan": what["hash"], "versions": tools.versions, "entries": entries}
     write_json(path, report)

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TypedDict
 
 from flow.boards import Board
-from flow.shell import ROOT, beside, read_json, run
+from flow.shell import ROOT, beside, read_json, run, write_json
 
 PHOTONLOOM = os.environ.get("PHOTONLOOM", str(ROOT / "build" / "photonloom"))
 UNITS = re.findall(r"^ *UNIT\(\w+, (\w+),", (ROOT / "golden/plan/units.hpp").read_text(), re.MULTILINE)  # the one list
@@ -43,15 +43,19 @@ def set_options(settings: Sequence[str]) -> list[str]:
     return [word for line in settings for word in ("--set", line)]
 
 
-def generate(plan: Path, folder: Path, board: Board, unit: str | None = None, clock: float | None = None) -> PackageFacts:
-    """A package for a board, in `folder`; what was built of the same files before is kept."""
+def generate(plan: Path, folder: Path, board: Board, unit: str | None = None, clock: float | None = None,
+             versions: Mapping[str, str] | None = None) -> PackageFacts:
+    """A package for a board, in `folder`. What was built of the same files before is kept where it was by tools of the same versions."""
     command = [PHOTONLOOM, "generate", str(plan), "--board", board.name, "-o", str(folder)]
     if unit:
         command += ["--unit", unit]
     if clock:
         command += ["--clock", str(clock)]
     kept, aside = folder / "build", beside(folder, ".built")
+    tools = kept / "tools.json"
     shutil.rmtree(aside, ignore_errors=True)
+    if kept.is_dir() and (not tools.is_file() or read_json(tools) != versions):
+        shutil.rmtree(kept)
     before = tree(folder)
     times = {path: (folder / path).stat().st_mtime_ns for path in before}
     if kept.is_dir():
@@ -66,8 +70,15 @@ def generate(plan: Path, folder: Path, board: Board, unit: str | None = None, cl
                     os.utime(folder / path, ns=(time, time))
             else:
                 shutil.rmtree(aside)
+    kept.mkdir(exist_ok=True)
+    write_json(tools, versions)
     facts: PackageFacts = read_json(folder / "package.json")
     return facts
+
+
+def lock_of(folder: Path) -> Path:
+    """Held by a command from the generation of a package to its last placement."""
+    return beside(folder, ".lock")
 
 
 def tree(folder: Path) -> dict[str, bytes]:

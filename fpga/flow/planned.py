@@ -5,27 +5,28 @@ of docs/planner.md, and the plans into fpga/planned; what was routed is kept in 
 clock is missed. With --check it measures nothing and tells whether the page is that of the data and of today's RTL: rows that were
 routed with earlier RTL are named below the table, which --render writes."""
 import argparse
-import concurrent.futures
 import hashlib
 import json
 import os
+import shutil
 from collections.abc import Collection, Sequence
 from pathlib import Path
 from typing import Any, TypedDict
 
-from flow.arguments import LAST_SEED, whole
+from flow.arguments import LAST_SEED, check_names, folder, whole
 from flow.boards import LUT_EQ, Board, read_board
 from flow.goals import PlannedGoals, planned_goals
 from flow.headline.netlist import SHORT, digest_now
 from flow.headline.plans import HeadlinePlan
 from flow.headline.tops import Routing, Top, prepare, route_seed, synthesized
 from flow.headline.verdict import clock_name
+from flow.jobs import each
 from flow.package import PHOTONLOOM, describe
 from flow.routing import Placement, constrained
-from flow.shell import ROOT, Failure, field, read_json, read_text, read_toml, run, say, write_json
+from flow.shell import ROOT, Failure, field, read_json, read_toml, run, say, write_json
 from flow.synthesis import Counts
-from flow.tables import markdown, replace_between
-from flow.tools import find_tools, nextpnr_is_slow
+from flow.tables import between, markdown, replace_between
+from flow.tools import find_tools, nextpnr_is_slow, require_same
 
 DATA = ROOT / "fpga" / "planned.json"
 PAGE = ROOT / "docs" / "planner.md"
@@ -63,9 +64,10 @@ class Data(TypedDict):
     rows: list[Planned]
 
 
-def plan_scene(scene: Path, goals: PlannedGoals) -> tuple[HeadlinePlan, dict[str, Any]]:
-    """Writes the scene's plan, and gives what photonloom says of it."""
-    path = PLANS / f"{scene.stem}.toml"
+def plan_scene(scene: Path, goals: PlannedGoals, work: Path) -> tuple[HeadlinePlan, dict[str, Any]]:
+    """Writes the scene's plan, and gives what photonloom says of it. Not yet beside the rows: its own is not there before it is routed."""
+    path = work / "plans" / f"{scene.stem}.toml"
+    path.parent.mkdir(parents=True, exist_ok=True)
     said: dict[str, Any] = json.loads(run([PHOTONLOOM, "plan", str(scene), *goals.options, "--board", goals.board, "-o", str(path), "--json"]))
     return HeadlinePlan(scene.stem, path), said
 
@@ -144,15 +146,15 @@ def main() -> int:
     p.add_argument("--seed", type=whole(1, LAST_SEED), default=1, help="of the placement (default: 1)")
     p.add_argument("--jobs", type=whole(1), default=os.cpu_count() or 1, help="tops routed at a time (default: one a core; 2 GB each)")
     p.add_argument("--placer", choices=("heap", "static"), help="as of scripts/fpga (default: static, but heap with nextpnr 0.7)")
-    p.add_argument("--results", type=Path, default=ROOT / "build" / "planned", help="where netlists and routed seeds are kept (default: build/planned)")
+    p.add_argument("--results", type=folder, default=ROOT / "build" / "planned", help="where netlists and routed seeds are kept (default: build/planned)")
     p.add_argument("--render", action="store_true", help="write the table from fpga/planned.json again, nothing else")
     p.add_argument("--check", action="store_true", help="tell whether docs/planner.md is that of fpga/planned.json and of today's RTL")
     o = p.parse_args()
     goals = planned_goals()
     known = {scene.stem: scene for scene in goals.scenes}
-    for name in o.scenes:
-        if name not in known:
-            p.error(f"there is no scene {name}, expected some of {', '.join(known)}")
+    check_names(p, o.scenes, known, "scene")
+    if o.scenes and (o.check or o.render):
+        p.error("--check and --render are of the whole table, expected no scenes")
     board = read_board(goals.board)
     if o.check or o.render:
         made: Data | None = read_json(DATA) if DATA.is_file() else None
@@ -160,7 +162,7 @@ def main() -> int:
         text = page(made, stale)
         if o.render:
             replace_between(PAGE, "planned", text)
-        elif text not in read_text(PAGE):
+        elif between(PAGE, "planned") != text:
             raise Failure(f"{PAGE}: is not what {DATA} and today's RTL give; scripts/plan-boards --render writes it")
         say("docs/planner.md is that of fpga/planned.json" +
             (f", and says that earlier RTL was routed for {', '.join(stale)}" if stale else " and of today's RTL"))
@@ -171,16 +173,20 @@ def main() -> int:
     work = o.results.resolve()
     work.mkdir(parents=True, exist_ok=True)
     scenes = [known[name] for name in o.scenes] or list(goals.scenes)
+    old: Data | None = read_json(DATA) if DATA.is_file() else None
+    if old and any(row["scene"] in known and known[row["scene"]] not in scenes for row in old["rows"]):
+        require_same(old["versions"], tools, DATA, "scripts/plan-boards without scenes")
 
     def one(scene: Path) -> Planned:
-        plan, said = plan_scene(scene, goals)
+        plan, said = plan_scene(scene, goals, work)
         top = prepare(plan, work, routing)
         resources = synthesized(top, routing)["resources"]
         return row_of(plan, said, top, resources, o.seed, route_seed(top, o.seed, routing.placer, routing))
 
-    with concurrent.futures.ThreadPoolExecutor(o.jobs) as pool:
-        rows = list(pool.map(one, scenes))
-    old: Data | None = read_json(DATA) if DATA.is_file() else None
+    rows = each(o.jobs, one, scenes)
+    PLANS.mkdir(exist_ok=True)
+    for scene in scenes:
+        shutil.copyfile(work / "plans" / f"{scene.stem}.toml", PLANS / f"{scene.stem}.toml")
     data: Data = {"board": board.name, "options": list(goals.options), "versions": tools.versions,
                   "rows": merged(old["rows"] if old else [], rows, goals.scenes)}
     write_json(DATA, data)

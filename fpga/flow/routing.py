@@ -4,14 +4,12 @@ import itertools
 import math
 import os
 import re
-import signal
-import subprocess
 import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, NotRequired, TypedDict, TypeVar
 
-from flow.shell import ROOT, Failure, beside, complaint, read_json, read_text, run, say
+from flow.shell import ROOT, Failure, beside, complaint, read_json, read_text, run, say, started
 from flow.tools import Tools
 
 STATIC_ROUNDS = 900  # after which nextpnr's static placer is ended; a placement that ended took some 600
@@ -72,10 +70,9 @@ def watch_static(command: Sequence[str], log: Path, placer_log: Path) -> bool:
     overlap of block RAMs for ever, which tops whose photon memory is stored in pairs of blocks were seen to do (docs/headline.md), or
     it looks for ever for places of cells that stand together, of which a LUT RAM has six LUTs of one tile's eight."""
     with open(log, "w") as out:
-        started = said_at = time.monotonic()
+        begun = said_at = time.monotonic()
         said = ""
-        running = subprocess.Popen(command, stdout=out, stderr=subprocess.STDOUT, start_new_session=True)
-        try:
+        with started(command, out) as running:
             while running.poll() is None:
                 time.sleep(2)
                 if not placer_log.is_file():
@@ -83,12 +80,8 @@ def watch_static(command: Sequence[str], log: Path, placer_log: Path) -> bool:
                 now = time.monotonic()
                 if (text := read_text(placer_log)) != said:
                     said, said_at = text, now
-                if static_rounds(said) > STATIC_ROUNDS or legalises_for_ever(said, said_at - started, now - said_at):
+                if static_rounds(said) > STATIC_ROUNDS or legalises_for_ever(said, said_at - begun, now - said_at):
                     return False
-        finally:
-            if running.poll() is None:
-                os.killpg(running.pid, signal.SIGTERM)
-                running.wait()
     if running.returncode != 0:
         raise complaint(command, read_text(log), log)
     return True
@@ -98,6 +91,12 @@ def routed_name(top: str, seed: int, placer: str, route_speed: int | None) -> st
     """What the package's Makefile calls the files of one placement."""
     return (f"{top}_seed{seed}" + (f"_{placer}" if placer != "heap" else "") +
             (f"_route{route_speed}" if route_speed not in (None, PART_SPEED) else ""))
+
+
+def forget(folder: Path, top: str, seed: int, placer: str, route_speed: int | None) -> None:
+    """Removes what one placement left, so that it is made again."""
+    for path in (folder / "build").glob(f"{routed_name(top, seed, placer, route_speed)}.*"):
+        path.unlink()
 
 
 def place(folder: Path, top: str, seed: int, tools: Tools, route_speed: int | None = None,

@@ -1,13 +1,18 @@
 # SPDX-License-Identifier: Apache-2.0
 """Programs that are run, files that are read, and what the user is told of both."""
+import contextlib
+import fcntl
 import json
 import os
+import signal
 import subprocess
 import sys
+import threading
 import tomllib
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
-from typing import Any, NoReturn
+from types import FrameType
+from typing import IO, Any, NoReturn
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -34,12 +39,72 @@ def warn(text: str) -> None:
 
 
 def exit_with(main: Callable[[], int]) -> NoReturn:
-    """Runs a command's main; a Failure is told in its sentence and ends it with status 1, a UsageError with 2."""
+    """Runs a command's main; a Failure is told in its sentence and ends it with status 1, a UsageError with 2. A signal that ends it ends
+    what it started too."""
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        if signal.getsignal(number) is not signal.SIG_IGN:  # as nohup has it of SIGHUP
+            signal.signal(number, end_programs)
     try:
         sys.exit(main())
     except Failure as failure:
         warn(str(failure))
         sys.exit(2 if isinstance(failure, UsageError) else 1)
+
+
+class Programs:
+    """The programs that run, each the leader of a group with all that it starts. ended: none is started any more."""
+    running: set["subprocess.Popen[str]"] = set()
+    ended = False
+    guard = threading.RLock()  # not to be left out where it is started as the signal comes
+
+
+def end_programs(number: int, _: FrameType | None) -> NoReturn:
+    """Of a signal: ends all that runs, such as hours of routing that nothing would wait for any more, and the command."""
+    with Programs.guard:
+        Programs.ended = True
+        for running in Programs.running:
+            end_group(running)
+    sys.exit(128 + number)
+
+
+def end_group(running: "subprocess.Popen[str]") -> None:
+    with contextlib.suppress(ProcessLookupError):
+        os.killpg(running.pid, signal.SIGTERM)
+
+
+@contextlib.contextmanager
+def started(command: Sequence[str], output: IO[str] | int, cwd: Path | None = None) -> Iterator["subprocess.Popen[str]"]:
+    """A program and what it starts, both outputs in one; ended where what is done with it ends earlier."""
+    with Programs.guard:
+        if Programs.ended:
+            raise Failure(f"{command[0]}: is not started, for a signal ended the command")
+        try:
+            running = subprocess.Popen(command, stdout=output, stderr=subprocess.STDOUT, text=True, errors="replace", cwd=cwd,
+                                       start_new_session=True)
+        except OSError as error:
+            raise Failure(f"{command[0]}: cannot be started: {error.strerror}") from error
+        Programs.running.add(running)
+    try:
+        yield running
+    finally:
+        if running.poll() is None:
+            end_group(running)
+            running.wait()
+        with Programs.guard:
+            Programs.running.discard(running)
+
+
+@contextlib.contextmanager
+def locked(path: Path) -> Iterator[None]:
+    """One at a time, of all commands of this machine."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with open(path, "w") as lock:
+        try:
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            say(f"waits for another command, which holds {path}")
+            fcntl.flock(lock, fcntl.LOCK_EX)
+        yield
 
 
 def complaint(command: Sequence[str], output: str, log: Path | None) -> Failure:
@@ -51,15 +116,13 @@ def complaint(command: Sequence[str], output: str, log: Path | None) -> Failure:
 
 def run(command: Sequence[str], log: Path | None = None, cwd: Path | None = None) -> str:
     """Runs a command and gives its output; a Failure names its log, or carries its last words."""
-    try:
-        done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, cwd=cwd)
-    except OSError as error:
-        raise Failure(f"{command[0]}: cannot be started: {error.strerror}") from error
+    with started(command, subprocess.PIPE, cwd) as running:
+        output, _ = running.communicate()
     if log:
-        log.write_text(done.stdout)
-    if done.returncode != 0:
-        raise complaint(command, done.stdout, log)
-    return done.stdout
+        log.write_text(output)
+    if running.returncode != 0:
+        raise complaint(command, output, log)
+    return output
 
 
 def first_line(command: Sequence[str]) -> str | None:
@@ -81,6 +144,8 @@ def read_text(path: Path) -> str:
         return path.read_text()
     except OSError as error:
         raise Failure(f"{path}: cannot be read: {error.strerror}") from error
+    except UnicodeDecodeError as error:
+        raise Failure(f"{path}: is no text, expected UTF-8") from error
 
 
 def read_json(path: Path) -> Any:

@@ -24,6 +24,12 @@ def around(path: Path, mark: str) -> tuple[str, str]:
     return head + start, end + rest.split(end, 1)[1]
 
 
+def between(path: Path, mark: str) -> str:
+    """What stands between the marks."""
+    head, tail = around(path, mark)
+    return read_text(path)[len(head):-len(tail)]
+
+
 def replace_between(path: Path, mark: str, text: str) -> None:
     """Puts text between <!-- mark --> and <!-- end of mark --> of a page."""
     head, tail = around(path, mark)

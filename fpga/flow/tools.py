@@ -3,7 +3,9 @@
 import os
 import re
 import shutil
+from collections.abc import Mapping
 from dataclasses import dataclass
+from pathlib import Path
 
 from flow.boards import Board
 from flow.shell import ROOT, Failure, first_line
@@ -36,6 +38,14 @@ def find_tools(board: Board) -> Tools:
         variables.append(f"{variable}={path}")
         versions[name] = version_said(name, path)
     return Tools(variables, versions)
+
+
+def require_same(kept: Mapping[str, str], tools: Tools, path: Path, all_again: str) -> None:
+    """Fails where rows that stay in a data file were made by other tools than these, for it names one version of each."""
+    for name, version in kept.items():
+        if tools.versions.get(name) != version:
+            raise Failure(f"{path}: its rows were made by {version}, but {name} is {tools.versions.get(name, 'not used')}; {all_again} makes all "
+                          "of them again")
 
 
 def yosys_version(said: str | None) -> str | None:

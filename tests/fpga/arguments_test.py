@@ -47,6 +47,38 @@ class Scripts(unittest.TestCase):
         self.refused("--units: there is no none, expected some of ", "fpga-plans", "small", "--units", "none")
         self.refused("there is no option --none, expected ", "fpga-tools", "--none")
 
+    def test_each_name_once(self) -> None:
+        self.refused("--units: cdf_sampler is named twice, expected each once$", "fpga", "--units", "cdf_sampler,cdf_sampler")
+        self.refused("--units: there is no , expected some of ", "fpga", "--units", "")
+        self.refused("scene cornell is named twice, expected each once$", "plan-boards", "cornell", "cornell")
+        self.refused("plan k8 is named twice, expected each once$", "fpga-fast", "k8", "k8")
+        self.refused("plan small is named twice, expected each once$", "fpga-plans", "small", "small")
+        self.refused("unit cdf_sampler is named twice, expected each once$", "area-check", "cdf_sampler", "cdf_sampler")
+
+    def test_what_would_do_nothing(self) -> None:
+        self.refused("--clock: is the board's, expected board among --units$", "fpga", "--units", "cdf_sampler", "--clock", "60")
+        self.refused("--readme: README.md has a table of ulx3s-85f, expected that board or --page$", "fpga", "--board", "arty-a7-100t", "--readme")
+        for option in ("--replay-only", "--images-only", "--render", "--check"):
+            self.refused(f"{option} is of the whole page, expected no plans$", "headline", "sdram_k8", option)
+        self.refused("not allowed with argument --render", "headline", "--render", "--check")
+        self.refused("--page is of what is measured, expected none of ", "headline", "--page", "--route-only")
+        self.refused("--check and --render are of the whole table, expected no scenes$", "plan-boards", "cornell", "--check")
+        self.refused("--check and --render are of the whole table, expected no plans$", "fpga-fast", "k8", "--render")
+        self.refused("--plans-only, --fit and --check are of all plans, expected none by name$", "fpga-plans", "small", "--check")
+
+    def test_what_would_fail_after_hours(self) -> None:
+        with tempfile.TemporaryDirectory() as folder:
+            own = Path(folder, "own.toml")
+            own.write_text((ROOT / "fpga/headline/block_ram_k8.toml").read_text())
+            self.refused("--page: .*own.toml is a plan of its own, ", "headline", str(own), "--page", "--dry-run")
+            own.write_text(own.read_text().replace("\nk = 8 ", "\nk = 7 "))
+            self.refused("own.toml: .*goals.toml: headline.times_core.block_ram.7 is missing, expected a goal", "headline", str(own), "--dry-run")
+
+    def test_files_that_are_none(self) -> None:
+        for script in ("headline", "plan-boards"):
+            self.refused("--results: README.md is a file, expected a folder$", script, "--results", "README.md")
+        self.refused("/true: is no text, expected UTF-8$", "fpga", "--page", "/bin/true")
+
     def test_units_of_the_sign_off(self) -> None:
         for script in ("signoff", "mutate-auto"):
             self.refused("none: no such unit, expected one of ", script, "none")

@@ -610,7 +610,7 @@ class Page(MadeUp):
                            "rows": [self.row(), self.row(11e6, plan="q"), self.row(plan="r", rejected="slower")]}
 
     def text(self, stale: set[str] | None = None) -> str:
-        page.write_page(self.data, headline_goals(), stale or set(), self.path)
+        page.write_page(page.page_texts(self.data, headline_goals(), stale or set()), self.path)
         return self.path.read_text()
 
     def check(self, **today: str) -> None:

@@ -11,26 +11,27 @@ ended goes on where it was. Writes report.json there; with --page fpga/headline.
 writes from it again and --check compares with it and with today's RTL. Exit status 1 where a row misses its multiple of one
 core or a clock, or where reordering gains too little."""
 import argparse
-import concurrent.futures
 import os
 from pathlib import Path
 
-from flow.arguments import LAST_SEED, positive, whole
+from flow.arguments import LAST_SEED, folder, positive, whole
 from flow.boards import read_board
 from flow.goals import HeadlineGoals, headline_goals
 from flow.headline.data import DATA, Data, ImageTime, Link, Replay, Row, merge, of_headline, read_data
 from flow.headline.images import time_images
 from flow.headline.netlist import SHORT, digest_now
-from flow.headline.page import check_page, images_of, report, stale_plans, summary, write_page
-from flow.headline.plans import HeadlinePlan, check_names, find_plan, find_plans
+from flow.headline.page import check_page, images_of, page_texts, report, stale_plans, summary, write_page
+from flow.headline.plans import FOLDER, HeadlinePlan, check_names, find_plan, find_plans, known_names
 from flow.headline.replay import replay
 from flow.headline.rows import coarse_of, gatherers_that_fit, rows_of
-from flow.headline.simulation import Bench, sha256, simulate, time_core
+from flow.headline.simulation import Bench, Simulated, sha256, simulate, time_core
 from flow.headline.tables import radius_of
 from flow.headline.tops import Routing, Top, prepare, route, route_seed
 from flow.headline.verdict import judge, judge_coarse, judge_gain
+from flow.jobs import each
 from flow.package import describe
-from flow.shell import ROOT, Failure, read_json, read_text, say, warn, write_json
+from flow.results import Entry
+from flow.shell import ROOT, Failure, field, read_json, read_text, read_toml, say, warn, write_json
 from flow.tools import find_tools, nextpnr_is_slow
 
 
@@ -54,20 +55,41 @@ def options() -> argparse.Namespace:
                    help="as of scripts/fpga (default: 6, but 8 with nextpnr 0.7, which did not end at 6)")
     p.add_argument("--placer", choices=("heap", "static"), help="as of scripts/fpga (default: static, but heap with nextpnr 0.7)")
     p.add_argument("--route-again", action="store_true", help="route even what is kept")
-    p.add_argument("--results", type=Path, default=ROOT / "build" / "headline",
+    p.add_argument("--results", type=folder, default=ROOT / "build" / "headline",
                    help="where results are kept (default: build/headline); such folders can be copied together")
-    p.add_argument("--route-only", action="store_true", help="route the seeds, and leave the rest to a later run")
-    p.add_argument("--replay-only", action="store_true", help="replay on the simulated board alone; with --page onto the page")
-    p.add_argument("--images-only", action="store_true", help="time whole images by golden alone; with --page onto the page")
+    only = p.add_mutually_exclusive_group()
+    only.add_argument("--route-only", action="store_true", help="route the seeds, and leave the rest to a later run")
+    only.add_argument("--replay-only", action="store_true", help="replay on the simulated board alone; with --page onto the page")
+    only.add_argument("--images-only", action="store_true", help="time whole images by golden alone; with --page onto the page")
     p.add_argument("--page", action="store_true", help="put the rows into fpga/headline.json and docs/headline.md too")
-    p.add_argument("--render", action="store_true", help="write docs/headline.md from fpga/headline.json, and into that what photonloom predicts of its plans today; nothing else")
+    only.add_argument("--render", action="store_true", help="write docs/headline.md from fpga/headline.json, and into that what photonloom predicts of its plans today; nothing else")
     p.add_argument("--dry-run", action="store_true", help="only tell whether the arguments are right; needs no tools")
-    p.add_argument("--check", action="store_true", help="tell whether docs/headline.md is that of fpga/headline.json and of today's RTL")
+    only.add_argument("--check", action="store_true", help="tell whether docs/headline.md is that of fpga/headline.json and of today's RTL")
     o = p.parse_args()
     if o.first_seed + o.seeds - 1 > LAST_SEED:
         p.error(f"--seeds: the last one is {o.first_seed + o.seeds - 1}, expected at most {LAST_SEED}")
     check_names(o.plans)
+    of_no_plan = {"--replay-only": o.replay_only, "--images-only": o.images_only, "--render": o.render, "--check": o.check}
+    if o.plans and (option := next((name for name, asked in of_no_plan.items() if asked), None)):
+        p.error(f"{option} is of the whole page, expected no plans")
+    if o.page and (o.route_only or o.render or o.check):
+        p.error("--page is of what is measured, expected none of --route-only, --render, --check")
+    for path in (Path(name) for name in o.plans if name not in known_names()):
+        check_own_plan(p, path, o.page)
     return o
+
+
+def check_own_plan(p: argparse.ArgumentParser, path: Path, page: bool) -> None:
+    """What would fail after hours of routing."""
+    if page and path.resolve().parent != FOLDER:
+        p.error(f"--page: {path} is a plan of its own, which --check would not find again, expected plans of fpga/headline or "
+                "fpga/headline.toml")
+    said, goals = read_toml(path), headline_goals()
+    memory, k = field(said, path, "board.photon_memory", str, "a memory"), field(said, path, "gather.k", int, "a count")
+    try:
+        goals.times_core(memory, k)
+    except Failure as failure:
+        p.error(f"{path}: {failure}")
 
 
 def routing_of(o: argparse.Namespace, goals: HeadlineGoals) -> Routing:
@@ -115,8 +137,7 @@ def route_only(tops: list[Top], routing: Routing, jobs: int) -> None:
                    if placed else "nextpnr's static placer does not end")
         say(f"{top.name}, seed {seed}: {reached}")
 
-    with concurrent.futures.ThreadPoolExecutor(jobs) as pool:
-        list(pool.map(one, [(top, seed) for seed in seeds for top in tops]))
+    each(jobs, one, [(top, seed) for seed in seeds for top in tops])
 
 
 def play(plan: HeadlinePlan, goals: HeadlineGoals, work: Path, clock: float | None) -> Replay:
@@ -148,8 +169,9 @@ def publish(rows: list[Row], played: Replay | None, images: list[ImageTime], lin
         whole: Data = {"board": goals.board, "rows": merge(before["rows"] if before else [], rows),
                        "replay": played or (before["replay"] if before else None),
                        "images": images or (before["images"] if before else []), "link": link}
+        texts = page_texts(whole, goals, stale_plans(whole, digests_today(whole, work)))  # if that fails, both stay
         write_json(DATA, whole)
-        write_page(whole, goals, stale_plans(whole, digests_today(whole, work)))
+        write_page(texts)
     return data
 
 
@@ -164,8 +186,9 @@ def main() -> int:
         today, predicted = digests_today(data, work), predicted_today(data, work)
         if o.render:
             data = predicted
+            texts = page_texts(data, goals, stale_plans(data, today))
             write_json(DATA, data)
-            write_page(data, goals, stale_plans(data, today))
+            write_page(texts)
         else:
             check_predictions(data, predicted)
         check_page(data, goals, today)
@@ -189,13 +212,16 @@ def main() -> int:
     if o.route_only:
         route_only(tops, routing, o.jobs)
         return 0
-    # A top that fails does not end the others: what they reach is kept.
     bench = Bench(work, goals.scene)
-    with concurrent.futures.ThreadPoolExecutor(o.jobs) as pool:
-        entries = list(pool.map(lambda top: route(top, routing), tops))
-        simulated = list(pool.map(lambda plan, entry: simulate(plan, entry, bench), plans, entries))
+
+    def engine(job: tuple[HeadlinePlan, Top]) -> tuple[Entry, Simulated]:
+        plan, top = job
+        entry = route(top, routing)
+        return entry, simulate(plan, entry, bench)
+
+    engines = each(o.jobs, engine, list(zip(plans, tops)))
     rows: list[Row] = []
-    for plan, top, entry, of_plan in zip(plans, tops, entries, simulated):  # one after the other: a core is timed on a quiet machine
+    for plan, top, (entry, of_plan) in zip(plans, tops, engines):  # one after the other: a core is timed on a quiet machine
         rows += rows_of(plan, top, entry, of_plan, time_core(plan, of_plan, bench), routing.tools.versions, processor(), routing.board,
                         coarse_of(plan, find_plan(plan.finer, work), goals.scene, of_plan.folder) if plan.finer else None)
     played = play(replayed, goals, work, o.clock) if goals.replay in [plan.name for plan in plans] else None

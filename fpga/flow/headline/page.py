@@ -2,7 +2,7 @@
 """What is written of the headline's rows: docs/headline.md between its marks, from fpga/headline.json and fpga/goals.toml."""
 import math
 import re
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from pathlib import Path
 
 from flow.goals import CoarseGoals, GainGoals, HeadlineGoals
@@ -13,7 +13,7 @@ from flow.headline.tables import (IMAGE_COLUMNS, Judged, bound_table, coarse_tab
                                   predecessors_table, radius_of, sdram_clock_unknown, size_table, top_table, unrecorded, variant_table)
 from flow.headline.verdict import judge, judge_gain, slower_than_golden
 from flow.shell import ROOT, Failure, read_text
-from flow.tables import markdown, replace_between
+from flow.tables import between, markdown, replace_between
 
 PAGE = ROOT / "docs" / "headline.md"
 STALE, STALE_PLAN = "Routed with earlier RTL: ", re.compile(r"`(\w+)`")
@@ -249,10 +249,14 @@ def images_of(data: Data, goals: HeadlineGoals) -> str:
     return "\n" + images_text(data["images"], judged, goals, data["link"]) + "\n"
 
 
-def write_page(data: Data, goals: HeadlineGoals, stale: Collection[str], page: Path = PAGE) -> None:
-    replace_between(page, "summary", summary(data, goals, stale) + "\n")
-    replace_between(page, "report", report(data, goals))
-    replace_between(page, "images", images_of(data, goals))
+def page_texts(data: Data, goals: HeadlineGoals, stale: Collection[str]) -> dict[str, str]:
+    """Mark of the page -> what stands there."""
+    return {"summary": summary(data, goals, stale) + "\n", "report": report(data, goals), "images": images_of(data, goals)}
+
+
+def write_page(texts: Mapping[str, str], page: Path = PAGE) -> None:
+    for mark, text in texts.items():
+        replace_between(page, mark, text)
 
 
 def said_stale(text: str) -> set[str]:
@@ -270,8 +274,7 @@ def check_page(data: Data, goals: HeadlineGoals, today: dict[str, str], page: Pa
             raise Failure(f"{page.name}: row {row['plan']} was routed with earlier RTL (netlist {row['digest'][:SHORT]}, today's "
                           f"is {today[row['plan']][:SHORT]}), and the first lines do not say so; make headline "
                           f"PLAN={row['plan']} HEADLINE_FLAGS=--page measures it again, scripts/headline --render marks it")
-    if f"{summary(data, goals, stale)}\n<!-- end of summary -->" not in text or any(
-            part not in text for part in (report(data, goals), images_of(data, goals))):
+    if any(between(page, mark) != expected for mark, expected in page_texts(data, goals, stale).items()):
         raise Failure(f"{page.name}: is not what fpga/headline.json and fpga/goals.toml give; scripts/headline --render "
                       "writes it")
 

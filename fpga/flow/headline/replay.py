@@ -3,7 +3,6 @@
 program over a pseudo-terminal."""
 import contextlib
 import json
-import subprocess
 import tempfile
 import time
 from collections.abc import Iterator
@@ -12,7 +11,7 @@ from pathlib import Path
 from flow.headline.data import Replay
 from flow.headline.plans import HeadlinePlan
 from flow.package import PHOTONLOOM
-from flow.shell import ROOT, Failure, complaint, field, read_text, read_toml, run, say
+from flow.shell import ROOT, Failure, complaint, field, read_text, read_toml, run, say, started
 
 BOARD_SIM = ROOT / "build" / "verilator_tb" / "board_sim"
 SPARE_PHOTONS = 16  # a path is stored to its end, so so many fewer are asked for than the map has room for
@@ -25,11 +24,9 @@ def simulated_board(plan: Path, work: Path, link: Path) -> Iterator[None]:
     """A board behind the pseudo-terminal `link` for as long as it is needed."""
     log, command = link.with_suffix(".log"), [str(BOARD_SIM), str(plan), "--link", str(link), "--work", str(work)]
     with open(log, "w") as out:
-        try:
-            running = subprocess.Popen(command, stdout=out, stderr=subprocess.STDOUT)
-        except OSError as error:
-            raise Failure(f"{BOARD_SIM}: cannot be started: {error.strerror}; make board-sim builds it") from error
-        try:
+        if not BOARD_SIM.is_file():
+            raise Failure(f"{BOARD_SIM}: is not there; make board-sim builds it")
+        with started(command, out) as running:
             for _ in range(10 * BUILT_WITHIN):
                 if link.exists():
                     break
@@ -39,9 +36,6 @@ def simulated_board(plan: Path, work: Path, link: Path) -> Iterator[None]:
             else:
                 raise Failure(f"{BOARD_SIM}: no board within {BUILT_WITHIN} seconds")
             yield
-        finally:
-            running.terminate()
-            running.wait()
 
 
 def replay(plan: HeadlinePlan, digest: str, scene: Path, work: Path) -> Replay:

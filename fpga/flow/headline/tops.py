@@ -4,13 +4,10 @@
 build/headline/tops/NAME-KEY has what belongs to one netlist and one set of tools: the package, top.json with what was
 synthesized, and a file of each seed. KEY is made of both, so that such folders of several checkouts can be copied together
 and a seed that is there is not routed again."""
-import contextlib
-import fcntl
 import hashlib
 import json
 import shutil
 import tempfile
-from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TypedDict
@@ -22,8 +19,8 @@ from flow.headline.netlist import netlist_digest
 from flow.headline.plans import HeadlinePlan
 from flow.package import generate
 from flow.results import Entry, add_placements
-from flow.routing import Placement, place, placements
-from flow.shell import Failure, read_json, say, write_json
+from flow.routing import Placement, forget, place, placements
+from flow.shell import Failure, locked, read_json, say, write_json
 from flow.synthesis import Binding, Counts, binding, synthesise
 from flow.tools import Tools
 
@@ -55,6 +52,11 @@ class Top:
     def package(self) -> Path:
         return self.folder / "package"
 
+    @property
+    def lock(self) -> Path:
+        """Several commands may route seeds of the same top; also by folders that were copied together."""
+        return self.folder / "lock"
+
 
 class Synthesized(TypedDict):
     """top.json."""
@@ -83,25 +85,16 @@ def prepare(plan: HeadlinePlan, work: Path, o: Routing) -> Top:
         link = link_of(package, 1000 * clock_mhz)
         top = Top(plan.name, digest, work / "tops" / f"{plan.name}-{top_key(digest, o.tools.versions)}", clock_mhz,
                   {"baud": link.baud, "down": link.down, "up": link.up}, link.rate)
-        with locked(top):
+        with locked(top.lock):
             if not top.package.is_dir():
                 shutil.copytree(package, top.package)
     return top
 
 
-@contextlib.contextmanager
-def locked(top: Top) -> Iterator[None]:
-    """One at a time: several commands may route seeds of the same top."""
-    top.folder.mkdir(exist_ok=True)
-    with open(top.folder / "lock", "w") as lock:
-        fcntl.flock(lock, fcntl.LOCK_EX)
-        yield
-
-
 def synthesized(top: Top, o: Routing) -> Synthesized:
     """What the top takes, synthesized unless that is kept."""
     kept = top.folder / "top.json"
-    with locked(top):
+    with locked(top.lock):
         if kept.is_file():
             found: Synthesized = read_json(kept)
             return found
@@ -118,20 +111,23 @@ def seed_file(top: Top, seed: int, placer: str, route_speed: int) -> Path:
 
 
 def route_seed(top: Top, seed: int, placer: str, o: Routing) -> Placement | None:
-    """One seed, routed unless it is kept. None where the static placer does not end."""
-    kept = seed_file(top, seed, placer, o.route_speed)
-    if kept.is_file() and not o.again:
-        said: Seed = read_json(kept)
-        return said["placed"]
-    full = synthesized(top, o)["binding"]
-    if full["used"] > full["of"]:  # nextpnr would look for places without end
-        raise Failure(f"{top.name}: its board needs {full['used']} {full['resource']}, the part has {full['of']}")
-    if not (top.package / "build" / f"{o.board.top()}.json").is_file():  # top.json came from another checkout
-        with locked(top):
-            synthesise(top.package, o.board, o.board.top(), o.board.top(), o.tools)
-    placed = place(top.package, o.board.top(), seed, o.tools, o.route_speed, placer)
-    write_json(kept, {"placed": placed})
-    return placed
+    """One seed, routed unless it is kept, or is being routed by another command. None where the static placer does not end."""
+    kept, netlist = seed_file(top, seed, placer, o.route_speed), o.board.top()
+    with locked(kept.with_suffix(".lock")):
+        if kept.is_file() and not o.again:
+            said: Seed = read_json(kept)
+            return said["placed"]
+        full = synthesized(top, o)["binding"]
+        if full["used"] > full["of"]:  # nextpnr would look for places without end
+            raise Failure(f"{top.name}: its board needs {full['used']} {full['resource']}, the part has {full['of']}")
+        if not (top.package / "build" / f"{netlist}.json").is_file():  # top.json came from another checkout
+            with locked(top.lock):
+                synthesise(top.package, o.board, netlist, netlist, o.tools)
+        if o.again:
+            forget(top.package, netlist, seed, placer, o.route_speed)
+        placed = place(top.package, netlist, seed, o.tools, o.route_speed, placer)
+        write_json(kept, {"placed": placed})
+        return placed
 
 
 def route(top: Top, o: Routing) -> Entry:

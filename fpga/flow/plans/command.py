@@ -5,17 +5,17 @@
 before is kept in build/fpga-plans. With --fit it only fits the committed measurements again, with --check it tells
 whether coefficients and page are those of the measurements, and plans those of fpga/plans.toml."""
 import argparse
-import concurrent.futures
 import os
 
-from flow.arguments import whole
+from flow.arguments import check_names, whole
+from flow.jobs import each
 from flow.package import UNITS
 from flow.plans.catalogue import Catalogue, check_plans, read_catalogue, write_plans
 from flow.plans.fit import Fits, fit
-from flow.plans.measurements import DATA, WORK, Measurements, jobs_of, measure, merge
+from flow.plans.measurements import DATA, WORK, Measurements, check_complete, jobs_of, measure, merge
 from flow.plans.pages import header, page
 from flow.shell import ROOT, Failure, read_json, read_text, say, write_json
-from flow.tables import replace_between
+from flow.tables import between, replace_between
 from flow.tools import find_tools
 
 HEADER = ROOT / "golden" / "planner" / "resource_fit.hpp"
@@ -38,12 +38,10 @@ def options(catalogue: Catalogue) -> argparse.Namespace:
         p.error(f"{'--units' if o.units else '--update'} goes with plans")
     if o.update and o.no_route and any(name in catalogue.scenes for name in o.plans):
         p.error("--update takes no Fmax from a scene's plan; leave out --no-route")
-    for name in o.plans:
-        if name not in catalogue.names():
-            p.error(f"there is no plan {name}, expected some of {', '.join(catalogue.names())}")
-    for unit in o.units.split(",") if o.units else []:
-        if unit not in UNITS:
-            p.error(f"--units: there is no {unit}, expected some of {', '.join(UNITS)}")
+    check_names(p, o.plans, catalogue.names(), "plan")
+    check_names(p, o.units.split(",") if o.units is not None else [], UNITS, option="--units")
+    if o.plans and (o.plans_only or o.fit or o.check):
+        p.error("--plans-only, --fit and --check are of all plans, expected none by name")
     return o
 
 
@@ -54,8 +52,7 @@ def measured_now(o: argparse.Namespace, catalogue: Catalogue) -> Measurements | 
     if not o.plans:
         write_plans(catalogue)
     jobs = [job for job in jobs_of(catalogue, o.plans) if not o.units or job["unit"] in o.units.split(",")]
-    with concurrent.futures.ThreadPoolExecutor(o.jobs) as pool:
-        measured = list(pool.map(lambda job: measure(job, catalogue, tools, not o.no_route), jobs))
+    measured = each(o.jobs, lambda job: measure(job, catalogue, tools, not o.no_route), jobs)
     if o.plans and not o.update:
         return None
     data: Measurements = {"board": catalogue.board.name, "versions": tools.versions, "measurements": measured}
@@ -68,9 +65,10 @@ def measured_now(o: argparse.Namespace, catalogue: Catalogue) -> Measurements | 
 
 def check(catalogue: Catalogue, data: Measurements, fitted: Fits) -> None:
     """Fails where what is committed is not what the measurements give, or a plan not what the catalogue does."""
-    if read_text(HEADER) != header(fitted) or page(catalogue, data, fitted) not in read_text(PAGE):
+    if read_text(HEADER) != header(fitted) or between(PAGE, "tables") != page(catalogue, data, fitted):
         raise Failure("golden/planner/resource_fit.hpp or docs/fpga-plans.md is not what fpga/plans.json gives; "
                       "scripts/fpga-plans --fit writes them")
+    check_complete(catalogue, data)
     check_plans(catalogue)
     say("coefficients and page are those of fpga/plans.json, plans those of fpga/plans.toml")
 

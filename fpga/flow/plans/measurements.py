@@ -1,12 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """Counts and clocks of the units of the plans: fpga/plans.json, and what was measured before in build/fpga-plans."""
 from collections.abc import Sequence
+from pathlib import Path
 from typing import TypedDict
 
-from flow.package import digest, generate
+from flow.package import digest, generate, lock_of
 from flow.plans.catalogue import Catalogue, facts_of, plan_file
 from flow.routing import place
-from flow.shell import ROOT, Failure, read_json, say, write_json
+from flow.shell import ROOT, Failure, beside, locked, read_json, say, write_json
 from flow.synthesis import Counts, synthesise
 from flow.tools import Tools
 
@@ -47,11 +48,27 @@ def jobs_of(catalogue: Catalogue, names: Sequence[str]) -> list[Job]:
     return [job for job in jobs if not names or job["plan"] in names]
 
 
+def check_complete(catalogue: Catalogue, data: Measurements, path: Path = DATA) -> None:
+    """Fails where the measurements are not those of the catalogue's plans."""
+    expected = {(job["plan"], job["unit"]) for job in jobs_of(catalogue, [])}
+    measured = {(m["plan"], m["unit"]) for m in data["measurements"]}
+    for plan, unit in sorted(expected - measured):
+        raise Failure(f"{path}: has no {unit} of {plan}, which fpga/plans.toml asks for; scripts/fpga-plans {plan} --update measures it")
+    for plan, unit in sorted(measured - expected):
+        raise Failure(f"{path}: has {unit} of {plan}, which fpga/plans.toml does not ask for, expected no such measurement")
+
+
 def measure(job: Job, catalogue: Catalogue, tools: Tools, route: bool) -> Measurement:
     """Counts and, where routed, Fmax of one unit of one plan; from build/fpga-plans where the sources are the same."""
+    folder = WORK / f"{job['plan']}-{job['unit']}"
+    with locked(lock_of(folder)):
+        return measure_in(folder, job, catalogue, tools, route)
+
+
+def measure_in(folder: Path, job: Job, catalogue: Catalogue, tools: Tools, route: bool) -> Measurement:
     name, unit, board = job["plan"], job["unit"], catalogue.board
-    folder, kept = WORK / f"{name}-{unit}", WORK / f"{name}-{unit}.json"
-    package = generate(plan_file(name), folder, board, unit)
+    kept = beside(folder, ".json")
+    package = generate(plan_file(name), folder, board, unit, versions=tools.versions)
     key = digest(folder, tools.versions)
     found = read_json(kept) if kept.is_file() else {}
     if found.get("key") != key:
