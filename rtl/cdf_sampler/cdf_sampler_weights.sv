@@ -279,7 +279,10 @@ module cdf_sampler_weights #(
 
   // The shift: bits of an upper bound of the table's exact total less those of a weight, at least 0. Leading zeros of the
   // totals: the highest bit is isolated, its number found, the numbers are added, a cycle each.
-  logic [WidthBits-1:0] power_zeros_q, cosine_zeros_q, share_zeros_q, narrow_q, bound;
+  // What is compared with constants alone Yosys 0.52 takes for the state of a machine, whose transitions it then looks for without end.
+  (* fsm_encoding = "none" *)
+  logic [WidthBits-1:0] power_zeros_q, cosine_zeros_q, share_zeros_q;
+  logic [WidthBits-1:0] narrow_q, bound;
   logic [SpreadBits-1:0] power_reversed, power_highest_q;
   logic [CosineBits-1:0] cosine_reversed, cosine_highest_q;
   logic [ShareBits-1:0] share, share_reversed, share_highest_q;
