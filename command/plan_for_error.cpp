@@ -83,17 +83,24 @@ std::string row(const PlanSearch& search, const std::string& name, const Measure
   const std::string cost_then = predicted > 0 ? fmt::format("{:.1f}", predicted) : "-";
   const std::string error_then =
       m.predicted_error > 0 ? fmt::format("{:.5f}", m.predicted_error) : "-";
+  // A frame may ask for no gathers.
+  const bool gathers = std::isfinite(m.cost.cycles);
+  const std::string cycles = gathers ? fmt::format("{:.1f}", m.cost.cycles) : "-";
+  const std::string bytes = gathers ? fmt::format("{:.0f}", m.cost.bytes) : "-";
+  const std::string beyond =
+      m.bound_beyond_limit ? fmt::format("{:.5f}", *m.bound_beyond_limit) : "-";
   return fmt::format(
-      "  {:<10} {:>8.5f} ±{:>8.5f} {:>8.5f} {:>9} {:>7.4f} {:>7.1f} {:>7.0f} {:>7.0f} "
+      "  {:<10} {:>8.5f} ±{:>8.5f} {:>8.5f} {:>10} {:>9} {:>7.4f} {:>7} {:>7} {:>7.0f} "
       "{:>7.0f} {:>9}  {}\n",
-      name, m.error.mean, m.error.error(), m.run_bound, error_then, m.flip, m.cost.cycles,
-      m.cost.bytes, m.cost.gatherer_lut, m.cost.lut, cost_then, lines_text(m.lines));
+      name, m.error.mean, m.error.error(), m.error.bound(), beyond, error_then, m.flip, cycles,
+      bytes, m.cost.gatherer_lut, m.cost.lut, cost_then, lines_text(m.lines));
 }
 
 std::string header() {
-  return fmt::format("  {:<10} {:>8} {:>9} {:>8} {:>9} {:>7} {:>7} {:>7} {:>7} {:>7} {:>9}  {}\n",
-                     "plan", "error", "", "a run <", "predicted", "FLIP", "cycles", "bytes",
-                     "LUT-eq", "all LUT", "predicted", "lines");
+  return fmt::format(
+      "  {:<10} {:>8} {:>9} {:>8} {:>10} {:>9} {:>7} {:>7} {:>7} {:>7} {:>7} {:>9}  {}\n", "plan",
+      "error", "", "a run <", "beyond E <", "predicted", "FLIP", "cycles", "bytes", "LUT-eq",
+      "all LUT", "predicted", "lines");
 }
 
 Json measured_json(const MeasuredPlan& m) {
@@ -104,7 +111,8 @@ Json measured_json(const MeasuredPlan& m) {
   j["standard_error"] = m.error.error();
   j["from_seeds"] = m.error.seed_error;
   j["from_pixels"] = m.error.pixel_error;
-  j["bound_of_a_run"] = m.run_bound;
+  j["bound_of_a_run"] = m.error.bound();
+  if (m.bound_beyond_limit) j["bound_beyond_limit"] = *m.bound_beyond_limit;
   j["seeds"] = m.error.seeds;
   j["predicted_error"] = m.predicted_error > 0 ? Json(m.predicted_error) : Json();
   j["relmse"] = m.relmse;
@@ -122,9 +130,9 @@ std::string why_it_lost(const PlanSearch& search, const MeasuredPlan& m, const M
   const double more = search.objective(m.cost) / search.objective(best.cost) - 1;
   if (m.error.mean > limit)
     return fmt::format("its error is {:.1f} % above the limit", 100 * (m.error.mean / limit - 1));
-  if (more < 0 && m.run_bound > limit)
-    return fmt::format("{:.1f} % cheaper, but a run of it may have {:.5f}, above the limit",
-                       -100 * more, m.run_bound);
+  if (more < 0 && *m.bound_beyond_limit > 0)
+    return fmt::format("{:.1f} % cheaper, but a run of it may be {:.5f} above the limit",
+                       -100 * more, *m.bound_beyond_limit);
   if (more < 0)
     return fmt::format("{:.1f} % cheaper, too little to measure it with all seeds", -100 * more);
   return fmt::format("costs {:.1f} % more", 100 * more);
@@ -333,14 +341,18 @@ void PlanForError::run(const FrameRequest& request, const std::string& output, b
         text,
         "  measured: {}, seeds {} to {}, two references of {} samples a pixel; ± is a "
         "standard error; 'a run <' is what a run with another seed exceeds in one case of "
-        "twenty\n"
+        "twenty, 'beyond E <' the same of what it has more than {}\n"
         "  predicted before they were measured, of {} plans: the error of {}, the {} of {}; errors "
         "of the model, each plan from the others, {:.1f} % (root mean square), of {} {:.1f} %\n",
         columns == width && rows == height
             ? "all pixels"
             : fmt::format("one pixel of each of {}x{} parts of the frame", columns, rows),
-        r.seed, r.seed + static_cast<uint64_t>(seeds_) - 1, reference_spp_, found.points.size(),
-        predicted([](const MeasuredPlan& m) { return m.predicted_error; }), minimise_,
+        r.seed, r.seed + static_cast<uint64_t>(seeds_) - 1, reference_spp_,
+        asked->is_factor
+            ? fmt::format("{:g} times the default plan's in the same run", asked->error)
+            : "E",
+        found.points.size(), predicted([](const MeasuredPlan& m) { return m.predicted_error; }),
+        minimise_,
         predicted([&](const MeasuredPlan& m) { return search.objective(m.predicted_cost); }),
         100 * found.error_prediction, minimise_, 100 * found.cost_prediction);
     j["limit"] = limit;

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "golden/planner/resources.hpp"
+#include "rtl/generate/board.hpp"
 
 namespace photonloom {
 namespace {
@@ -97,6 +98,8 @@ std::string misfit(const BoardNeeds& needs, const BoardDescription& board,
 }
 
 std::string misfit(const Plan& plan, const BoardDescription& board, const BoardShare& share) {
+  if (const auto problem = board_problem(plan, board))
+    return fmt::format("has {}, which {}", problem->line, problem->what);
   return misfit(other_needs(plan) + plan.gatherers * gatherer_needs(plan), board, share);
 }
 

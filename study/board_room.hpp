@@ -36,7 +36,7 @@ BoardNeeds other_needs(const Plan& plan);
 
 // Why these do not fit in this share of the board and in all of its multipliers; empty: they do.
 std::string misfit(const BoardNeeds& needs, const BoardDescription& board, const BoardShare& share);
-// The same of a plan's.
+// The same of a plan's, or which of its lines no top of the board can have.
 std::string misfit(const Plan& plan, const BoardDescription& board, const BoardShare& share);
 
 }  // namespace photonloom

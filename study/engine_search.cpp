@@ -29,6 +29,9 @@ constexpr size_t kQueries = 131072;
 constexpr size_t kCounted = 1024;
 // As fast within this part is as fast.
 constexpr double kAsFast = 0.01;
+// Figures that differ by so little differ by the roundings of their sums: such engines are equals.
+// No check is held to this; it decides ties alone.
+constexpr double kRounding = 1e-9;
 // From a request to a line's first beat where nobody else asks: of rtl/board/photon_ram.sv, and of
 // the cache of rtl/board/photon_sdram.sv.
 constexpr int kBlockRamLatency = 5, kSharedCacheLatency = 9;
@@ -373,15 +376,6 @@ std::vector<GatherQuery> engine_queries(const PreparedFrame& frame, Progress* pr
 }
 
 std::string engine_misfit(const Plan& plan, const BoardDescription& board) {
-  const char* const top = plan.photon_memory == PhotonMemory::kSdram ? "sdram" : "block_ram";
-  if (!board.tops.count(top))
-    return fmt::format("has its photons in {}, and {} has no top for that", top, board.name);
-  if (plan.photon_memory == PhotonMemory::kSdram && board.sdram &&
-      plan.sdram_khz > board.sdram->clock_khz)
-    return fmt::format("has an SDRAM at {} kHz, and that of {} runs at {}", plan.sdram_khz,
-                       board.name, board.sdram->clock_khz);
-  if (const auto problem = board_problem(plan))
-    return fmt::format("has {}, which {}", problem->line, problem->what);
   const std::string why = misfit(plan, board, kEngineShare);
   if (!why.empty()) return why;
   const std::string wires = too_many_wires(plan);
@@ -533,15 +527,24 @@ EngineSearch fastest_engine(const Plan& given, const PhotonMap& global, const Ph
             : fmt::format("--board: no engine fits {}: the smallest {}", board.name, why_smallest));
 
   // ---- the fastest, and of those as fast the smallest ----
-  std::stable_sort(fitting.begin(), fitting.end(), [](const Candidate& a, const Candidate& b) {
-    return a.cycles.cycles < b.cycles.cycles;
+  std::vector<const Candidate*> left;
+  for (const Candidate& c : fitting) left.push_back(&c);
+  const auto keep_least = [&](double part, const auto& figure) {
+    double least = std::numeric_limits<double>::infinity();
+    for (const Candidate* c : left) least = std::min(least, figure(*c));
+    std::erase_if(left, [&](const Candidate* c) { return figure(*c) > least * (1 + part); });
+  };
+  const auto cycles = [](const Candidate& c) { return c.cycles.cycles; };
+  keep_least(kAsFast, cycles);
+  keep_least(kRounding, [](const Candidate& c) { return c.needs.lut; });
+  keep_least(kRounding, cycles);
+  // Of equals one that leaves the SDRAM, whose controller no prediction counts, and block RAM
+  // alone.
+  keep_least(0, [&](const Candidate& c) {
+    return streams[c.stream].memory == PhotonMemory::kSdram ? 1.0 : 0.0;
   });
-  const double limit = fitting.front().cycles.cycles * (1 + kAsFast);
-  const Candidate* best = &fitting.front();
-  for (const Candidate& c : fitting) {
-    if (c.cycles.cycles > limit) break;
-    if (c.needs.lut < best->needs.lut) best = &c;
-  }
+  keep_least(0, [](const Candidate& c) { return c.needs.blocks; });
+  const Candidate* best = left.front();
   EngineSearch found;
   found.fitting = fitting.size();
   found.best = {with(plan, streams[best->stream], best->widths), best->cycles};

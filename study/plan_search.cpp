@@ -87,6 +87,19 @@ std::vector<ChosenLine> chosen_lines(uint64_t photons, uint64_t caustic_photons)
 // What the frame's size is asked for with.
 constexpr const char* kSizeOption = "--size";
 
+// Whether 0 is the least that a number of the plan may be: of most such lines it means none.
+bool begins_at_zero(const std::string& name) {
+  bool does = false;
+  const Plan plan;
+  Plan::visit(plan, [&](const char* section, const char* key, const auto& value, auto smallest,
+                        auto, const char*) {
+    using Value = std::decay_t<decltype(value)>;
+    if constexpr (std::is_arithmetic_v<Value> && !std::is_same_v<Value, bool>)
+      does |= smallest == 0 && name == fmt::format("{}.{}", section, key);
+  });
+  return does;
+}
+
 // Values of a line that the planner does not choose: half, the same and double of what it is, or
 // all its words. Throws std::runtime_error where the line has none.
 std::vector<std::string> other_values(const std::string& name, const Plan& plan) {
@@ -119,6 +132,7 @@ std::vector<std::string> other_values(const std::string& name, const Plan& plan)
     const std::string text = fmt::format("{}", whole ? std::floor(x) : x);
     if (std::find(values.begin(), values.end(), text) == values.end()) values.push_back(text);
   }
+  if (*now == 0) values.insert(values.begin(), "0");
   return values;
 }
 
@@ -221,6 +235,8 @@ class PlanSearch::Work {
   }
 
   PlanSearchResult meet(const ErrorLimit& limit) {
+    // Where no plan fits the board nothing needs to be measured to tell.
+    if (!fitting(standard_choice())) smallest_fitting();
     factor_ = limit.is_factor ? limit.error : 0;
     limit_ = limit.is_factor ? limit.error * standard().error.mean : limit.error;
     learn();
@@ -246,8 +262,8 @@ class PlanSearch::Work {
       break;
     }
     confirm(0);
-    for (Point& p : points_) p.measured.run_bound = run_bound(p.measured.error);
-    if (result.best) result.best->run_bound = run_bound(result.best->error);
+    for (Point& p : points_) p.measured.bound_beyond_limit = bound_beyond_limit(p.measured.error);
+    if (result.best) result.best->bound_beyond_limit = bound_beyond_limit(result.best->error);
     result.standard = points_[0].measured;
     for (const Point& p : points_) result.points.push_back(p.measured);
     std::stable_sort(result.points.begin(), result.points.end(),
@@ -272,10 +288,14 @@ class PlanSearch::Work {
     for (const std::string& value : curve_values(name, around)) {
       CurvePoint point{value, {}, {}};
       try {
-        point.measured = measured(joined_lines(around, {{name, value}}), kSearchSeeds);
+        const LineValues lines = joined_lines(around, {{name, value}});
+        point.refused = board_misfit(plan_of_point(*scene_, study_, lines).plan);
+        if (point.refused.empty()) point.measured = measured(lines, kSearchSeeds);
       } catch (const PlanError& error) {
         point.refused = error.what();
       }
+      if (point.measured && limit_ > 0)
+        point.measured->bound_beyond_limit = bound_beyond_limit(point.measured->error);
       curve.push_back(std::move(point));
     }
     return curve;
@@ -343,7 +363,7 @@ class PlanSearch::Work {
     LineValues lines;
     Plan plan;
     std::vector<double> terms;
-    std::string misfit;  // why the board has no room for it
+    std::string misfit;  // board_misfit()
     PlanCost cost;
   };
 
@@ -416,6 +436,11 @@ class PlanSearch::Work {
     return plan;
   }
 
+  // Why the board, where there is one, cannot have the plan or has no room for it; empty: it fits.
+  std::string board_misfit(const Plan& plan) const {
+    return board_ ? misfit(framed(plan), *board_, kBoardShare) : "";
+  }
+
   Choice standard_choice() const {
     Choice choice;
     for (const ChosenLine& line : lines_) choice.push_back(line.standard);
@@ -440,7 +465,7 @@ class PlanSearch::Work {
       Plan plan = plan_of_point(*scene_, study_, lines).plan;
       if (!base_) base_ = plan;
       std::vector<double> terms = error_terms(plan, *base_);
-      std::string why = board_ ? misfit(framed(plan), *board_, kBoardShare) : "";
+      std::string why = board_misfit(plan);
       made = Candidate{lines, std::move(plan), std::move(terms), std::move(why), {}};
     } catch (const PlanError&) {
       return nullptr;
@@ -472,15 +497,13 @@ class PlanSearch::Work {
   // Causes add up in squared errors: FLIP goes with the root of them.
   double power() const { return request_.flip ? 2 : 1; }
 
-  bool holds(const MeasuredError& e) const {
-    return factor_ > 0 ? e.bound_beyond(factor_, points_[0].measured.error) <= 0
-                       : e.bound() <= limit_;
+  double bound_beyond_limit(const MeasuredError& e) const {
+    return factor_ > 0 ? e.bound_beyond(factor_, points_[0].measured.error) : e.bound() - limit_;
   }
-  // What another run may have, to be held against limit_.
-  double run_bound(const MeasuredError& e) const {
-    return factor_ > 0 ? limit_ + e.bound_beyond(factor_, points_[0].measured.error) : e.bound();
+  bool holds(const MeasuredError& e) const { return bound_beyond_limit(e) <= 0; }
+  double margin_of(const MeasuredError& e) const {
+    return (limit_ + bound_beyond_limit(e)) / e.mean;
   }
-  double margin_of(const MeasuredError& e) const { return run_bound(e) / e.mean; }
 
   // The largest measured mean with which another run of the whole frame would probably still be
   // within the limit.
@@ -572,7 +595,6 @@ class PlanSearch::Work {
     m.error.pixel_error =
         m.error.halves.empty() ? mean_of(results, "lot", metric) : root_of_squares(m.error.halves);
     m.error.seeds = static_cast<int>(seeds);
-    m.run_bound = m.error.bound();
     m.cost.cycles = mean_of(results, "gather", "cycles");
     m.cost.bytes = mean_of(results, "gather", "bytes");
     predict_luts(framed(m.plan), m.cost);
@@ -819,9 +841,11 @@ class PlanSearch::Work {
     const MeasuredPlan& best = least->measured;
     std::string text = fmt::format(
         "no plan of {} is known to stay within {:g}: the best found has {:.5f} ± {:.5f}, and "
-        "another "
-        "run of it may have {:.5f} ({})",
-        scene_->name(), limit_, best.error.mean, best.error.error(), run_bound(best.error),
+        "another run of it may have {:.5f}{} ({})",
+        scene_->name(), limit_, best.error.mean, best.error.error(), best.error.bound(),
+        factor_ > 0 ? fmt::format(", {:.5f} beyond {:g} times the default plan's",
+                                  bound_beyond_limit(best.error), factor_)
+                    : "",
         lines_text(best.lines));
     // What more of each cause's cure would give, measured.
     const Plan& plan = best.plan;
@@ -858,6 +882,14 @@ class PlanSearch::Work {
   }
 
   std::vector<std::string> curve_values(const std::string& name, const LineValues& around) const {
+    std::vector<std::string> values = numbers_or_words(name, around);
+    if (begins_at_zero(name) && std::find(values.begin(), values.end(), "0") == values.end())
+      values.insert(values.begin(), "0");
+    return values;
+  }
+
+  std::vector<std::string> numbers_or_words(const std::string& name,
+                                            const LineValues& around) const {
     for (const ChosenLine& line :
          chosen_lines(photons_asked("photons"), photons_asked("caustic_photons")))
       if (line.name == name) {

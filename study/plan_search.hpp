@@ -74,7 +74,9 @@ struct MeasuredPlan {
   LineValues lines;  // beyond what was asked
   Plan plan;         // of the measured pixels
   MeasuredError error;
-  double run_bound = 0;         // what another run may have, to be held against the limit
+  // What another run may have beyond the limit, and beyond a factor of the default plan's error in
+  // that run; below 0 where it stays within. Nothing where there is no limit.
+  std::optional<double> bound_beyond_limit;
   double relmse = 0, flip = 0;  // means; one of them is that of `error`
   PlanCost cost;                // measured, where a model gives the cycles from counted searches
   PlanCost predicted_cost;      // before it was rendered

@@ -108,6 +108,18 @@ TEST_CASE(
   }
 }
 
+TEST_CASE("a map of few photons takes no SDRAM where that is no faster") {
+  const BoardDescription board = predicted_board("ulx3s-85f");
+  for (const uint64_t queries : {1000, 1025, 1100}) {
+    Load load = make_load(5, 50, queries);
+    load.plan.exponent_bits = 2;
+    const EngineSearch found = fastest_engine(load.plan, load.map, {}, load.queries, board);
+    const Plan& best = found.best.plan;
+    CAPTURE(queries, found.best.cycles.cycles, best.cache_bytes);
+    CHECK(best.photon_memory == PhotonMemory::kBlockRam);
+  }
+}
+
 TEST_CASE("which part of a frame comes first does not decide what an engine is predicted to read") {
   Load load = make_load(16384, 16, 40000);
   load.plan.reorder_key = ReorderKey::kNone;
