@@ -212,6 +212,11 @@ LineMemory::LineMemory(Model& model, const Plan& plan, const RunOptions& options
       // The port has a bit more with parity, and whole words.
       beat_bytes_(static_cast<size_t>(plan.beat_bits) / 8),
       bank_free_(static_cast<size_t>(std::max(1, options.banks)), 0) {
+  if (rsp_data_.bytes < beat_bytes_ || rsp_data_.bytes >= beat_bytes_ + sizeof(uint64_t))
+    throw RigError(unit,
+                   fmt::format(": its line port has {} bytes, expected the {} of the plan's beats",
+                               rsp_data_.bytes, beat_bytes_),
+                   0);
   *req_ready_.data = 0;
   *rsp_valid_.data = 0;
 }

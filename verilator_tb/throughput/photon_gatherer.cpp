@@ -57,8 +57,9 @@ GatherRun measure(const Plan& plan, const PhotonMap& map, const std::vector<Gath
   options.work_dir = o.load.work;
   options.latency = ideal ? 1 : 60;
   options.watch_queues = true;
-  if (ideal) options.parameters = {fmt::format("LineBeatBits={}", 8 * plan.line_bytes())};
-  const auto rtl = make_rtl_photon_gatherer(plan, options);
+  Plan served = plan;
+  if (ideal) served.beat_bits = 8 * plan.line_bytes();
+  const auto rtl = make_rtl_photon_gatherer(served, options);
   return run_gathers(*rtl, plan, map, queries, queries, queries.size());
 }
 
