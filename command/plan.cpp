@@ -30,17 +30,17 @@ struct PlanOptions {
   bool json = false;
 };
 
-// Memory that the plan asks for, by place; exact, from the widths of the plan.
+// Memory that the plan asks for, in bits: the maps' lines, which a board keeps, and
+// unit_memory_bits.
 std::vector<std::pair<std::string, uint64_t>> memory_bits(const Plan& plan) {
   const auto n = [](int x) { return static_cast<uint64_t>(x); };
   std::vector<std::pair<std::string, uint64_t>> rows;
   for (const bool is_caustic : {false, true}) {
     const MapPlan& m = plan.map(is_caustic);
     if (!m.present) continue;
-    const std::string name = is_caustic ? "caustic map" : "global map";
-    rows.emplace_back(name + ", leaf lines (external)",
-                      plan.memory_lines(m) * n(plan.line_bytes()) * 8);
-    rows.emplace_back(name + ", inner nodes", (plan.lines(m) - 1) * n(2 + plan.position_bits));
+    rows.emplace_back(
+        fmt::format("{} map, leaf lines (external)", is_caustic ? "caustic" : "global"),
+        plan.memory_lines(m) * n(plan.line_bytes()) * 8);
   }
   for_each_unit([&](auto unit) {
     const UnitInfo& info = unit_info<typename decltype(unit)::type>;
@@ -88,6 +88,7 @@ void describe(const Plan& plan, const std::string& file, const PlanOptions& o,
     fmt::print("{}\n", j.dump(2));
     return;
   }
+  fmt::print("  memory, words times bits; of units in block RAM or LUTs\n");
   for (const auto& [name, bits] : rows)
     fmt::print("  {:<52} {:>12.1f} KiB\n", name, static_cast<double>(bits) / 8192);
   fmt::print("  {:<40} {:>10} {:>8} {:>5} {:>7}\n", "predicted on an LFE5U", "LUT-eq", "FF", "DSP",

@@ -71,9 +71,20 @@ class Memories {
  public:
   explicit Memories(const Plan& plan) : lut_words_(static_cast<uint64_t>(plan.lut_ram_words)) {}
 
+  // What is added next is part of.
+  void place(const char* name) { bits.emplace_back(name, 0); }
   // An instance of block_ram_two_reads.
-  void add_two_reads(int width, uint64_t depth) { blocks += fewest(kTwoReads, width, depth); }
+  void add_two_reads(int width, uint64_t depth) {
+    count(width, depth);
+    blocks += fewest(kTwoReads, width, depth);
+  }
+  // Words or bits that the coefficients hold, and no term.
+  void count(int width, uint64_t depth, int instances = 1) {
+    if (bits.empty()) return;
+    bits.back().second += static_cast<uint64_t>(width) * static_cast<uint64_t>(instances) * depth;
+  }
   void add(int width, uint64_t depth, int instances = 1) {
+    count(width, depth, instances);
     if (depth > lut_words_) {
       blocks += instances * block_rams(width, depth);
       return;
@@ -94,6 +105,7 @@ class Memories {
   }
 
   int blocks = 0, cells = 0, choices = 0, registers = 0;
+  MemoryBits bits;  // of all instances, words times bits, by place
 
  private:
   uint64_t lut_words_;
@@ -146,8 +158,10 @@ Memories gatherer_memories(const Plan& p, bool own_nodes = true) {
   const uint64_t lines = sets * power_of_two(p.cache_ways);
   const auto parts = static_cast<uint64_t>(p.bucket / p.lanes);  // a line is read in as many cycles
   if (p.cache_bytes != 0) {
+    m.place("leaf cache, lines");
     add_cached_lines(m, p, p.record_bits(), lines, parts, p.beat_bits);
     if (p.compressed()) m.add(p.bucket * p.slot_header_bits() + parity_bits(p), lines);
+    m.place("leaf cache, tags");
     m.add(p.line_address_bits() + 2 + parity_bits(p), sets, p.cache_ways);
   }
 
@@ -158,6 +172,7 @@ Memories gatherer_memories(const Plan& p, bool own_nodes = true) {
     return p.node_levels() == 1 ? lines : lines > 1 ? uint64_t{1} << (clog2(lines) - 1) : 0;
   };
   const uint64_t nodes = std::max<uint64_t>(2, words(p.global) + words(p.caustic));
+  m.place("inner nodes");
   if (own_nodes)
     for (int word = 0; word < (p.node_levels() > 1 ? 3 : 1); word++)
       add_nodes(m, node_bits(p), nodes, p.trees());
@@ -169,12 +184,15 @@ Memories gatherer_memories(const Plan& p, bool own_nodes = true) {
   const uint64_t contexts = contexts_of(1);
   const uint64_t places = contexts_of(p.candidates_per_cycle) * power_of_two(std::max(2, p.k));
   const int lists = p.candidates_per_cycle;
+  m.place("candidate lists");
   m.add(load_bits(p) + p.r2_bits() + p.index_bits(), places, lists);
   m.add(p.r2_bits() + (p.list_code_bits() == 0 ? 0 : p.index_bits()), places, lists);
+  m.place("stacks of subtrees");
   m.add(2 + p.line_bits() + 3 * (p.position_bits + 1) + p.r2_bits() +
             clog2(static_cast<uint64_t>(p.epsilon_factor)),
         contexts_of(p.trees()) * power_of_two(p.line_bits() + 1) / 2, 2 * p.trees());
   const uint64_t rows = uint64_t{1} << clog2(std::max<uint64_t>(16, 2 * parts) + 16);
+  m.place("beats of candidates");
   m.add(p.lanes * load_bits(p), rows, lists);
   m.add(2 * p.lanes * p.direction_bits, rows, lists);
   // Of several trees and lists, squared distances too (photon_gatherer_beat_queue).
@@ -191,6 +209,7 @@ Memories gatherer_memories(const Plan& p, bool own_nodes = true) {
   const uint64_t slots = std::min(8 * contexts, std::max(most, 2 * contexts));
   const int body = p.count_bits() + p.r2_bits() + p.channels * p.flux_bits() +
                    2 * (p.line_bits() + 1) + p.index_bits() + 3;
+  m.place("results");
   m.add(p.pixel_bits() + p.sample_bits() + p.tag_bits() + 1, slots);
   // Of several trees and lists with one sum, whether it is a flush; of others that is LUT RAM.
   if (p.trees() > 1 && lists > 1 && p.powers_per_cycle == 1 &&
@@ -202,7 +221,11 @@ Memories gatherer_memories(const Plan& p, bool own_nodes = true) {
     m.add((body + 1) / 2, 2 * slots);
   else
     m.add(body + (p.reciprocal_bits == 0 ? 1 : 0), slots);
-  if (p.reciprocal_bits != 0) m.add(1 + p.reciprocal_bits + p.reciprocal_exponent_bits(), slots);
+  if (p.reciprocal_bits != 0) {
+    m.add(1 + p.reciprocal_bits + p.reciprocal_exponent_bits(), slots);
+    // The lap of the slots that it is of: a bit that the coefficients were fitted without.
+    m.count(1, slots);
+  }
   return m;
 }
 
@@ -259,15 +282,21 @@ Memories reorder_memories(const Plan& p) {
       m.add(width, main);
     else
       add_slices(m, width, main);
-    if (rest > 64) m.add(width, rest);
+    if (rest > 64)
+      m.add(width, rest);
+    else
+      m.count(width, rest);
   };
   const uint64_t nodes = packets + 16;
   const int node = clog2(nodes);
+  m.place("pool");
   pool(PacketLayout::of<GatherQuery>(p).bits(), nodes);
   // Links and free list; tails, firsts, and heads, which have a bit more; how often a bin was
   // filled and emptied, each read at two places; and the sweep reads the number of a bin at three.
+  m.place("links and free list");
   pool(node, nodes);
   pool(node, nodes);
+  m.place("bins");
   m.add(node, 4 * bins, 2);
   m.add(node + 1, 4 * bins);
   m.add(std::max(3, clog2(packets + 2)), bins, 4);
@@ -305,8 +334,10 @@ Terms terms_of(Reorder, const Plan& p, const std::string& resource) {
 Memories sampler_memories(const Plan& p) {
   Memories m(p);
   const int index = p.cell_index_bits();
+  m.place("two tables");
   for (int l = 0; l < index; ++l) m.add(p.total_bits(), uint64_t{2} << l);
   // A memory of blocks for each level; the level of all cells is a sum that is there anyway.
+  m.place("powers of cells");
   if (p.combine != TableCombine::kCosine)
     for (int l = 0; l < std::min(p.levels, p.cell_bits); ++l)
       m.add(p.cell_power_bits(), uint64_t{1} << (index - 2 * l));
@@ -351,27 +382,31 @@ Terms terms_of(Sampler, const Plan& p, const std::string& resource) {
   return terms;
 }
 
-uint64_t u64(int n) { return static_cast<uint64_t>(n); }
-
 MemoryBits memory_bits_of(Gatherer, const Plan& p) {
   if (!p.global.present && !p.caustic.present) return {};
-  const uint64_t candidates = u64(p.contexts) * u64(p.k);
-  return {{"leaf cache", u64(p.cache_bytes) * 8},
-          {"candidate lists", candidates * u64(p.r2_bits() + p.index_bits())},
-          {"powers and directions of candidates", candidates * u64(load_bits(p))}};
+  return gatherer_memories(p).bits;
 }
 
 MemoryBits memory_bits_of(Reorder, const Plan& p) {
   if (!p.global.present || p.reorder_key == ReorderKey::kNone) return {};
-  const int link = clog2(u64(p.reorder_packets));
-  return {{"pool", u64(p.reorder_packets) * u64(PacketLayout::of<GatherQuery>(p).bits() + link)},
-          {"bins", u64(p.reorder_bins) * u64(2 * link + 1)}};
+  return reorder_memories(p).bits;
 }
 
 MemoryBits memory_bits_of(Sampler, const Plan& p) {
   if (!p.global.present) return {};
-  return {{"two tables", 2 * (uint64_t{1} << (2 * p.cell_bits)) * u64(p.total_bits())}};
+  return sampler_memories(p).bits;
 }
+
+MemoryBits memory_bits_of(std::type_identity<IrradianceCache>, const Plan& p) {
+  if (!p.cache_present) return {};
+  Memories m(p);
+  m.place("records");
+  m.add(3 * (p.position_bits + p.normal_bits) + p.cache_falloff_bits() + 1 +
+            p.cache_falloff_exponent_bits(),
+        static_cast<uint64_t>(p.cache_records));
+  return m.bits;
+}
+
 // Bits of a slot that a board keeps.
 int kept_bits(const Plan& p) { return p.record_bits() + p.slot_header_bits(); }
 

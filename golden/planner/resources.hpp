@@ -42,7 +42,9 @@ std::vector<std::pair<std::string, double>> resource_terms(const Plan& plan,
                                                            const std::string& unit,
                                                            const std::string& resource);
 
-// Memory that a unit asks for, by place; exact, from the widths of the plan.
+// The memories of a unit, in bits, by what they hold: words times bits of all its instances of
+// rtl/common/block_ram.sv, be they block RAM or LUT RAM, and of rtl/reorder_buffer/pool_ram.sv;
+// what the RTL keeps in registers and in arrays of LUTs is not among them.
 std::vector<std::pair<std::string, uint64_t>> unit_memory_bits(const Plan& plan,
                                                                const std::string& unit);
 
