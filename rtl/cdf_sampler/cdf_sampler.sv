@@ -5,7 +5,7 @@
 //
 // Two tables alternate: while one is sampled, a sample a cycle, the next one's photons add up and its prefix sums are
 // made. A table takes max(photons, T) + 4^CellBits + 12 + Delay cycles from its header, T = ceil((2^(CellBits-1) + 1) / 2)
-// (0 without the cosine's total) and Delay as in cdf_sampler_weights; a sample takes 4 * CellBits + 6 cycles from its
+// (one less where there are no photons, 0 without the cosine's total) and Delay as in cdf_sampler_weights; a sample takes 4 * CellBits + 6 cycles from its
 // waiting request, and comes in order. Requests wait in a FIFO of RequestDepth
 // while their table is built; where a table has more of them, the next one begins when they have found place. No packet
 // is processed for 4^CellBits cycles after reset.
@@ -85,7 +85,7 @@ module cdf_sampler #(
   logic [3*AxisBits-1:0] normal, normal_q;
   logic [CountBits-1:0] photons_q;
   logic [IndexBits-1:0] walk_cell_q;
-  logic begin_table, end_photons, add_photon, power_ready, cosine_last, last_weight;
+  logic begin_table, end_photons, add_photon, power_ready, cosine_last, cosine_next_last, last_weight;
 
   // Both tables.
   logic [1:0] finished_q;
@@ -99,8 +99,9 @@ module cdf_sampler #(
   assign old_samples_out = !owing[table_q];
   assign begin_table = valid && packet.kind == Header && power_ready && fresh_q;
   assign add_photon = valid && packet.kind == Photon && state_q == Add && photons_q != CountBits'(K);
-  // The first request, or a header with no request before it, ends the photons.
-  assign end_photons = valid && state_q == Add && old_samples_out && cosine_last &&
+  // The first request, or a header with no request before it, ends the photons. Where there are none no power is multiplied by the
+  // cosine's total, of which only the leading zeros are wanted, and later.
+  assign end_photons = valid && state_q == Add && old_samples_out && (photons_q == '0 ? cosine_next_last : cosine_last) &&
       (packet.kind == Request || (packet.kind == Header && photons_q != '0));
   assign request_push = valid && packet.kind == Request && open_q && state_q != Add;
   always_comb begin
@@ -229,10 +230,12 @@ module cdf_sampler #(
         .start_i(begin_table),
         .normal_i(packet.normal),
         .last_o(cosine_last),
+        .next_last_o(cosine_next_last),
         .total_o(cosine_total)
     );
   end else begin : gen_no_cosine_total
     assign cosine_last = 1'b1;
+    assign cosine_next_last = 1'b1;
     assign cosine_total = '0;
   end
 

@@ -2,8 +2,8 @@
 // TB, the sum of B(c) = max(0, o(c) . o(n)) J(c) over all cells, in ceil((2^(CellBits-1) + 1) / 2) steps instead of
 // 4^CellBits: the cells whose centres differ in signs only share J, and with a, b, c = |x nx|, |y ny|, |z nz| the eight of
 // them add up to max(2 (a + b + c), 4 max(a, b, c)); the four of a centre on the octahedron's equator to half of that.
-// Step 0 comes 2 cycles after start_i, last_o with the last step, the total 6 cycles after last_o; start_i begins anew at
-// any time.
+// Step 0 comes 2 cycles after start_i, last_o with the last step and next_last_o a cycle before it, the total 6 cycles after
+// last_o; start_i begins anew at any time.
 module cdf_sampler_cosine_total #(
     parameter int unsigned CellBits = 4,
     parameter int unsigned NormalBits = 8,
@@ -14,6 +14,7 @@ module cdf_sampler_cosine_total #(
     input  logic                    start_i,
     input  logic [2*NormalBits-1:0] normal_i,  // octahedral code, v high, u low
     output logic                    last_o,    // and after it, until the cycle after start_i
+    output logic                    next_last_o,
     output logic [   TotalBits-1:0] total_o
 );
   localparam int unsigned Half = 1 << (CellBits - 1);
@@ -32,6 +33,7 @@ module cdf_sampler_cosine_total #(
   logic start_q, running_q;
   logic [3:0] valid_q;
   assign last_o = !(start_q || (running_q && step_q != StepBits'(Steps - 1)));
+  assign next_last_o = Steps == 1 || last_o || (running_q && !start_q && step_q == StepBits'(Steps - 2));
 
   // value * factor by additions and subtractions, the factors being small constants: 15 is 16 - 1.
   function automatic [TermBits-1:0] times(input [NormalBits:0] value, input integer factor);

@@ -112,7 +112,8 @@ uint64_t table_cycles(const Plan& plan, const In& in) {
     const size_t header = at++;
     while (at < in.size() && in[at].kind == 1) ++at;
     const uint64_t photons = at - header - 1;
-    cycles += std::max(photons, steps) + side * side + 12 + delay;
+    const uint64_t waits = photons == 0 && steps > 0 ? steps - 1 : steps;
+    cycles += std::max(photons, waits) + side * side + 12 + delay;
     while (at < in.size() && in[at].kind != 0) ++at;
   }
   return cycles;
