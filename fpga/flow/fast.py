@@ -165,6 +165,14 @@ def stale_rows(data: Data, board: Board) -> list[str]:
     return [row["plan"] for row in data["rows"] if digest_now(FAST / f"{row['plan']}.toml", board, unit=UNIT) != row["digest"]]
 
 
+def take_cycles(data: Data, stale: Collection[str], cycle_rows: Sequence[CycleRow]) -> None:
+    """Today's cycles into rows of today's netlists."""
+    for row in data["rows"]:
+        if row["plan"] in stale:
+            raise Failure(f"{DATA}: {row['plan']} was measured with earlier RTL, expected scripts/fpga-fast {row['plan']} first")
+        row["cycles"] = cycles_of(cycle_rows, describe(FAST / f"{row['plan']}.toml")["hash"], CYCLES)
+
+
 def page(data: Data, goals: FastGoals, stale: Collection[str]) -> str:
     """The table, what it was made of, and the rows that are of earlier RTL."""
     cells = []
@@ -195,19 +203,24 @@ def main() -> int:
     p.add_argument("--seeds", type=whole(1), help="placements of each (default: those of fpga/goals.toml)")
     p.add_argument("--placer", choices=("heap", "static"), default="static", help="as of scripts/fpga (default: static)")
     p.add_argument("--no-route", action="store_true", help="take the placements that are there, and make none")
-    p.add_argument("--render", action="store_true", help="write the table from fpga/fast.json again, nothing else")
-    p.add_argument("--check", action="store_true", help="tell whether docs/photon_gatherer.md is that of fpga/fast.json and of today's RTL")
+    only = p.add_mutually_exclusive_group()
+    only.add_argument("--cycles", action="store_true", help="take the cycles of build/bench anew, and what was measured of each netlist as it is")
+    only.add_argument("--render", action="store_true", help="write the table from fpga/fast.json again, nothing else")
+    only.add_argument("--check", action="store_true", help="tell whether docs/photon_gatherer.md is that of fpga/fast.json and of today's RTL")
     o = p.parse_args()
     goals = fast_goals()
     check_names(p, o.plans, names(), "plan")
-    if o.plans and (o.check or o.render):
-        p.error("--check and --render are of the whole table, expected no plans")
+    if o.plans and (o.check or o.render or o.cycles):
+        p.error("--check, --render and --cycles are of the whole table, expected no plans")
     board = read_board(goals.board)
-    if o.check or o.render:
+    if o.check or o.render or o.cycles:
         made: Data = read_json(DATA)
         stale = stale_rows(made, board)
+        if o.cycles:
+            take_cycles(made, stale, read_json(CYCLES)[UNIT])
+            write_json(DATA, made)
         text = page(made, goals, stale)
-        if o.render:
+        if not o.check:
             replace_between(PAGE, "fast", text)
         elif between(PAGE, "fast") != text:
             raise Failure(f"{PAGE}: is not what {DATA} and today's RTL give; scripts/fpga-fast --render writes it")

@@ -63,7 +63,7 @@ class Scripts(unittest.TestCase):
         self.refused("not allowed with argument --render", "headline", "--render", "--check")
         self.refused("--page is of what is measured, expected none of ", "headline", "--page", "--route-only")
         self.refused("--check and --render are of the whole table, expected no scenes$", "plan-boards", "cornell", "--check")
-        self.refused("--check and --render are of the whole table, expected no plans$", "fpga-fast", "k8", "--render")
+        self.refused("--check, --render and --cycles are of the whole table, expected no plans$", "fpga-fast", "k8", "--cycles")
         self.refused("--plans-only, --fit and --check are of all plans, expected none by name$", "fpga-plans", "small", "--check")
 
     def test_what_would_fail_after_hours(self) -> None:

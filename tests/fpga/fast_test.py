@@ -5,7 +5,7 @@ from pathlib import Path
 from unittest import mock
 
 from flow.boards import read_board
-from flow.fast import CycleRow, Data, Row, cycles_of, names, page, rate, stale_rows, verdict
+from flow.fast import CycleRow, Data, Row, cycles_of, names, page, rate, stale_rows, take_cycles, verdict
 from flow.goals import FastGoals, fast_goals
 from flow.shell import Failure
 
@@ -69,6 +69,15 @@ class Fast(unittest.TestCase):
         self.assertEqual({call.kwargs["unit"] for call in asked.call_args_list}, {"photon_gatherer"})
         self.assertIn("\nMeasured with earlier RTL: `k8`; ", page(data, GOALS, stale))
         self.assertNotIn("earlier RTL", page(data, GOALS, []))
+
+    def test_cycles_are_taken_anew(self) -> None:
+        data: Data = {"board": "b", "placer": "static", "versions": {}, "rows": [row("k8", [80.0], 10.0, 9000)]}
+        rows: list[CycleRow] = [{"plan": "0123", "memory": "ideal", "cycles_per_gather": 9.0}, {"plan": "0123", "memory": "slow", "cycles_per_gather": 18.5}]
+        with mock.patch("flow.fast.describe", return_value={"hash": "0123"}):
+            take_cycles(data, [], rows)
+            self.assertEqual((data["rows"][0]["cycles"], data["rows"][0]["mhz"]), ([9.0, 18.5], [80.0]))
+            with self.assertRaisesRegex(Failure, "k8 was measured with earlier RTL, expected scripts/fpga-fast k8 first$"):
+                take_cycles(data, ["k8"], rows)
 
     def test_every_plan_has_its_goals(self) -> None:
         self.assertEqual(names(), ["k8", "narrow_k8", "k16", "narrow_k16", "k50", "narrow_k50"])
