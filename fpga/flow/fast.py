@@ -218,8 +218,9 @@ def main() -> int:
         stale = stale_rows(made, board)
         if o.cycles:
             take_cycles(made, stale, read_json(CYCLES)[UNIT])
+        text = page(made, goals, stale)  # if that fails, both stay
+        if o.cycles:
             write_json(DATA, made)
-        text = page(made, goals, stale)
         if not o.check:
             replace_between(PAGE, "fast", text)
         elif between(PAGE, "fast") != text:
@@ -243,8 +244,9 @@ def main() -> int:
         elif name in old:
             rows.append(old[name])
     data: Data = {"board": board.name, "placer": o.placer, "versions": tools.versions, "rows": rows}
+    text = page(data, goals, stale_rows(data, board))  # if that fails, both stay
     write_json(DATA, data)
-    replace_between(PAGE, "fast", page(data, goals, stale_rows(data, board)))
+    replace_between(PAGE, "fast", text)
     faults = [f"{row['plan']}: {fault}" for row in rows for fault in verdict(row, rows, goals)]
     for fault in faults:
         say(fault)

@@ -189,8 +189,9 @@ def main() -> int:
         shutil.copyfile(work / "plans" / f"{scene.stem}.toml", PLANS / f"{scene.stem}.toml")
     data: Data = {"board": board.name, "options": list(goals.options), "versions": tools.versions,
                   "rows": merged(old["rows"] if old else [], rows, goals.scenes)}
+    text = page(data, stale_rows(data, board))  # if that fails, both stay
     write_json(DATA, data)
-    replace_between(PAGE, "planned", page(data, stale_rows(data, board)))
+    replace_between(PAGE, "planned", text)
     faults = [f"{row['scene']}: {fault}" for row in data["rows"] for fault in missed(row)]
     for fault in faults:
         say(fault)

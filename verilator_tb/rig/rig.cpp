@@ -327,10 +327,16 @@ std::string LineMemory::state() const {
 Rig::Rig(const Plan& plan, const std::string& unit, const RunOptions& options)
     : unit_(unit),
       options_(options),
-      model_(build_model(
-                 plan, {unit, options.rtl_dir, options.work_dir, !options.waveform.empty(),
-                        options.parameters, options.kind, options.yosys, options.netlist,
-                        options.faults && !options.faults->memories.empty(), options.watch_queues}),
+      model_(build_model(plan, {unit,
+                                options.rtl_dir,
+                                options.work_dir,
+                                !options.waveform.empty(),
+                                {},
+                                options.kind,
+                                options.yosys,
+                                options.netlist,
+                                options.faults && !options.faults->memories.empty(),
+                                options.watch_queues}),
              options.seed * 0x9e3779b97f4a7c15ull + options.initial_seed),
       fault_random_(options.seed, unit + ".faults") {
   clock_ = model_.port("clk_i").data;

@@ -49,11 +49,10 @@ struct RunOptions {
   int bank_cycles = 0;          // a bank takes one request in so many cycles; 0: no limit
   uint64_t restart_after = 0;   // cycles from its first packet: reset, and all of it anew; 0: not
   uint64_t photon_pause = 0;    // so long nobody takes stream "photon", then a quarter of it
-  std::optional<uint64_t> leaf_cache;   // a gatherer's word at 0x800004; none: as reset leaves it
-  double sdram_period = 1;              // of a board's SDRAM clock, in cycles
-  uint64_t watchdog = 500000;           // cycles without any handshake while something is owed
-  std::string rtl_dir;                  // empty: default_rtl_dir()
-  std::vector<std::string> parameters;  // of the module, "Name=value", instead of the plan's
+  std::optional<uint64_t> leaf_cache;  // a gatherer's word at 0x800004; none: as reset leaves it
+  double sdram_period = 1;             // of a board's SDRAM clock, in cycles
+  uint64_t watchdog = 500000;          // cycles without any handshake while something is owed
+  std::string rtl_dir;                 // empty: default_rtl_dir()
   std::string work_dir = "build/cosim";
   ModelKind kind = ModelKind::kRtl;
   std::string yosys = "yosys";  // the command that makes netlists and CXXRTL models

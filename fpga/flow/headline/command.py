@@ -21,7 +21,7 @@ from flow.headline.data import DATA, Data, ImageTime, Link, Replay, Row, merge, 
 from flow.headline.images import time_images
 from flow.headline.netlist import SHORT, digest_now
 from flow.headline.page import check_page, images_of, page_texts, report, stale_plans, summary, write_page
-from flow.headline.plans import FOLDER, HeadlinePlan, check_names, find_plan, find_plans, known_names
+from flow.headline.plans import FOLDER, HeadlinePlan, check_plan_names, find_plan, find_plans, known_names
 from flow.headline.replay import replay
 from flow.headline.rows import coarse_of, gatherers_that_fit, rows_of
 from flow.headline.simulation import Bench, Simulated, sha256, simulate, time_core
@@ -68,7 +68,7 @@ def options() -> argparse.Namespace:
     o = p.parse_args()
     if o.first_seed + o.seeds - 1 > LAST_SEED:
         p.error(f"--seeds: the last one is {o.first_seed + o.seeds - 1}, expected at most {LAST_SEED}")
-    check_names(o.plans)
+    check_plan_names(o.plans)
     of_no_plan = {"--replay-only": o.replay_only, "--images-only": o.images_only, "--render": o.render, "--check": o.check}
     if o.plans and (option := next((name for name, asked in of_no_plan.items() if asked), None)):
         p.error(f"{option} is of the whole page, expected no plans")

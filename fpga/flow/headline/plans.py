@@ -86,7 +86,7 @@ def known_names() -> list[str]:
     return [p.stem for p in sorted(FOLDER.glob("*.toml"))] + rejected_names() + variant_names() + coarse_names()
 
 
-def check_names(names: Sequence[str]) -> None:
+def check_plan_names(names: Sequence[str]) -> None:
     """That there are such plans, each name once; writes none, so it can be asked before anything is built or fetched."""
     known = known_names()
     called = [name if name in known else Path(name).stem for name in names]
@@ -108,14 +108,14 @@ def find_plan(name: str, work: Path) -> HeadlinePlan:
         return variant_plan(name, work)
     if name in coarse_names():
         return coarse_plan(name, work)
-    check_names([name])
+    check_plan_names([name])
     path = Path(name)
     return HeadlinePlan(path.stem, path, "" if path.resolve().parent == FOLDER else f"not in {FOLDER.relative_to(ROOT)}")
 
 
 def find_plans(names: Sequence[str], work: Path) -> list[HeadlinePlan]:
     """The named plans, or those of fpga/headline; each of a name of its own, under which results are kept."""
-    check_names(names)
+    check_plan_names(names)
     plans = [find_plan(name, work) for name in names or [p.stem for p in sorted(FOLDER.glob("*.toml"))]]
     if not plans:
         raise Failure("fpga/headline: has no plan")
