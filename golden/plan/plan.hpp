@@ -122,6 +122,7 @@ struct Plan {
   PhotonMemory photon_memory = PhotonMemory::kBlockRam;
   int board_cache_bytes = 65536;  // of photon lines, before an SDRAM
   int sdram_khz = 100000;         // clock of an SDRAM's controller
+  int refreshes_ahead = 0;        // refreshes that an idle SDRAM may be ahead of those due
   int replay_queries = 1024;      // block RAM of the query replayer
   int lut_ram_words = 0;          // memories of so many words at most are made of LUTs
   bool shared_nodes = false;      // two gatherers, or one and the prefetcher, read one node memory
@@ -391,6 +392,8 @@ struct Plan {
       "lines that all gatherers share before an SDRAM");
     v("board", "sdram_khz", p.sdram_khz, kSdramLeastKHz, kSdramMostKHz,
       "clock of the SDRAM and its controller");
+    v("board", "refreshes_ahead", p.refreshes_ahead, 0, 255,
+      "refreshes that an idle SDRAM may be ahead of those due");
     v("board", "replay_queries", p.replay_queries, 2, 65536,
       "queries that a board's replayer holds, a power of two");
     v("board", "lut_ram_words", p.lut_ram_words, 0, 1024,

@@ -567,6 +567,7 @@ bool may_be_left_out(const std::string& line) {
                                             "cache.glossy",
                                             "cache.gradients",
                                             "board.sdram_khz",
+                                            "board.refreshes_ahead",
                                             "board.shared_nodes",
                                             "board.parity",
                                             "board.self_test",

@@ -488,6 +488,7 @@ PlannedFrame make_plan(const World& world, const PlanRequest& request, const Pho
                                            map_bytes / 1024, kBoardBlockRamBytes / 1024);
   why["board.cache_bytes"] = "used before an SDRAM: some 26 block RAMs of an LFE5U-85F";
   why["board.sdram_khz"] = "most routed tops reach it; set by hand where one reaches less, or more";
+  why["board.refreshes_ahead"] = "each when it is due; set by hand where an SDRAM binds";
   why["board.replay_queries"] = "the rate of a board without its link";
   why["board.lut_ram_words"] =
       "LUTs save block RAM, which is short where several gatherers share it";

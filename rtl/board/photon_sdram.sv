@@ -255,7 +255,8 @@ module photon_sdram #(
   sdram_lines #(
       .TagBits(MissBits),
       .LineHalfwords(LineHalfwords),
-      .SdramKHz(SdramKHz)
+      .SdramKHz(SdramKHz),
+      .RefreshesAhead(photonloom_pkg::RefreshesAhead)
   ) memory (
       .clk_i(clk_i),
       .rst_i(rst),

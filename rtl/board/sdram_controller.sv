@@ -10,9 +10,15 @@
 // A line is read in bursts of 8, CAS latency 3; its halfwords come in order, one a cycle, ReadLatency cycles after their
 // READ was decided, and lines in the order of their requests. Throughput: LineHalfwords cycles a line; one whose bank is
 // busy with another row waits for PRECHARGE and ACTIVATE; a refresh takes about 12 cycles in 780 at 100 MHz.
+//
+// With RefreshesAhead an SDRAM of which nobody has wanted anything for 8 cycles is refreshed before it must be, up to so many
+// times; while they last, lines wait for one in RowIntervals + 1 intervals, for a row may not stay open longer. Every row is
+// still refreshed within 64 ms: they come as much oftener.
 module sdram_controller #(
     parameter int unsigned ClockKHz = 100000,
-    parameter int unsigned LineHalfwords = 64
+    parameter int unsigned LineHalfwords = 64,
+    parameter int unsigned RefreshesAhead = 0,  // 0 to 255
+    parameter int unsigned RowIntervals = 11  // without a refresh, at most; 7.8 us each, and a row may be open for 100 us
 ) (
     input  logic        clk_i,
     input  logic        rst_i,
@@ -45,7 +51,9 @@ module sdram_controller #(
   endfunction
 
   localparam int unsigned PowerUp = 200 * (ClockKHz / 1000) + 200;  // 200 us
-  localparam int unsigned RefreshEvery = 7800 * (ClockKHz / 1000) / 1000;
+  // One that is ahead is made again up to 8192 + RefreshesAhead intervals later.
+  localparam int unsigned RefreshNs = RefreshesAhead == 0 ? 7800 : 64000000 / (8193 + RefreshesAhead);
+  localparam int unsigned RefreshEvery = RefreshNs * (ClockKHz / 1000) / 1000;
   localparam int unsigned RowToColumn = cycles(21);
   localparam int unsigned Precharge = cycles(21);
   localparam int unsigned RowActive = cycles(44);
@@ -70,6 +78,9 @@ module sdram_controller #(
 
   if (LineHalfwords % 8 != 0 || LineHalfwords > 512) begin : gen_bad_line
     sdram_lines_must_be_whole_bursts_of_16_bytes_and_fit_in_a_row bad_line ();
+  end
+  if (RefreshesAhead > 255 || RowIntervals < 1 || RowIntervals > 15) begin : gen_bad_refreshes
+    sdram_refreshes_ahead_are_255_at_most bad_refreshes ();
   end
   if (RefreshTime > 15 || RowActive + 2 > 15) begin : gen_bad_clock
     sdram_clock_is_too_fast_for_the_timers bad_clock ();
@@ -133,6 +144,9 @@ module sdram_controller #(
   logic [3:0] init_refreshes_q;
   assign ready_o = run_q;
   assign waiting = wait_q != '0;
+
+  // A refresh is owed, or the SDRAM may have one before it is.
+  logic refresh_owed, refresh_early;
 
   // ---- one command a cycle ----
   logic row_open, read_more, read_first, write_now, activate, precharge, precharge_all, refresh, load_mode;
@@ -253,7 +267,8 @@ module sdram_controller #(
       precharged_q <= 1'b0;
     end
     refresh_q <= !run_q || refresh_q == RefreshBits'(RefreshEvery - 1) ? '0 : refresh_q + 1'b1;
-    if (refresh_q == RefreshBits'(RefreshEvery - 1)) refresh_due_q <= 1'b1;
+    if (RefreshesAhead == 0 ? refresh_q == RefreshBits'(RefreshEvery - 1) : refresh_owed || refresh_early)
+      refresh_due_q <= 1'b1;
     if (refresh && run_q) begin
       refresh_due_q <= 1'b0;
       precharged_q <= 1'b0;
@@ -276,6 +291,36 @@ module sdram_controller #(
       run_q <= 1'b0;
       refresh_q <= '0;
       refresh_due_q <= 1'b0;
+    end
+  end
+
+  // ---- refreshes ahead of their time ----
+  if (RefreshesAhead == 0) begin : gen_refreshes_in_time
+    assign refresh_owed = 1'b0;
+    assign refresh_early = 1'b0;
+  end else begin : gen_refreshes_ahead
+    localparam int unsigned BalanceBits = $clog2(RefreshesAhead + 2);
+    logic [BalanceBits-1:0] balance_q;  // refreshes ahead, and 1; 0: one is owed
+    logic [3:0] idle_q;  // cycles without a request, data or a refresh, up to 8
+    logic room_q;  // for one more
+    logic [3:0] intervals_q;  // since the last one
+    logic refresh_interval;
+    assign refresh_interval = refresh_q == RefreshBits'(RefreshEvery - 1);
+    assign refresh_owed = balance_q == '0 || intervals_q == 4'(RowIntervals);
+    assign refresh_early = idle_q[3] && room_q;
+    always_ff @(posedge clk_i) begin
+      idle_q <= !run_q || next_valid_q || bursting || refresh_due_q || may_activate != '1 ? '0 :
+          idle_q[3] ? idle_q : idle_q + 1'b1;
+      room_q <= balance_q != BalanceBits'(RefreshesAhead + 1);
+      if (refresh && run_q && !refresh_interval) balance_q <= balance_q + 1'b1;
+      if (refresh_interval && !(refresh && run_q)) balance_q <= balance_q - 1'b1;
+      intervals_q <= refresh ? '0 : intervals_q + 4'(refresh_interval);
+      if (rst_i) begin
+        idle_q <= '0;
+        room_q <= 1'b0;
+        intervals_q <= '0;
+        balance_q <= BalanceBits'(1);
+      end
     end
   end
 

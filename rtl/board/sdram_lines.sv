@@ -8,7 +8,8 @@
 module sdram_lines #(
     parameter int unsigned TagBits = 3,
     parameter int unsigned LineHalfwords = 64,
-    parameter int unsigned SdramKHz = 100000  // frequency of clk_sdram_i at most
+    parameter int unsigned SdramKHz = 100000,  // frequency of clk_sdram_i at most
+    parameter int unsigned RefreshesAhead = 0  // sdram_controller's
 ) (
     input  logic               clk_i,
     input  logic               rst_i,
@@ -87,7 +88,8 @@ module sdram_lines #(
 
   sdram_controller #(
       .ClockKHz(SdramKHz),
-      .LineHalfwords(LineHalfwords)
+      .LineHalfwords(LineHalfwords),
+      .RefreshesAhead(RefreshesAhead)
   ) controller (
       .clk_i(clk_sdram_i),
       .rst_i(rst_sdram_i),

@@ -87,6 +87,7 @@ std::vector<PackageConstant> package_constants(const Plan& plan) {
   LINE(board_cache_bytes, "lines that a board's gatherers share before an SDRAM");
   number("sdram_kHz", static_cast<uint64_t>(plan.sdram_khz),
          "clock of an SDRAM's controller, from which its waits follow");
+  LINE(refreshes_ahead, "refreshes that an idle SDRAM may be ahead of those due");
   LINE(replay_queries, "queries that a board's replayer holds");
   LINE(lut_ram_words, "memories of so many words at most are made of LUTs");
   number("shared_nodes", plan.shared_nodes,

@@ -252,8 +252,13 @@ TEST_CASE("the SDRAM has the plan's clock") {
   CHECK_THAT(read_file(boards.scratch / "hw/rtl/photonloom_pkg.sv"),
              ContainsSubstring("SdramKHz = 87500;"));
   CHECK(lints(boards.scratch / "hw", "b_top"));
+  CHECK_THAT(made("--set board.refreshes_ahead=255", "rtl/photonloom_pkg.sv"),
+             ContainsSubstring("RefreshesAhead = 255;"));
+  CHECK(lints(boards.scratch / "hw", "b_top"));
   for (const auto& [options, said] :
-       {std::pair{"--set board.sdram_khz=93333",
+       {std::pair{"--set board.refreshes_ahead=256",
+                  "board.refreshes_ahead is '256', expected an integer from 0 to 255"},
+        std::pair{"--set board.sdram_khz=93333",
                   "50000 kHz beside the SDRAM's 93333 kHz, expected board.sdram_khz of the plan to "
                   "be one of 110000, 100000, 93750"},
         std::pair{"--clock 45",

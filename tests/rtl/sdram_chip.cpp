@@ -238,6 +238,25 @@ TEST_CASE("a legal sequence breaks nothing, each rule broken is named") {
         "auto precharge");
   CHECK(broken_later([](Driver& d) { d.command(true, true, false, 0, 0); }) == "BURST TERMINATE");
   CHECK(broken_later([](Driver& d) { d.idle(1600); }) == "refresh");
+
+  // Refreshes that fall due in the mean do not keep a row that waits too long for its next one.
+  for (const bool late : {false, true}) {
+    SdramTimes times;
+    times.refresh_every = times.row_refresh;
+    times.row_refresh = 8192 * 10 * kClock;
+    Driver d(times);
+    d.initialise();
+    const auto rows = [&] {
+      for (int i = 0; i < 8192; ++i) d.refresh(), d.idle(9);
+    };
+    rows();
+    if (late) {
+      d.idle();
+      CHECK_THROWS_AS(d.refresh(), SdramError);
+    } else {
+      rows();
+    }
+  }
   SdramTimes short_row;
   short_row.row_active_most = 5'000'000;
   CHECK(broken_later([](Driver& d) { d.active(0, 0), d.idle(600), d.precharge(0); }, short_row) ==

@@ -172,6 +172,7 @@ std::vector<BenchPlan> plans() {
   add("sdram_narrow", [](Plan& p) {
     p.photon_memory = PhotonMemory::kSdram;
     p.sdram_khz = 87500;
+    p.refreshes_ahead = 2;
     p.gatherers = 2;
     p.photon_bytes = 12;
     p.cache_bytes = 4 * p.line_bytes();

@@ -147,6 +147,7 @@ Plan rarer(const Plan& drawn, RoleRandom& random) {
   });
   change([&](Plan& p) { p.gatherers = 5 + static_cast<int>(random.below(4)); });
   change([](Plan& p) { p.shared_nodes = true; });
+  change([&](Plan& p) { p.refreshes_ahead = 1 + static_cast<int>(random.below(255)); });
   return plan;
 }
 

@@ -175,9 +175,17 @@ void SdramChip::edge(int64_t time, const SdramPins& pins) {
       need(last_refresh_, times_.refresh, "tRFC", name);
       if (command == 1) {
         last_refresh_ = now_;
-        if (initialised_)
+        if (initialised_) {
+          int64_t& row = row_refreshed_[refreshes_ % row_refreshed_.size()];
+          if (now_ - std::max(row, initialised_at_) > times_.row_refresh)
+            fail("refresh",
+                 fmt::format("of row {} after {:.3f} ms, expected {:.3f} ms",
+                             refreshes_ % row_refreshed_.size(),
+                             static_cast<double>(now_ - std::max(row, initialised_at_)) / 1e9,
+                             static_cast<double>(times_.row_refresh) / 1e9));
+          row = now_;
           ++refreshes_;
-        else
+        } else
           ++init_refreshes_;
       } else {
         load_mode(pins.address);

@@ -23,12 +23,13 @@ struct SdramTimes {
   int64_t precharge = 21'000;      // tRP
   int64_t row_active = 44'000;     // tRAS
   int64_t row_active_most = 120'000'000;
-  int64_t row_cycle = 66'000;         // tRC
-  int64_t row_to_row = 15'000;        // tRRD, different banks
-  int64_t write_recovery = 15'000;    // tWR
-  int64_t refresh = 66'000;           // tRFC
-  int64_t refresh_every = 7'812'500;  // tREFI on average, 64 ms for 8192 rows
-  int mode_clocks = 2;                // tMRD
+  int64_t row_cycle = 66'000;            // tRC
+  int64_t row_to_row = 15'000;           // tRRD, different banks
+  int64_t write_recovery = 15'000;       // tWR
+  int64_t refresh = 66'000;              // tRFC
+  int64_t refresh_every = 7'812'500;     // tREFI on average, 64 ms for 8192 rows
+  int64_t row_refresh = 64'000'000'000;  // from a row's refresh to its next one
+  int mode_clocks = 2;                   // tMRD
   int init_refreshes = 2;
   int64_t access_2 = 6'000, access_3 = 5'400;  // tAC: clock to data
   int64_t hold = 2'500;                        // tOH: how long data stay after the next clock
@@ -98,6 +99,8 @@ class SdramChip {
   bool started_ = false, all_precharged_ = false, mode_set_ = false, initialised_ = false;
   int init_refreshes_ = 0;
   uint64_t refreshes_ = 0, reads_ = 0, row_changes_ = 0;
+  // When each row was refreshed last; the chip counts the rows itself.
+  std::array<int64_t, 8192> row_refreshed_{};
   unsigned last_read_bank_ = kNoBank;
   unsigned burst_ = 1, latency_ = 3;
   std::deque<Beat> beats_;

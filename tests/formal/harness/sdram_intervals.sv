@@ -4,11 +4,15 @@
 // open, and nobody drives the data pins against the chip. The times, in ns, are written down here from the data sheet and
 // turned into cycles here; the commands are read from the chip's pins. One bank, any, is watched. Requests are free.
 // Refreshes fall due at any time, but only 16 cycles after the last one was made; each is asserted to be made within 64 cycles,
-// and with the controller's own 7.8 us between them that is so. With Pause 1 instead: no command in the first 200 us, counted out.
+// and with the controller's own 7.8 us between them that is so. With RefreshesAhead one is owed when more fell due than were made,
+// or RowIntervals fell due since the last one; they fall due 24 cycles apart at least and 16 after one that was owed or
+// of the initialisation, whenever others were made, and those made are asserted to be so many ahead at most. With Pause 1 instead: no command in the first 200 us, counted out.
 module sdram_intervals #(
     parameter int unsigned ClockKHz = 100000,
     parameter int unsigned LineHalfwords = 16,
-    parameter int unsigned Pause = 0
+    parameter int unsigned Pause = 0,
+    parameter int unsigned RefreshesAhead = 0,
+    parameter int unsigned RowIntervals = 11
 ) (
     input logic clk_i,
     input logic rst_i,
@@ -24,7 +28,9 @@ module sdram_intervals #(
 
   sdram_controller #(
       .ClockKHz(ClockKHz),
-      .LineHalfwords(LineHalfwords)
+      .LineHalfwords(LineHalfwords),
+      .RefreshesAhead(RefreshesAhead),
+      .RowIntervals(RowIntervals)
   ) dut (
       .clk_i(clk_i),
       .rst_i(rst_i),
@@ -78,19 +84,39 @@ module sdram_intervals #(
   assign mine_or_all = mine || a[10];
 
   // A refresh falls due, and is not made yet.
-  localparam int unsigned RefreshEvery = 7800 * (ClockKHz / 1000) / 1000;
+  localparam int unsigned RefreshEvery =
+      (RefreshesAhead == 0 ? 7800 : 64000000 / (8193 + RefreshesAhead)) * (ClockKHz / 1000) / 1000;
   localparam int unsigned RefreshBits = $clog2(RefreshEvery);
   logic [RefreshBits-1:0] refresh_count;  // probe: the controller's own, and any value
   logic falls_due, due_q;
+  logic [8:0] ahead_q;
+  logic [3:0] intervals_q;
+  logic [4:0] since_due_q;  // cycles, up to 24
+  logic [15:0] paid_q;  // a refresh that was owed, or of the initialisation
+  logic ready_q, paid;
+  assign paid = refresh && (due_q || row_old || !ready_q);
+  logic row_old;
+  assign row_old = RefreshesAhead != 0 && intervals_q == 4'(RowIntervals);
   logic [5:0] due_age_q;
   assign falls_due = ready && refresh_count == RefreshBits'(RefreshEvery - 1);
   always_ff @(posedge clk_i) begin
     if (refresh) due_q <= 1'b0;
-    if (falls_due) due_q <= 1'b1;
-    due_age_q <= due_q && !refresh ? due_age_q + 1'b1 : '0;
+    if (falls_due && ahead_q == '0) due_q <= !(refresh && !due_q);
+    if (RefreshesAhead != 0 && ready_q)
+      ahead_q <= ahead_q + 9'(refresh && !due_q) - 9'(falls_due && (ahead_q != '0 || (refresh && !due_q)));
+    since_due_q <= falls_due ? '0 : since_due_q[4:3] == 2'b11 ? since_due_q : since_due_q + 1'b1;
+    paid_q <= {paid_q[14:0], paid};
+    ready_q <= ready;
+    intervals_q <= refresh ? '0 : intervals_q + 4'(falls_due);
+    due_age_q <= (due_q || row_old) && !refresh ? due_age_q + 1'b1 : '0;
     if (rst_i) begin
       due_q <= 1'b0;
       due_age_q <= '0;
+      ahead_q <= '0;
+      intervals_q <= '0;
+      since_due_q <= '0;
+      paid_q <= '0;
+      ready_q <= 1'b0;
     end
   end
 
@@ -137,8 +163,11 @@ module sdram_intervals #(
 
   always_comb begin
     if (!rst_i && Pause == 0) begin
-      assume (!(refresh_count == RefreshBits'(RefreshEvery - 1) && (!ready || due_q || refresh || refresh_q != '0)));
+      assume (!(refresh_count == RefreshBits'(RefreshEvery - 1) &&
+          (!ready || due_q || row_old ||
+          (RefreshesAhead == 0 ? refresh || refresh_q != '0 : since_due_q[4:3] != 2'b11 || paid || paid_q != '0))));
       assert (due_age_q != '1);
+      assert (ahead_q <= 9'(RefreshesAhead));
     end
     if (!rst_i && started_q && Pause == 0) begin
       if (activate && mine) assert (!open_q && (precharge_q & within(Trp)) == '0);
