@@ -3,7 +3,8 @@
 beside what they are constrained to. Scenes and options are [planned] of fpga/goals.toml. Writes fpga/planned.json and the table
 of docs/planner.md, and the plans into fpga/planned; what was routed is kept in build/planned and not made again. Exit status 1 where a
 clock is missed. With --check it measures nothing and tells whether the page is that of the data and of today's RTL: rows that were
-routed with earlier RTL are named below the table, which --render writes."""
+routed with earlier RTL are named below the table, which --render writes. --predict plans the scenes again and writes what is predicted
+of the same plans today; nothing is routed."""
 import argparse
 import hashlib
 import json
@@ -140,6 +141,25 @@ def merged(old: Sequence[Planned], new: Sequence[Planned], scenes: Sequence[Path
     return [rows[scene.stem] for scene in scenes if scene.stem in rows]
 
 
+def predicted(row: Planned, said: dict[str, Any]) -> Planned:
+    """The row with what is predicted of its plan today."""
+    if said["hash"] != row["plan"]:
+        raise Failure(f"{row['scene']}: is plan {said['hash']} today, {DATA.name} has a row of {row['plan']}; scripts/plan-boards {row['scene']} routes it")
+    again = row.copy()
+    again["cycles"] = said["engine"]["cycles"]
+    return again
+
+
+def write(data: Data, scenes: Sequence[Path], work: Path, board: Board) -> None:
+    """Plans, data and page; data and page stay if the page cannot be made."""
+    PLANS.mkdir(exist_ok=True)
+    for scene in scenes:
+        shutil.copyfile(work / "plans" / f"{scene.stem}.toml", PLANS / f"{scene.stem}.toml")
+    text = page(data, stale_rows(data, board))
+    write_json(DATA, data)
+    replace_between(PAGE, "planned", text)
+
+
 def main() -> int:
     p = argparse.ArgumentParser(prog="plan-boards", description=__doc__)
     p.add_argument("scenes", nargs="*", help="names of [planned] scenes to route; the others stay as fpga/planned.json has them (default: all)")
@@ -148,6 +168,7 @@ def main() -> int:
     p.add_argument("--placer", choices=("heap", "static"), help="as of scripts/fpga (default: static, but heap with nextpnr 0.7)")
     p.add_argument("--results", type=folder, default=ROOT / "build" / "planned", help="where netlists and routed seeds are kept (default: build/planned)")
     p.add_argument("--render", action="store_true", help="write the table from fpga/planned.json again, nothing else")
+    p.add_argument("--predict", action="store_true", help="plan the scenes again, and write what is predicted of the same plans today; nothing is routed")
     p.add_argument("--check", action="store_true", help="tell whether docs/planner.md is that of fpga/planned.json and of today's RTL")
     o = p.parse_args()
     goals = planned_goals()
@@ -155,6 +176,8 @@ def main() -> int:
     check_names(p, o.scenes, known, "scene")
     if o.scenes and (o.check or o.render):
         p.error("--check and --render are of the whole table, expected no scenes")
+    if o.check + o.render + o.predict > 1:
+        p.error("expected one of --check, --render and --predict")
     board = read_board(goals.board)
     if o.check or o.render:
         made: Data | None = read_json(DATA) if DATA.is_file() else None
@@ -167,13 +190,22 @@ def main() -> int:
         say("docs/planner.md is that of fpga/planned.json" +
             (f", and says that earlier RTL was routed for {', '.join(stale)}" if stale else " and of today's RTL"))
         return 0
+    work = o.results.resolve()
+    scenes = [known[name] for name in o.scenes] or list(goals.scenes)
+    old: Data | None = read_json(DATA) if DATA.is_file() else None
+    if o.predict:
+        rows_of = {row["scene"]: row for row in old["rows"]} if old else {}
+        if missing := [scene.stem for scene in scenes if scene.stem not in rows_of]:
+            raise Failure(f"{DATA}: has no row of {missing[0]}; scripts/plan-boards {missing[0]} routes it")
+        assert old
+        again = each(o.jobs, lambda scene: predicted(rows_of[scene.stem], plan_scene(scene, goals, work)[1]), scenes)
+        old["rows"] = merged(old["rows"], again, goals.scenes)
+        write(old, scenes, work, board)
+        return 0
     tools = find_tools(board)
     slow = nextpnr_is_slow(tools.versions[board.family.nextpnr])
     routing = Routing(board, tools, 1, o.seed, None, 8 if slow else 6, o.placer or ("heap" if slow else "static"), False)
-    work = o.results.resolve()
     work.mkdir(parents=True, exist_ok=True)
-    scenes = [known[name] for name in o.scenes] or list(goals.scenes)
-    old: Data | None = read_json(DATA) if DATA.is_file() else None
     if old and any(row["scene"] in known and known[row["scene"]] not in scenes for row in old["rows"]):
         require_same(old["versions"], tools, DATA, "scripts/plan-boards without scenes")
 
@@ -184,14 +216,9 @@ def main() -> int:
         return row_of(plan, said, top, resources, o.seed, route_seed(top, o.seed, routing.placer, routing))
 
     rows = each(o.jobs, one, scenes)
-    PLANS.mkdir(exist_ok=True)
-    for scene in scenes:
-        shutil.copyfile(work / "plans" / f"{scene.stem}.toml", PLANS / f"{scene.stem}.toml")
     data: Data = {"board": board.name, "options": list(goals.options), "versions": tools.versions,
                   "rows": merged(old["rows"] if old else [], rows, goals.scenes)}
-    text = page(data, stale_rows(data, board))  # if that fails, both stay
-    write_json(DATA, data)
-    replace_between(PAGE, "planned", text)
+    write(data, scenes, work, board)
     faults = [f"{row['scene']}: {fault}" for row in data["rows"] for fault in missed(row)]
     for fault in faults:
         say(fault)

@@ -11,7 +11,7 @@ from flow.goals import planned_goals
 from flow.headline.data import Link
 from flow.headline.plans import HeadlinePlan
 from flow.headline.tops import Top
-from flow.planned import Data, Planned, cells, merged, missed, page, row_of, stale_rows
+from flow.planned import Data, Planned, cells, merged, missed, page, predicted, row_of, stale_rows
 from flow.routing import Placement
 from flow.shell import ROOT, Failure
 
@@ -39,6 +39,11 @@ class PlannedEngines(unittest.TestCase):
         other["scene"], again["cycles"] = "hall", 7.0
         scenes = [Path("scenes/hall.xml"), Path("scenes/room.xml"), Path("scenes/new.xml")]
         self.assertEqual(merged([ROW, other], [again], scenes), [other, again])
+
+    def test_a_row_takes_what_is_predicted_of_its_own_plan_alone(self) -> None:
+        self.assertEqual(predicted(ROW, {"hash": "0123", "engine": {"cycles": 8.5}}), {**ROW, "cycles": 8.5})
+        with self.assertRaisesRegex(Failure, "room: is plan 4567 today, planned.json has a row of 0123; scripts/plan-boards room routes it"):
+            predicted(ROW, {"hash": "4567", "engine": {"cycles": 8.5}})
 
     def test_the_page_changes_with_its_data(self) -> None:
         data: Data = {"board": "b", "options": ["--k", "16"], "versions": {"yosys": "Yosys 1"}, "rows": [copy.deepcopy(ROW)]}
