@@ -12,7 +12,7 @@
 // busy with another row waits for PRECHARGE and ACTIVATE; a refresh takes about 12 cycles in 780 at 100 MHz.
 //
 // With RefreshesAhead an SDRAM of which nobody has wanted anything for 8 cycles is refreshed before it must be, up to so many
-// times; while they last, lines wait for one in RowIntervals + 1 intervals, for a row may not stay open longer. Every row is
+// times; while they last, lines wait for one in RowIntervals intervals, for a row may not stay open longer. Every row is
 // still refreshed within 64 ms: they come as much oftener.
 module sdram_controller #(
     parameter int unsigned ClockKHz = 100000,
@@ -80,7 +80,7 @@ module sdram_controller #(
     sdram_lines_must_be_whole_bursts_of_16_bytes_and_fit_in_a_row bad_line ();
   end
   if (RefreshesAhead > 255 || RowIntervals < 1 || RowIntervals > 15) begin : gen_bad_refreshes
-    sdram_refreshes_ahead_are_255_at_most bad_refreshes ();
+    sdram_refreshes_ahead_are_0_to_255_and_row_intervals_1_to_15 bad_refreshes ();
   end
   if (RefreshTime > 15 || RowActive + 2 > 15) begin : gen_bad_clock
     sdram_clock_is_too_fast_for_the_timers bad_clock ();
