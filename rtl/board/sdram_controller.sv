@@ -18,7 +18,7 @@ module sdram_controller #(
     parameter int unsigned ClockKHz = 100000,
     parameter int unsigned LineHalfwords = 64,
     parameter int unsigned RefreshesAhead = 0,  // 0 to 255
-    parameter int unsigned RowIntervals = 11  // without a refresh, at most; 7.8 us each, and a row may be open for 100 us
+    parameter int unsigned RowIntervals = 11  // without a refresh, at most; 7.8 us each, and a row may be open for 100 us; 2 to 15
 ) (
     input  logic        clk_i,
     input  logic        rst_i,
@@ -79,8 +79,8 @@ module sdram_controller #(
   if (LineHalfwords % 8 != 0 || LineHalfwords > 512) begin : gen_bad_line
     sdram_lines_must_be_whole_bursts_of_16_bytes_and_fit_in_a_row bad_line ();
   end
-  if (RefreshesAhead > 255 || RowIntervals < 1 || RowIntervals > 15) begin : gen_bad_refreshes
-    sdram_refreshes_ahead_are_0_to_255_and_row_intervals_1_to_15 bad_refreshes ();
+  if (RefreshesAhead > 255 || RowIntervals < 2 || RowIntervals > 15) begin : gen_bad_refreshes
+    sdram_refreshes_ahead_are_0_to_255_and_row_intervals_2_to_15 bad_refreshes ();
   end
   if (RefreshTime > 15 || RowActive + 2 > 15) begin : gen_bad_clock
     sdram_clock_is_too_fast_for_the_timers bad_clock ();

@@ -3,8 +3,8 @@
 // sdram_controller: no command comes inside an interval that the data sheet forbids, no row is read or written that is not
 // open, and nobody drives the data pins against the chip. The times, in ns, are written down here from the data sheet and
 // turned into cycles here; the commands are read from the chip's pins. One bank, any, is watched. Requests are free.
-// Refreshes fall due at any time, but only 16 cycles after the last one was made; each is asserted to be made within 64 cycles,
-// and with the controller's own 7.8 us between them that is so. With RefreshesAhead one is owed when more fell due than were made,
+// Refreshes fall due at any time, but only 16 cycles after the last one was made; each is asserted to be made within RefreshWithin
+// cycles, what a line, a PRECHARGE and all else under way may take; properties of that are deep enough for one that is not. With RefreshesAhead one is owed when more fell due than were made,
 // or RowIntervals fell due since the last one; they fall due 24 cycles apart at least and 16 after one that was owed or
 // of the initialisation, whenever others were made, and those made are asserted to be so many ahead at most. With Pause 1 instead: no command in the first 200 us, counted out.
 module sdram_intervals #(
@@ -12,7 +12,8 @@ module sdram_intervals #(
     parameter int unsigned LineHalfwords = 16,
     parameter int unsigned Pause = 0,
     parameter int unsigned RefreshesAhead = 0,
-    parameter int unsigned RowIntervals = 11
+    parameter int unsigned RowIntervals = 11,
+    parameter int unsigned RefreshWithin = 24
 ) (
     input logic clk_i,
     input logic rst_i,
@@ -98,6 +99,7 @@ module sdram_intervals #(
   logic row_old;
   assign row_old = RefreshesAhead != 0 && intervals_q == 4'(RowIntervals);
   logic [5:0] due_age_q;
+  logic waits;  // probe: the controller's pause of 200 us is not over, cut to be of any length
   assign falls_due = ready && refresh_count == RefreshBits'(RefreshEvery - 1);
   always_ff @(posedge clk_i) begin
     if (refresh) due_q <= 1'b0;
@@ -166,7 +168,8 @@ module sdram_intervals #(
       assume (!(refresh_count == RefreshBits'(RefreshEvery - 1) &&
           (!ready || due_q || row_old ||
           (RefreshesAhead == 0 ? refresh || refresh_q != '0 : since_due_q[4:3] != 2'b11 || paid || paid_q != '0))));
-      assert (due_age_q != '1);
+      assume (!(ready && waits));
+      assert (due_age_q != 6'(RefreshWithin));
       assert (ahead_q <= 9'(RefreshesAhead));
     end
     if (!rst_i && started_q && Pause == 0) begin
