@@ -103,6 +103,9 @@ module photon_gatherer_beats #(
   localparam int unsigned SlotHeaderBits = photonloom_pkg::SlotHeaderBits;
   localparam int unsigned HeaderBits = Compressed ? Bucket * SlotHeaderBits : 1;
 
+  // Of several trees and lists, and of far gatherers of many contexts, whose clients lie all over the part.
+  localparam bit CompareStage = Wide || (photonloom_pkg::FarGatherers != 0 && Contexts > 16);
+
   if (8 * photonloom_pkg::PhotonBytes < RecordBits + SlotHeaderBits) begin : gen_bad_photon
     photon_bytes_must_hold_all_fields_of_a_photon bad_photon ();
   end
@@ -137,7 +140,7 @@ module photon_gatherer_beats #(
         .Sets(Sets),
         .Ways(CacheWays),
         .Misses(CacheMisses),
-        .CompareStage(Wide)
+        .CompareStage(CompareStage)
     ) leaf_cache (
         .clk_i(clk_i),
         .rst_i(rst_i),
