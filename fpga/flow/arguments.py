@@ -39,6 +39,12 @@ def check_names(p: argparse.ArgumentParser, names: Sequence[str], known: Collect
         p.error(f"{where}{what}{twice} is named twice, expected each once")
 
 
+def refuse_idle(p: argparse.ArgumentParser, o: argparse.Namespace, names: Collection[str], why: str) -> None:
+    """Refuses options, named by what they are kept as and None by default, where they would do nothing. why: what stands in their way."""
+    if given := next((name for name in names if getattr(o, name) not in (None, False)), None):
+        p.error(f"--{given.replace('_', '-')} is of what is routed, and {why} routes nothing")
+
+
 def positive(text: str) -> float:
     """A number above zero, no infinity."""
     try:

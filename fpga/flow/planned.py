@@ -14,7 +14,7 @@ from collections.abc import Collection, Sequence
 from pathlib import Path
 from typing import Any, TypedDict
 
-from flow.arguments import LAST_SEED, check_names, folder, whole
+from flow.arguments import LAST_SEED, check_names, folder, refuse_idle, whole
 from flow.boards import LUT_EQ, Board, read_board
 from flow.goals import PlannedGoals, planned_goals
 from flow.headline.netlist import SHORT, digest_now
@@ -163,7 +163,7 @@ def write(data: Data, scenes: Sequence[Path], work: Path, board: Board) -> None:
 def main() -> int:
     p = argparse.ArgumentParser(prog="plan-boards", description=__doc__)
     p.add_argument("scenes", nargs="*", help="names of [planned] scenes to route; the others stay as fpga/planned.json has them (default: all)")
-    p.add_argument("--seed", type=whole(1, LAST_SEED), default=1, help="of the placement (default: 1)")
+    p.add_argument("--seed", type=whole(1, LAST_SEED), help="of the placement (default: 1)")
     p.add_argument("--jobs", type=whole(1), default=os.cpu_count() or 1, help="tops routed at a time (default: one a core; 2 GB each)")
     p.add_argument("--placer", choices=("heap", "static"), help="as of scripts/fpga (default: static, but heap with nextpnr 0.7)")
     p.add_argument("--results", type=folder, default=ROOT / "build" / "planned", help="where netlists and routed seeds are kept (default: build/planned)")
@@ -178,6 +178,9 @@ def main() -> int:
         p.error("--check and --render are of the whole table, expected no scenes")
     if o.check + o.render + o.predict > 1:
         p.error("expected one of --check, --render and --predict")
+    if o.check or o.render or o.predict:
+        refuse_idle(p, o, ("seed", "placer"), "--check" if o.check else "--render" if o.render else "--predict")
+    seed = o.seed or 1
     board = read_board(goals.board)
     if o.check or o.render:
         made: Data | None = read_json(DATA) if DATA.is_file() else None
@@ -204,7 +207,7 @@ def main() -> int:
         return 0
     tools = find_tools(board)
     slow = nextpnr_is_slow(tools.versions[board.family.nextpnr])
-    routing = Routing(board, tools, 1, o.seed, None, 8 if slow else 6, o.placer or ("heap" if slow else "static"), False)
+    routing = Routing(board, tools, 1, seed, None, 8 if slow else 6, o.placer or ("heap" if slow else "static"), False)
     work.mkdir(parents=True, exist_ok=True)
     if old and any(row["scene"] in known and known[row["scene"]] not in scenes for row in old["rows"]):
         require_same(old["versions"], tools, DATA, "scripts/plan-boards without scenes")
@@ -213,7 +216,7 @@ def main() -> int:
         plan, said = plan_scene(scene, goals, work)
         top = prepare(plan, work, routing)
         resources = synthesized(top, routing)["resources"]
-        return row_of(plan, said, top, resources, o.seed, route_seed(top, o.seed, routing.placer, routing))
+        return row_of(plan, said, top, resources, seed, route_seed(top, seed, routing.placer, routing))
 
     rows = each(o.jobs, one, scenes)
     data: Data = {"board": board.name, "options": list(goals.options), "versions": tools.versions,

@@ -9,7 +9,7 @@ from flow.goals import CoarseGoals, headline_goals
 from flow.headline import page, tables
 from flow.headline.data import Coarse, Row, of_headline
 from flow.headline.formats import formats_relmse
-from flow.headline.plans import HeadlinePlan, coarse_names, coarse_plan, find_plan
+from flow.headline.plans import VARIANTS, HeadlinePlan, clock_of, coarse_names, coarse_plan, find_plan
 from flow.headline.rows import photon_bytes
 from flow.headline.verdict import judge_coarse
 from flow.shell import ROOT, Failure, field, read_toml
@@ -93,6 +93,20 @@ class Plans(unittest.TestCase):
         variants.write_text("[coarse.a]\nset = []\n")
         with self.assertRaisesRegex(Failure, "headline.toml: coarse.a.base"):
             coarse_plan("a", self.work, variants)
+
+    def test_a_core_may_be_asked_for_a_clock_of_its_own(self) -> None:
+        variants = self.work / "headline.toml"
+        variants.write_text('[clock]\na = 75\nb = 62.5\nc = 0\nd = "75"\n')
+        self.assertEqual([clock_of(name, variants) for name in "abx"], [75, 62.5, None])
+        with self.assertRaisesRegex(Failure, r"headline.toml: clock.c is 0, expected MHz above 0"):
+            clock_of("c", variants)
+        with self.assertRaisesRegex(Failure, "headline.toml: clock.d is '75', expected MHz of the core"):
+            clock_of("d", variants)
+        variants.write_text("")
+        with self.assertRaisesRegex(Failure, "headline.toml: clock is missing, expected a table of MHz"):
+            clock_of("a", variants)
+        for name in read_toml(VARIANTS)["clock"]:
+            self.assertEqual(find_plan(name, self.work).clock, clock_of(name))
 
     def test_relmse_is_that_of_golden_beside_reference(self) -> None:
         """Positions of 11 bits cost more than those of 16, and those cost something."""

@@ -450,7 +450,7 @@ class Verdicts(MadeUp):
                          "| p | 8 | none | 10.00 | 0.50 (0.45 – 0.55) nanoflann | 1.00 (0.90 – 1.10) | 20.00 (18.18 – 22.22) | "
                          "10.00 (9.09 – 11.11) | 8 | yes |")
         self.assertEqual(tables.top_table([(row, self.judge(row))]).splitlines()[2],
-                         "| p | 2 | 100.0 (95.0 – 101.0) | – | 1, 2, 3 | `dddddddddddd` | 4.6 | DP16KD 104 of 208 |")
+                         "| p | 2 | 100.0 (95.0 – 101.0) of 50 | – | 1, 2, 3 | `dddddddddddd` | 4.6 | DP16KD 104 of 208 |")
         self.assertEqual(page.arithmetic([(row, self.judge(row))]),
                          "- `p`, no radius: 12.0 nodes, 3.5 leaves, 16.0 insertions a query: 16.0 cycles of a gatherer's lists; "
                          "2 x 100.0 MHz: 12.50 Mquery/s. Photon memory: 4.00 cycles of its ports: 25.00 Mquery/s. "

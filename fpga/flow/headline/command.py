@@ -14,7 +14,7 @@ import argparse
 import os
 from pathlib import Path
 
-from flow.arguments import LAST_SEED, folder, positive, whole
+from flow.arguments import LAST_SEED, folder, positive, refuse_idle, whole
 from flow.boards import read_board
 from flow.goals import HeadlineGoals, headline_goals
 from flow.headline.data import DATA, Data, ImageTime, Link, Replay, Row, merge, of_headline, read_data
@@ -47,10 +47,10 @@ def processor(path: Path = Path("/proc/cpuinfo")) -> str:
 def options() -> argparse.Namespace:
     p = argparse.ArgumentParser(prog="headline", description=__doc__)
     p.add_argument("plans", nargs="*", help="names of fpga/headline or fpga/headline.toml, or files (default: all of fpga/headline)")
-    p.add_argument("--seeds", type=whole(1), default=3, help="placements of each top (default: 3; a top took 10 to 40 minutes)")
-    p.add_argument("--first-seed", type=whole(0, LAST_SEED), default=1)
+    p.add_argument("--seeds", type=whole(1), help="placements of each top (default: 3; a top took 10 to 40 minutes)")
+    p.add_argument("--first-seed", type=whole(0, LAST_SEED), help="number of the first one (default: 1)")
     p.add_argument("--jobs", type=whole(1), default=os.cpu_count(), help="tops routed, then simulated, at a time (default: one a core; 2 GB each)")
-    p.add_argument("--clock", type=positive, help="MHz of the core to route to, if not the board's default")
+    p.add_argument("--clock", type=positive, help="MHz of the core to route to, if not what fpga/headline.toml has for the plan, or the board's default")
     p.add_argument("--route-speed", type=int, choices=(6, 7, 8),
                    help="as of scripts/fpga (default: 6, but 8 with nextpnr 0.7, which did not end at 6)")
     p.add_argument("--placer", choices=("heap", "static"), help="as of scripts/fpga (default: static, but heap with nextpnr 0.7)")
@@ -66,6 +66,10 @@ def options() -> argparse.Namespace:
     p.add_argument("--dry-run", action="store_true", help="only tell whether the arguments are right; needs no tools")
     only.add_argument("--check", action="store_true", help="tell whether docs/headline.md is that of fpga/headline.json and of today's RTL")
     o = p.parse_args()
+    if nothing_routed := next((f"--{name.replace('_', '-')}" for name in ("replay_only", "images_only", "render", "check") if getattr(o, name)), None):
+        refuse_idle(p, o, ("seeds", "first_seed", "route_speed", "placer", "route_again") + (() if o.replay_only else ("clock",)), nothing_routed)
+    o.seeds = o.seeds or 3
+    o.first_seed = 1 if o.first_seed is None else o.first_seed
     if o.first_seed + o.seeds - 1 > LAST_SEED:
         p.error(f"--seeds: the last one is {o.first_seed + o.seeds - 1}, expected at most {LAST_SEED}")
     check_plan_names(o.plans)
@@ -142,7 +146,7 @@ def route_only(tops: list[Top], routing: Routing, jobs: int) -> None:
 
 def play(plan: HeadlinePlan, goals: HeadlineGoals, work: Path, clock: float | None) -> Replay:
     """The replay of a plan's board, simulated unless that of the same netlist, plan and scene is kept: radii are in no netlist."""
-    digest = digest_now(plan.path, read_board(goals.board), clock)
+    digest = digest_now(plan.path, read_board(goals.board), clock or plan.clock)
     kept = work / "replays" / f"{plan.name}-{digest[:SHORT]}-{sha256(plan.path)[:SHORT]}-{sha256(goals.scene)[:SHORT]}.json"
     if kept.is_file():
         found: Replay = read_json(kept)
@@ -227,9 +231,9 @@ def main() -> int:
     played = play(replayed, goals, work, o.clock) if goals.replay in [plan.name for plan in plans] else None
     # The whole page's images are timed with the whole page's rows.
     images = time_images(goals.images, processor()) if not o.plans else []
-    # One link stands on the page: that of the headline's own formats.
-    own = [top.link for plan, top in zip(plans, tops) if not (plan.rejected or plan.shows or plan.finer)]
-    data = publish(rows, played, images, own[-1] if own else None, goals, work, o.page)
+    # One link stands on the page: that of the board beside whole images.
+    link = next((top.link for plan, top in zip(plans, tops) if plan.name == goals.images.plan), None)
+    data = publish(rows, played, images, link, goals, work, o.page)
     text = summary(data, goals, []) + "\n" + report(data, goals) + images_of(data, goals)
     (work / "report.md").write_text(text)
     print("\n" + text)

@@ -15,12 +15,25 @@ VARIANTS = ROOT / "fpga" / "headline.toml"
 @dataclass(frozen=True)
 class HeadlinePlan:
     """rejected: why it is none of the headline's; "" for one of them. shows: what a variant shows, "" for others. finer: the plan
-    of the headline of which it is one in coarser formats, "" for others."""
+    of the headline of which it is one in coarser formats, "" for others. clock: MHz that its core is asked for, None for the board's
+    default."""
     name: str
     path: Path
     rejected: str = ""
     shows: str = ""
     finer: str = ""
+    clock: float | None = None
+
+
+def clock_of(name: str, variants: Path = VARIANTS) -> float | None:
+    """MHz that the core of a plan of this name is asked for, None for the board's default."""
+    clocks = field(read_toml(variants), variants, "clock", dict, "a table of MHz")
+    if name not in clocks:
+        return None
+    said = float(field({"clock": clocks}, variants, f"clock.{name}", (int, float), "MHz of the core"))
+    if said <= 0:
+        raise Failure(f"{variants}: clock.{name} is {said:g}, expected MHz above 0")
+    return said
 
 
 def names_of(kind: str, variants: Path) -> list[str]:
@@ -71,15 +84,18 @@ def changed_plan(kind: str, name: str, work: Path, variants: Path) -> Path:
 
 
 def rejected_plan(name: str, work: Path, variants: Path = VARIANTS) -> HeadlinePlan:
-    return HeadlinePlan(name, changed_plan("rejected", name, work, variants), why_rejected(name, variants))
+    return HeadlinePlan(name, changed_plan("rejected", name, work, variants), why_rejected(name, variants),
+                        clock=clock_of(name, variants))
 
 
 def variant_plan(name: str, work: Path, variants: Path = VARIANTS) -> HeadlinePlan:
-    return HeadlinePlan(name, changed_plan("variant", name, work, variants), shows=what_shows(name, variants))
+    return HeadlinePlan(name, changed_plan("variant", name, work, variants), shows=what_shows(name, variants),
+                        clock=clock_of(name, variants))
 
 
 def coarse_plan(name: str, work: Path, variants: Path = VARIANTS) -> HeadlinePlan:
-    return HeadlinePlan(name, changed_plan("coarse", name, work, variants), finer=base_of("coarse", name, variants))
+    return HeadlinePlan(name, changed_plan("coarse", name, work, variants), finer=base_of("coarse", name, variants),
+                        clock=clock_of(name, variants))
 
 
 def known_names() -> list[str]:
@@ -101,7 +117,7 @@ def find_plan(name: str, work: Path) -> HeadlinePlan:
     """A plan of the headline, a rejected one, a variant, or one of a file of its own."""
     path = FOLDER / f"{name}.toml"
     if path.is_file():
-        return HeadlinePlan(name, path)
+        return HeadlinePlan(name, path, clock=clock_of(name))
     if name in rejected_names():
         return rejected_plan(name, work)
     if name in variant_names():
@@ -110,7 +126,8 @@ def find_plan(name: str, work: Path) -> HeadlinePlan:
         return coarse_plan(name, work)
     check_plan_names([name])
     path = Path(name)
-    return HeadlinePlan(path.stem, path, "" if path.resolve().parent == FOLDER else f"not in {FOLDER.relative_to(ROOT)}")
+    own = path.resolve().parent != FOLDER
+    return HeadlinePlan(path.stem, path, f"not in {FOLDER.relative_to(ROOT)}" if own else "", clock=None if own else clock_of(path.stem))
 
 
 def find_plans(names: Sequence[str], work: Path) -> list[HeadlinePlan]:

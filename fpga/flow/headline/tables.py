@@ -232,7 +232,7 @@ def part_table(judged: Judged) -> str:
 def top_table(judged: Judged) -> str:
     """One line a plan."""
     tops = {r["plan"]: r for r, _ in judged}
-    return markdown([[r["plan"], r["gatherers"], clock_cell(r["fmax_mhz"], len(r["seeds"])), other_clocks(r),
+    return markdown([[r["plan"], r["gatherers"], f"{clock_cell(r['fmax_mhz'], len(r['seeds']))} of {r['clock_mhz']:g}", other_clocks(r),
                       ", ".join(map(str, r["seeds"])), f"`{r['digest'][:SHORT]}`", f"{r['uart'] / 1e3:.1f}",
                       f"{r['binding']['resource']} {r['binding']['used']:,} of {r['binding']['of']:,}"]
                      for r in tops.values()], TOP_COLUMNS)

@@ -27,7 +27,8 @@ from flow.tools import Tools
 
 @dataclass(frozen=True)
 class Routing:
-    """What a top is routed with. seeds: as many, from first_seed on; again: even what is kept."""
+    """What a top is routed with. seeds: as many, from first_seed on; clock: MHz of the core where it is not to be the plan's or the
+    board's; again: even what is kept."""
     board: Board
     tools: Tools
     seeds: int
@@ -80,7 +81,7 @@ def prepare(plan: HeadlinePlan, work: Path, o: Routing) -> Top:
     (work / "tops").mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(dir=work) as made:
         package = Path(made, "package")
-        clock_mhz = generate(plan.path, package, o.board, None, o.clock)["clock_khz"] / 1000
+        clock_mhz = generate(plan.path, package, o.board, None, o.clock or plan.clock)["clock_khz"] / 1000
         digest = netlist_digest(package)
         link = link_of(package, 1000 * clock_mhz)
         top = Top(plan.name, digest, work / "tops" / f"{plan.name}-{top_key(digest, o.tools.versions)}", clock_mhz,
