@@ -64,7 +64,7 @@ class Scripts(unittest.TestCase):
         self.refused("--page is of what is measured, expected none of ", "headline", "--page", "--route-only")
         for option in ("--images-only", "--render", "--check"):
             self.refused(f"--clock is of what is routed, and {option} routes nothing$", "headline", option, "--clock", "60")
-        self.refused("--first-seed is of what is routed, and --replay-only routes nothing$", "headline", "--replay-only", "--first-seed", "1")
+        self.refused("--first-seed is of what is routed, and --replay-only routes nothing$", "headline", "--replay-only", "--first-seed", "0")
         self.refused("--route-again is of what is routed, and --render routes nothing$", "headline", "--render", "--route-again")
         self.refused("--check and --render are of the whole table, expected no scenes$", "plan-boards", "cornell", "--check")
         for option in ("--predict", "--render", "--check"):
