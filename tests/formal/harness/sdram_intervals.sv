@@ -99,7 +99,7 @@ module sdram_intervals #(
   logic row_old;
   assign row_old = RefreshesAhead != 0 && intervals_q == 4'(RowIntervals);
   logic [5:0] due_age_q;
-  logic waits;  // probe: the controller's pause of 200 us is not over, cut to be of any length
+  logic waits;  // probe: the controller pauses, which is cut to be at any time; but it is over before it is ready, and only a reset begins another
   assign falls_due = ready && refresh_count == RefreshBits'(RefreshEvery - 1);
   always_ff @(posedge clk_i) begin
     if (refresh) due_q <= 1'b0;
