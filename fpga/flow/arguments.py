@@ -42,7 +42,8 @@ def check_names(p: argparse.ArgumentParser, names: Sequence[str], known: Collect
 def refuse_idle(p: argparse.ArgumentParser, o: argparse.Namespace, names: Collection[str], why: str) -> None:
     """Refuses options, named by what they are kept as and None by default, where they would do nothing. why: what stands in their way."""
     if given := next((name for name in names if not (getattr(o, name) is None or getattr(o, name) is False)), None):  # 0 is given
-        p.error(f"--{given.replace('_', '-')} is of what is routed, and {why} routes nothing")
+        p.error(f"--{given.replace('_', '-')} is of what is routed, and {why} routes nothing; expected none of " +
+                ", ".join(f"--{name.replace('_', '-')}" for name in names))
 
 
 def positive(text: str) -> float:

@@ -164,7 +164,7 @@ def main() -> int:
     p = argparse.ArgumentParser(prog="plan-boards", description=__doc__)
     p.add_argument("scenes", nargs="*", help="names of [planned] scenes to route; the others stay as fpga/planned.json has them (default: all)")
     p.add_argument("--seed", type=whole(1, LAST_SEED), help="of the placement (default: 1)")
-    p.add_argument("--jobs", type=whole(1), default=os.cpu_count() or 1, help="tops routed at a time (default: one a core; 2 GB each)")
+    p.add_argument("--jobs", type=whole(1), help="tops routed at a time (default: one a core; 2 GB each)")
     p.add_argument("--placer", choices=("heap", "static"), help="as of scripts/fpga (default: static, but heap with nextpnr 0.7)")
     p.add_argument("--results", type=folder, default=ROOT / "build" / "planned", help="where netlists and routed seeds are kept (default: build/planned)")
     p.add_argument("--render", action="store_true", help="write the table from fpga/planned.json again, nothing else")
@@ -179,8 +179,8 @@ def main() -> int:
     if o.check + o.render + o.predict > 1:
         p.error("expected one of --check, --render and --predict")
     if o.check or o.render or o.predict:
-        refuse_idle(p, o, ("seed", "placer"), "--check" if o.check else "--render" if o.render else "--predict")
-    seed = o.seed or 1
+        refuse_idle(p, o, ("seed", "placer") + (() if o.predict else ("jobs",)), "--check" if o.check else "--render" if o.render else "--predict")
+    seed, jobs = o.seed or 1, o.jobs or os.cpu_count() or 1
     board = read_board(goals.board)
     if o.check or o.render:
         made: Data | None = read_json(DATA) if DATA.is_file() else None
@@ -201,7 +201,7 @@ def main() -> int:
         if missing := [scene.stem for scene in scenes if scene.stem not in rows_of]:
             raise Failure(f"{DATA}: has no row of {missing[0]}; scripts/plan-boards {missing[0]} routes it")
         assert old
-        again = each(o.jobs, lambda scene: predicted(rows_of[scene.stem], plan_scene(scene, goals, work)[1]), scenes)
+        again = each(jobs, lambda scene: predicted(rows_of[scene.stem], plan_scene(scene, goals, work)[1]), scenes)
         old["rows"] = merged(old["rows"], again, goals.scenes)
         write(old, scenes, work, board)
         return 0
@@ -218,7 +218,7 @@ def main() -> int:
         resources = synthesized(top, routing)["resources"]
         return row_of(plan, said, top, resources, seed, route_seed(top, seed, routing.placer, routing))
 
-    rows = each(o.jobs, one, scenes)
+    rows = each(jobs, one, scenes)
     data: Data = {"board": board.name, "options": list(goals.options), "versions": tools.versions,
                   "rows": merged(old["rows"] if old else [], rows, goals.scenes)}
     write(data, scenes, work, board)

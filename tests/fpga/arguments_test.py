@@ -63,13 +63,15 @@ class Scripts(unittest.TestCase):
         self.refused("not allowed with argument --render", "headline", "--render", "--check")
         self.refused("--page is of what is measured, expected none of ", "headline", "--page", "--route-only")
         for option in ("--images-only", "--render", "--check"):
-            self.refused(f"--clock is of what is routed, and {option} routes nothing$", "headline", option, "--clock", "60")
-        self.refused("--first-seed is of what is routed, and --replay-only routes nothing$", "headline", "--replay-only", "--first-seed", "0")
-        self.refused("--route-again is of what is routed, and --render routes nothing$", "headline", "--render", "--route-again")
+            self.refused(f"--clock is of what is routed, and {option} routes nothing; expected none of --", "headline", option, "--clock", "60")
+        self.refused("--first-seed is of what is routed, and --replay-only routes nothing; expected none of --", "headline", "--replay-only", "--first-seed", "0")
+        self.refused("--jobs is of what is routed, and --check routes nothing; expected none of --", "headline", "--check", "--jobs", "2")
+        self.refused("--jobs is of what is routed, and --render routes nothing; expected none of --", "plan-boards", "--render", "--jobs", "2")
+        self.refused("--route-again is of what is routed, and --render routes nothing; expected none of --", "headline", "--render", "--route-again")
         self.refused("--check and --render are of the whole table, expected no scenes$", "plan-boards", "cornell", "--check")
         for option in ("--predict", "--render", "--check"):
-            self.refused(f"--seed is of what is routed, and {option} routes nothing$", "plan-boards", option, "--seed", "1")
-        self.refused("--placer is of what is routed, and --predict routes nothing$", "plan-boards", "cornell", "--predict", "--placer", "heap")
+            self.refused(f"--seed is of what is routed, and {option} routes nothing; expected none of --", "plan-boards", option, "--seed", "1")
+        self.refused("--placer is of what is routed, and --predict routes nothing; expected none of --", "plan-boards", "cornell", "--predict", "--placer", "heap")
         self.refused("--check, --render and --cycles are of the whole table, expected no plans$", "fpga-fast", "k8", "--cycles")
         self.refused("--plans-only, --fit and --check are of all plans, expected none by name$", "fpga-plans", "small", "--check")
 

@@ -96,15 +96,18 @@ class Plans(unittest.TestCase):
 
     def test_a_core_may_be_asked_for_a_clock_of_its_own(self) -> None:
         variants = self.work / "headline.toml"
-        variants.write_text('[clock]\na = 75\nb = 62.5\nc = 0\nd = "75"\n')
-        self.assertEqual([clock_of(name, variants) for name in "abx"], [75, 62.5, None])
-        with self.assertRaisesRegex(Failure, r"headline.toml: clock.c is 0, expected MHz above 0"):
-            clock_of("c", variants)
-        with self.assertRaisesRegex(Failure, "headline.toml: clock.d is '75', expected MHz of the core"):
-            clock_of("d", variants)
-        variants.write_text("")
-        with self.assertRaisesRegex(Failure, "headline.toml: clock is missing, expected a table of MHz"):
-            clock_of("a", variants)
+
+        def clocks(text: str) -> list[float | None]:
+            variants.write_text(f'{text}\n[rejected.a]\n[variant.b]\n[coarse.c]\n')
+            return [clock_of(name, variants) for name in ("a", "b", "c", "sdram_k8")]
+
+        self.assertEqual(clocks("[clock]\na = 75\nb = 62.5\nsdram_k8 = 1"), [75, 62.5, None, 1])
+        for text, expected in (("[clock]\nc = 0", "clock.c is 0, expected 1 to 400 MHz"), ("[clock]\nc = nan", "clock.c is nan, expected 1 to 400 MHz"),
+                               ('[clock]\nc = "75"', "clock.c is '75', expected MHz of the core"),
+                               ("[clock]\nsdram_k9 = 75", "clock.sdram_k9 is of no plan, expected some of block_ram_k16, "),
+                               ("", "clock is missing, expected a table of MHz")):
+            with self.assertRaisesRegex(Failure, f"headline.toml: {expected}"):
+                clocks(text)
         for name in read_toml(VARIANTS)["clock"]:
             self.assertEqual(find_plan(name, self.work).clock, clock_of(name))
 

@@ -451,6 +451,10 @@ class Verdicts(MadeUp):
                          "10.00 (9.09 – 11.11) | 8 | yes |")
         self.assertEqual(tables.top_table([(row, self.judge(row))]).splitlines()[2],
                          "| p | 2 | 100.0 (95.0 – 101.0) of 50 | – | 1, 2, 3 | `dddddddddddd` | 4.6 | DP16KD 104 of 208 |")
+        row["clocks"] = {"$glbnet$clk": {"constraint": 110.0, "median": 100.0, "low": 95.0, "high": 101.0}}
+        row["clock_mhz"] = 110.0
+        self.assertIn("| 100.0 (95.0 – 101.0) of 110 **missed** | – |", tables.top_table([(row, self.judge(row))]))
+        row = self.row()
         self.assertEqual(page.arithmetic([(row, self.judge(row))]),
                          "- `p`, no radius: 12.0 nodes, 3.5 leaves, 16.0 insertions a query: 16.0 cycles of a gatherer's lists; "
                          "2 x 100.0 MHz: 12.50 Mquery/s. Photon memory: 4.00 cycles of its ports: 25.00 Mquery/s. "

@@ -49,7 +49,7 @@ def options() -> argparse.Namespace:
     p.add_argument("plans", nargs="*", help="names of fpga/headline or fpga/headline.toml, or files (default: all of fpga/headline)")
     p.add_argument("--seeds", type=whole(1), help="placements of each top (default: 3; a top took 10 to 40 minutes)")
     p.add_argument("--first-seed", type=whole(0, LAST_SEED), help="number of the first one (default: 1)")
-    p.add_argument("--jobs", type=whole(1), default=os.cpu_count(), help="tops routed, then simulated, at a time (default: one a core; 2 GB each)")
+    p.add_argument("--jobs", type=whole(1), help="tops routed, then simulated, at a time (default: one a core; 2 GB each)")
     p.add_argument("--clock", type=positive, help="MHz of the core to route to, if not what fpga/headline.toml has for the plan, or the board's default")
     p.add_argument("--route-speed", type=int, choices=(6, 7, 8),
                    help="as of scripts/fpga (default: 6, but 8 with nextpnr 0.7, which did not end at 6)")
@@ -67,11 +67,11 @@ def options() -> argparse.Namespace:
     only.add_argument("--check", action="store_true", help="tell whether docs/headline.md is that of fpga/headline.json and of today's RTL")
     o = p.parse_args()
     if nothing_routed := next((f"--{name.replace('_', '-')}" for name in ("replay_only", "images_only", "render", "check") if getattr(o, name)), None):
-        refuse_idle(p, o, ("seeds", "first_seed", "route_speed", "placer", "route_again") + (() if o.replay_only else ("clock",)), nothing_routed)
-    o.seeds = o.seeds or 3
+        refuse_idle(p, o, ("seeds", "first_seed", "jobs", "route_speed", "placer", "route_again", "clock"), nothing_routed)
+    o.seeds, o.jobs = o.seeds or 3, o.jobs or os.cpu_count()
     o.first_seed = 1 if o.first_seed is None else o.first_seed
     if o.first_seed + o.seeds - 1 > LAST_SEED:
-        p.error(f"--seeds: the last one is {o.first_seed + o.seeds - 1}, expected at most {LAST_SEED}")
+        p.error(f"--first-seed, --seeds: the last one is {o.first_seed + o.seeds - 1}, expected at most {LAST_SEED}")
     check_plan_names(o.plans)
     of_no_plan = {"--replay-only": o.replay_only, "--images-only": o.images_only, "--render": o.render, "--check": o.check}
     if o.plans and (option := next((name for name, asked in of_no_plan.items() if asked), None)):
@@ -105,10 +105,10 @@ def routing_of(o: argparse.Namespace, goals: HeadlineGoals) -> Routing:
 
 
 def digests_today(data: Data, work: Path) -> dict[str, str]:
-    """Plan -> digest of its netlist, of each plan of the data."""
+    """Plan -> digest of its netlist, of each plan of the data; at the clock that its core is asked for today, whatever its row has."""
     board = read_board(data["board"])
-    clocks = {row["plan"]: row["clock_mhz"] for row in data["rows"]}
-    return {name: digest_now(find_plan(name, work).path, board, mhz) for name, mhz in clocks.items()}
+    plans = {name: find_plan(name, work) for name in {row["plan"] for row in data["rows"]}}
+    return {name: digest_now(plan.path, board, plan.clock) for name, plan in plans.items()}
 
 
 def predicted_today(data: Data, work: Path) -> Data:
@@ -144,9 +144,9 @@ def route_only(tops: list[Top], routing: Routing, jobs: int) -> None:
     each(jobs, one, [(top, seed) for seed in seeds for top in tops])
 
 
-def play(plan: HeadlinePlan, goals: HeadlineGoals, work: Path, clock: float | None) -> Replay:
+def play(plan: HeadlinePlan, goals: HeadlineGoals, work: Path) -> Replay:
     """The replay of a plan's board, simulated unless that of the same netlist, plan and scene is kept: radii are in no netlist."""
-    digest = digest_now(plan.path, read_board(goals.board), clock or plan.clock)
+    digest = digest_now(plan.path, read_board(goals.board), plan.clock)
     kept = work / "replays" / f"{plan.name}-{digest[:SHORT]}-{sha256(plan.path)[:SHORT]}-{sha256(goals.scene)[:SHORT]}.json"
     if kept.is_file():
         found: Replay = read_json(kept)
@@ -202,7 +202,7 @@ def main() -> int:
         return 0
     replayed = find_plan(goals.replay, work)
     if o.replay_only:
-        publish([], play(replayed, goals, work, o.clock), [], None, goals, work, o.page)
+        publish([], play(replayed, goals, work), [], None, goals, work, o.page)
         return 0
     if o.images_only:
         images = time_images(goals.images, processor())
@@ -228,11 +228,11 @@ def main() -> int:
     for plan, top, (entry, of_plan) in zip(plans, tops, engines):  # one after the other: a core is timed on a quiet machine
         rows += rows_of(plan, top, entry, of_plan, time_core(plan, of_plan, bench), routing.tools.versions, processor(), routing.board,
                         coarse_of(plan, find_plan(plan.finer, work), goals.scene, of_plan.folder) if plan.finer else None)
-    played = play(replayed, goals, work, o.clock) if goals.replay in [plan.name for plan in plans] else None
+    played = play(replayed, goals, work) if goals.replay in [plan.name for plan in plans] else None
     # The whole page's images are timed with the whole page's rows.
     images = time_images(goals.images, processor()) if not o.plans else []
-    # One link stands on the page: that of the board beside whole images.
-    link = next((top.link for plan, top in zip(plans, tops) if plan.name == goals.images.plan), None)
+    # One link stands on the page: that of the board beside whole images, or any where there is no page yet.
+    link = next((top.link for plan, top in zip(plans, tops) if plan.name == goals.images.plan), None if DATA.is_file() else tops[0].link)
     data = publish(rows, played, images, link, goals, work, o.page)
     text = summary(data, goals, []) + "\n" + report(data, goals) + images_of(data, goals)
     (work / "report.md").write_text(text)

@@ -26,14 +26,16 @@ class HeadlinePlan:
 
 
 def clock_of(name: str, variants: Path = VARIANTS) -> float | None:
-    """MHz that the core of a plan of this name is asked for, None for the board's default."""
-    clocks = field(read_toml(variants), variants, "clock", dict, "a table of MHz")
-    if name not in clocks:
-        return None
-    said = float(field({"clock": clocks}, variants, f"clock.{name}", (int, float), "MHz of the core"))
-    if said <= 0:
-        raise Failure(f"{variants}: clock.{name} is {said:g}, expected MHz above 0")
-    return said
+    """MHz that the core of a plan of this name is asked for, None for the board's default. Every clock must be of a plan, and one."""
+    clocks: dict[str, float] = {}
+    known = known_names(variants)
+    for plan in field(read_toml(variants), variants, "clock", dict, "a table of MHz"):
+        if plan not in known:
+            raise Failure(f"{variants}: clock.{plan} is of no plan, expected some of {', '.join(known)}")
+        clocks[plan] = float(field(read_toml(variants), variants, f"clock.{plan}", (int, float), "MHz of the core"))
+        if not 1 <= clocks[plan] <= 400:
+            raise Failure(f"{variants}: clock.{plan} is {clocks[plan]:g}, expected 1 to 400 MHz")
+    return clocks.get(name)
 
 
 def names_of(kind: str, variants: Path) -> list[str]:
@@ -98,8 +100,8 @@ def coarse_plan(name: str, work: Path, variants: Path = VARIANTS) -> HeadlinePla
                         clock=clock_of(name, variants))
 
 
-def known_names() -> list[str]:
-    return [p.stem for p in sorted(FOLDER.glob("*.toml"))] + rejected_names() + variant_names() + coarse_names()
+def known_names(variants: Path = VARIANTS) -> list[str]:
+    return [p.stem for p in sorted(FOLDER.glob("*.toml"))] + rejected_names(variants) + variant_names(variants) + coarse_names(variants)
 
 
 def check_plan_names(names: Sequence[str]) -> None:

@@ -81,7 +81,11 @@ def prepare(plan: HeadlinePlan, work: Path, o: Routing) -> Top:
     (work / "tops").mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(dir=work) as made:
         package = Path(made, "package")
-        clock_mhz = generate(plan.path, package, o.board, None, o.clock or plan.clock)["clock_khz"] / 1000
+        try:
+            clock_mhz = generate(plan.path, package, o.board, None, o.clock or plan.clock)["clock_khz"] / 1000
+        except Failure as failure:
+            asked = f"--clock {o.clock:g}" if o.clock else f"clock.{plan.name} of fpga/headline.toml" if plan.clock else "the board's default clock"
+            raise Failure(f"{plan.name}, by {asked}: {failure}") from failure
         digest = netlist_digest(package)
         link = link_of(package, 1000 * clock_mhz)
         top = Top(plan.name, digest, work / "tops" / f"{plan.name}-{top_key(digest, o.tools.versions)}", clock_mhz,
