@@ -18,7 +18,7 @@ module sdram_controller #(
     parameter int unsigned ClockKHz = 100000,
     parameter int unsigned LineHalfwords = 64,
     parameter int unsigned RefreshesAhead = 0,  // 0 to 255
-    parameter int unsigned RowIntervals = 11  // without a refresh, at most; 7.8 us each, and a row may be open for 100 us; 2 to 15
+    parameter int unsigned RowIntervals = 11  // without a refresh, at most; 7.8 us each, and a row may be open for 120 us; 2 to 15
 ) (
     input  logic        clk_i,
     input  logic        rst_i,

@@ -13,7 +13,7 @@ module sdram_intervals #(
     parameter int unsigned Pause = 0,
     parameter int unsigned RefreshesAhead = 0,
     parameter int unsigned RowIntervals = 11,
-    parameter int unsigned RefreshWithin = 24
+    parameter int unsigned RefreshWithin = LineHalfwords + 8
 ) (
     input logic clk_i,
     input logic rst_i,
@@ -98,7 +98,7 @@ module sdram_intervals #(
   assign paid = refresh && (due_q || row_old || !ready_q);
   logic row_old;
   assign row_old = RefreshesAhead != 0 && intervals_q == 4'(RowIntervals);
-  logic [5:0] due_age_q;
+  logic [9:0] due_age_q;
   logic waits;  // probe: the controller pauses, which is cut to be at any time; but it is over before it is ready, and only a reset begins another
   assign falls_due = ready && refresh_count == RefreshBits'(RefreshEvery - 1);
   always_ff @(posedge clk_i) begin
@@ -169,7 +169,7 @@ module sdram_intervals #(
           (!ready || due_q || row_old ||
           (RefreshesAhead == 0 ? refresh || refresh_q != '0 : since_due_q[4:3] != 2'b11 || paid || paid_q != '0))));
       assume (!(ready && waits));
-      assert (due_age_q != 6'(RefreshWithin));
+      assert (due_age_q != 10'(RefreshWithin));
       assert (ahead_q <= 9'(RefreshesAhead));
     end
     if (!rst_i && started_q && Pause == 0) begin
