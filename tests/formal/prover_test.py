@@ -98,6 +98,25 @@ class Verdicts(unittest.TestCase):
             self.assertFalse(report.Result(read, sound, planted).passed)
         self.assertIn("UNDECIDED", report.Result(read, undecided, None).verdict)
 
+    def test_the_page_has_a_row_of_each_property_and_none_of_another(self) -> None:
+        before, = table(ENTRY.format(method="pdr", more=""))
+        now = replace(before, says="t")
+        holds, fails = engines.Outcome("holds", None, 1.0), engines.Outcome("fails", 3, 1.0)
+        with tempfile.TemporaryDirectory() as folder:
+            page = Path(folder, "formal.md")
+            page.write_text(f"above\n{report.BEGIN}\n{report.END}\nbelow\n")
+            report.write_page(page, [report.Result(before, holds, fails)], [before])
+            report.check_page(page, [before])
+            with self.assertRaisesRegex(Failure, r"formal.md: has 0 rows of a as it is now, expected one; scripts/formal a "):
+                report.check_page(page, [now])
+            with self.assertRaisesRegex(Failure, r"formal.md: has 0 rows of a as it is now"):
+                report.check_page(page, [replace(before, parameters={"Depth": 9})])
+            with self.assertRaisesRegex(Failure, r"formal.md: has a row of no property, expected none: `m` \| s \|  \| pdr \| `b`$"):
+                report.check_page(page, [])
+            report.write_page(page, [report.Result(now, holds, fails)], [now], whole=False)
+            report.check_page(page, [now])
+            self.assertTrue(page.read_text().startswith("above\n") and page.read_text().endswith("\nbelow\n"))
+
 
 class Formulas(unittest.TestCase):
     def value(self, text: str, **known: int) -> Fraction:

@@ -49,7 +49,7 @@ def main() -> int:
     parser.add_argument("--limit", type=positive, default=600.0, help="seconds of the processor until a property counts as undecided (default 600)")
     parser.add_argument("--quick", action="store_true", help="only the properties marked quick, in a few seconds")
     parser.add_argument("--page", action="store_true", help=f"prove nothing: write the last results of all, or the rows of those named, into {PAGE}; of bounds into {STEPS_PAGE} too")
-    parser.add_argument("--check", action="store_true", help="prove nothing: tell whether sources are there and planted bugs apply")
+    parser.add_argument("--check", action="store_true", help="prove nothing: tell whether sources are there, planted bugs apply and the page has a row of each property")
     parser.add_argument("--golden", type=Path, metavar="PROGRAM",
                         help="prove nothing: hold the scripts of the bounds against the values of golden that this program prints")
     parser.add_argument("--list", action="store_true", help="print the table's names and what they say")
@@ -75,7 +75,8 @@ def main() -> int:
         return 0
 
     if arguments.page:
-        report.write_page(ROOT / PAGE, [kept.read(ROOT, arguments.work, proved) for proved in chosen], whole=not arguments.names)
+        report.write_page(ROOT / PAGE, [kept.read(ROOT, arguments.work, proved) for proved in chosen], table,
+                          whole=not arguments.names)
         if any(proved.method == "gappa" for proved in chosen):
             report.write_steps(ROOT / STEPS_PAGE, bounds,
                                [kept.read(ROOT, arguments.work, proved) for proved in table if proved.method == "gappa"])
@@ -84,7 +85,9 @@ def main() -> int:
     if arguments.check:
         for proved in chosen:
             sources.plant(ROOT, proved, sources.of(ROOT, proved), arguments.work / "sources")
-        say(f"{len(chosen)} properties, each with its sources and a bug that applies; each module that words go through is named or has a reason")
+        report.check_page(ROOT / PAGE, table)
+        say(f"{len(chosen)} properties, each with its sources and a bug that applies; each module that words go through is named or has a reason; "
+            f"{PAGE} has a row of each")
         return 0
 
     if arguments.golden:

@@ -59,26 +59,50 @@ def heading() -> str:
     return f"{'property':<32} {'module':<24} {'method':<10} {'depth':<10} {'':>4}time    verdict"
 
 
+def _facts(proved: Property) -> list[str]:
+    """What a row says of a property whatever came of it: module, words, at, method, planted bug."""
+    at = ", ".join([*(f"{name} {value}" for name, value in proved.parameters.items()),
+                    *(f"{word} {least} to {greatest}" for word, least, greatest in proved.ranges)])
+    return [f"`{proved.module}`", proved.says, at, proved.method, f"`{proved.bug}`"]
+
+
 def _row(result: Result) -> str:
-    at = ", ".join([*(f"{name} {value}" for name, value in result.proved.parameters.items()),
-                    *(f"{word} {least} to {greatest}" for word, least, greatest in result.proved.ranges)])
-    return (f"| `{result.proved.module}` | {result.proved.says} | {at} | {result.proved.method} | {result.depth} | "
-            f"{max(1, round(result.seconds))} s | `{result.proved.bug}` | {result.verdict} |")
+    *what, bug = _facts(result.proved)
+    return "| " + " | ".join([*what, result.depth, f"{max(1, round(result.seconds))} s", bug, result.verdict]) + " |"
 
 
-def write_page(page: Path, results: list[Result], whole: bool = True) -> None:
-    """Puts the table between its marks in the page; of some results their rows alone, in place of those of the same module and
-    words."""
+def _table(page: Path) -> tuple[str, list[str], str]:
+    """What stands before the table, its lines, and what stands behind it."""
     try:
         before, rest = page.read_text().split(BEGIN)
         table, after = rest.split(END)
     except (OSError, ValueError) as error:
         raise Failure(f"{page}: expected the lines {BEGIN} and {END}, once each") from error
+    return before, table.strip().splitlines(), after
+
+
+def check_page(page: Path, table: list[Property]) -> None:
+    """That the page has a row of each property, and none of another."""
+    rows = []
+    for line in _table(page)[1][2:]:
+        cells = [cell.strip() for cell in line.strip("|").split("|")]
+        rows.append([*cells[:4], cells[6]])
+    for proved in table:
+        if (found := rows.count(_facts(proved))) != 1:
+            raise Failure(f"{page}: has {found} rows of {proved.name} as it is now, expected one; scripts/formal {proved.name} and then with --page writes it")
+        rows.remove(_facts(proved))
+    if rows:
+        raise Failure(f"{page}: has a row of no property, expected none: {' | '.join(rows[0])}")
+
+
+def write_page(page: Path, results: list[Result], table: list[Property], whole: bool = True) -> None:
+    """Puts the table between its marks in the page; of some results their rows alone, in place of those of the same module and
+    words, and without rows whose module and words are of no property of the table."""
+    before, rows, after = _table(page)
     made = [_row(result) for result in sorted(results, key=lambda result: (result.proved.module, result.proved.name))]
     if whole:
         rows = ["| module | property | at | method | depth | time | planted bug | verdict |", "|---|---|---|---|---|---|---|---|", *made]
     else:
-        rows = table.strip().splitlines()
         for row in made:
             same = [place for place, old in enumerate(rows) if old.split("|")[1:3] == row.split("|")[1:3]]
             if len(same) > 1:
@@ -88,6 +112,8 @@ def write_page(page: Path, results: list[Result], whole: bool = True) -> None:
             else:
                 # Behind the rows of modules up to its own.
                 rows.insert(max([2, *(place + 1 for place, old in enumerate(rows[2:], 2) if old.split("|")[1] <= row.split("|")[1])]), row)
+        known = {tuple(_facts(proved)[:2]) for proved in table}
+        rows = rows[:2] + [row for row in rows[2:] if tuple(cell.strip() for cell in row.split("|")[1:3]) in known]
     page.write_text(before + BEGIN + "\n" + "\n".join(rows) + "\n" + END + after)
 
 
