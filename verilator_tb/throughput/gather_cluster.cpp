@@ -106,13 +106,17 @@ constexpr int kPhotonBytes = 12;  // of each plan here, without padding
 // twice, however many queries it serves. A pool of 16 places less than its memories have words
 // wastes none of them. Where a query visits many leaves, 16 contexts hide what a leaf takes from
 // there if leaves are few and large, and if the gatherer's own cache, in block RAM, has most of
-// them. The clock of the SDRAM is one that the routed top reaches. Bins of 0: no reorder buffer.
+// them. With k = 16, where the SDRAM binds, 32 contexts hide more of it, with node memories that
+// are shared to make room for them. The clock of the SDRAM is one that the routed top reaches and,
+// with that of its core, one PLL makes. Bins of 0: no reorder buffer.
 struct PlanOfBoard {
   const char* name;
   PhotonMemory memory;
   uint64_t photons;
   int k, gatherers, contexts, nodes, candidates, powers, bucket, lanes, beat_bits, leaf_photons,
       pool, bins, cache_kb, lut_ram_words, replay, sdram_khz;
+  bool shared_nodes = false;
+  int refreshes_ahead = 0;
 };
 constexpr PlanOfBoard kPlans[] = {
     {"block_ram_k8", PhotonMemory::kBlockRam, 16384, 8, 5, 16, 1, 1, 1, 8, 4, 384, 0, 512, 0, 48,
@@ -123,8 +127,17 @@ constexpr PlanOfBoard kPlans[] = {
      48, 32, 512, 100000},
     {"sdram_k8", PhotonMemory::kSdram, 65536, 8, 3, 16, 1, 1, 1, 8, 4, 384, 256, 11248, 1024, 48,
      64, 512, 110000},
-    {"sdram_k16", PhotonMemory::kSdram, 65536, 16, 3, 16, 1, 1, 1, 8, 4, 384, 256, 11248, 512, 48,
-     64, 512, 110000},
+    {"sdram_k16", PhotonMemory::kSdram,
+     65536,       16,
+     3,           32,
+     1,           1,
+     1,           8,
+     4,           384,
+     256,         11248,
+     512,         48,
+     64,          512,
+     105000,      true,
+     255},
     {"sdram_k50", PhotonMemory::kSdram, 65536, 50, 2, 16, 1, 2, 1, 16, 4, 384, 2048, 9200, 512, 48,
      32, 512, 110000},
 };
@@ -150,6 +163,8 @@ Plan make_plan(const PlanOfBoard& p, const SceneGathers& load) {
   plan.cache_bytes = p.leaf_photons * plan.photon_bytes;
   plan.board_cache_bytes = p.cache_kb * 1024;
   plan.sdram_khz = p.sdram_khz;
+  plan.shared_nodes = p.shared_nodes;
+  plan.refreshes_ahead = p.refreshes_ahead;
   plan.lut_ram_words = p.lut_ram_words;
   plan.replay_queries = p.replay;
   check_plan(plan);
