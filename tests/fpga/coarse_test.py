@@ -109,7 +109,12 @@ class Plans(unittest.TestCase):
             with self.assertRaisesRegex(Failure, f"headline.toml: {expected}"):
                 clocks(text)
         for name in read_toml(VARIANTS)["clock"]:
-            self.assertEqual(find_plan(name, self.work).clock, clock_of(name))
+            plan = find_plan(name, self.work)
+            self.assertEqual(plan.clock, clock_of(name))
+            self.assertEqual(find_plan(str(plan.path), self.work), plan)
+            own = self.work / f"{name}.toml"
+            own.write_text(plan.path.read_text())
+            self.assertEqual(find_plan(str(own), self.work), HeadlinePlan(name, own, "not in fpga/headline"))
 
     def test_relmse_is_that_of_golden_beside_reference(self) -> None:
         """Positions of 11 bits cost more than those of 16, and those cost something."""

@@ -13,7 +13,7 @@ from unittest import mock
 
 from flow.boards import read_board
 from flow.headline.data import read_data
-from flow.headline.netlist import digest_now
+from flow.headline.netlist import plan_digest
 from flow.headline.plans import find_plan
 from flow.measure import table
 from flow.package import PHOTONLOOM
@@ -224,13 +224,13 @@ class BoardMemories(unittest.TestCase):
         self.assertGreaterEqual(len(rows), 6)
         with tempfile.TemporaryDirectory() as work:
             for name, row in rows.items():
-                plan = find_plan(name, Path(work)).path
-                if row["digest"] != digest_now(plan, read_board("ulx3s-85f")):
+                plan = find_plan(name, Path(work))
+                if row["digest"] != plan_digest(plan, read_board("ulx3s-85f")):
                     continue
                 fullest = row["binding"]
                 with self.subTest(name):
                     self.assertEqual(fullest["resource"], "DP16KD")
-                    self.assertEqual(self.predicted(plan), fullest["used"])
+                    self.assertEqual(self.predicted(plan.path), fullest["used"])
 
     def test_of_the_readme(self) -> None:
         found = re.search(r"^\| `board` \|.*\| DP16KD (\d+) of 208 \|", (ROOT / "README.md").read_text(), re.MULTILINE)

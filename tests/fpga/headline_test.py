@@ -20,7 +20,7 @@ from flow.headline.command import check_predictions, processor
 from flow.headline.data import Cores, Data, ImageTime, Rate, Replay, Row, SdramLoad, merge, read_data
 from flow.headline.images import ON_A_BOARD, image_time, render_options, time_images
 from flow.headline.link import link_of
-from flow.headline.netlist import digest_now, netlist_digest
+from flow.headline.netlist import netlist_digest, plan_digest
 from flow.headline.plans import FOLDER, HeadlinePlan, find_plan, rejected_names, rejected_plan, variant_names, variant_plan, why_rejected
 from flow.headline.rows import gatherers_that_fit, rows_of
 from flow.headline.simulation import Bench, Timed, simulate, time_core
@@ -787,7 +787,7 @@ class Variants(Folder):
         """So neither can share a routed top with its base."""
         board = read_board(headline_goals().board)
         plans = [find_plan("block_ram_k8", self.work), *(find_plan(name, self.work) for name in variant_names())]
-        self.assertEqual(len({digest_now(plan.path, board) for plan in plans}), len(plans))
+        self.assertEqual(len({plan_digest(plan, board) for plan in plans}), len(plans))
 
     def test_a_plan_that_shows_nothing(self) -> None:
         variants = self.write("v.toml", '[variant.a]\nbase = "sdram_k8"\nset = []\n')
@@ -802,7 +802,7 @@ class Prepared(Folder):
         plan = find_plan(headline_goals().replay, self.work)
         top = prepare(plan, self.work, Routing(board, Tools([], {"yosys": "1"}), 1, 1, None, 6, "static", False))
         self.assertTrue((top.package / "rtl" / f"{board.top()}.sv").is_file())
-        self.assertEqual(top.digest, digest_now(plan.path, board))
+        self.assertEqual(top.digest, plan_digest(plan, board))
         self.assertEqual(top.link["baud"], 2e6)
         self.assertTrue(1e3 < top.rate < 1e5)
 

@@ -19,7 +19,7 @@ from flow.boards import read_board
 from flow.goals import HeadlineGoals, headline_goals
 from flow.headline.data import DATA, Data, ImageTime, Link, Replay, Row, merge, of_headline, read_data
 from flow.headline.images import time_images
-from flow.headline.netlist import SHORT, digest_now
+from flow.headline.netlist import SHORT, plan_digest
 from flow.headline.page import check_page, images_of, page_texts, report, stale_plans, summary, write_page
 from flow.headline.plans import FOLDER, HeadlinePlan, check_plan_names, find_plan, find_plans, known_names
 from flow.headline.replay import replay
@@ -108,7 +108,7 @@ def digests_today(data: Data, work: Path) -> dict[str, str]:
     """Plan -> digest of its netlist, of each plan of the data; at the clock that its core is asked for today, whatever its row has."""
     board = read_board(data["board"])
     plans = {name: find_plan(name, work) for name in {row["plan"] for row in data["rows"]}}
-    return {name: digest_now(plan.path, board, plan.clock) for name, plan in plans.items()}
+    return {name: plan_digest(plan, board) for name, plan in plans.items()}
 
 
 def predicted_today(data: Data, work: Path) -> Data:
@@ -146,7 +146,7 @@ def route_only(tops: list[Top], routing: Routing, jobs: int) -> None:
 
 def play(plan: HeadlinePlan, goals: HeadlineGoals, work: Path) -> Replay:
     """The replay of a plan's board, simulated unless that of the same netlist, plan and scene is kept: radii are in no netlist."""
-    digest = digest_now(plan.path, read_board(goals.board), plan.clock)
+    digest = plan_digest(plan, read_board(goals.board))
     kept = work / "replays" / f"{plan.name}-{digest[:SHORT]}-{sha256(plan.path)[:SHORT]}-{sha256(goals.scene)[:SHORT]}.json"
     if kept.is_file():
         found: Replay = read_json(kept)

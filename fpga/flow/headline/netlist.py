@@ -15,6 +15,7 @@ from pathlib import Path
 from xml.etree.ElementTree import Element
 
 from flow.boards import Board
+from flow.headline.plans import HeadlinePlan
 from flow.package import generate, tree
 from flow.shell import Failure, first_line, run
 
@@ -273,3 +274,8 @@ def digest_now(plan: Path, board: Board, clock_mhz: float | None = None, unit: s
     with tempfile.TemporaryDirectory() as folder:
         generate(plan, Path(folder, "package"), board, unit, clock_mhz)
         return netlist_digest(Path(folder, "package"))
+
+
+def plan_digest(plan: HeadlinePlan, board: Board) -> str:
+    """The digest of a headline plan's board today, at the clock that its core is asked for."""
+    return digest_now(plan.path, board, plan.clock)

@@ -2,7 +2,7 @@
 """The plans of the headline: files of fpga/headline, and of fpga/headline.toml those that were rejected, the variants that
 show something else, and those in coarser formats."""
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from flow.package import PHOTONLOOM, set_options
@@ -86,18 +86,15 @@ def changed_plan(kind: str, name: str, work: Path, variants: Path) -> Path:
 
 
 def rejected_plan(name: str, work: Path, variants: Path = VARIANTS) -> HeadlinePlan:
-    return HeadlinePlan(name, changed_plan("rejected", name, work, variants), why_rejected(name, variants),
-                        clock=clock_of(name, variants))
+    return HeadlinePlan(name, changed_plan("rejected", name, work, variants), why_rejected(name, variants))
 
 
 def variant_plan(name: str, work: Path, variants: Path = VARIANTS) -> HeadlinePlan:
-    return HeadlinePlan(name, changed_plan("variant", name, work, variants), shows=what_shows(name, variants),
-                        clock=clock_of(name, variants))
+    return HeadlinePlan(name, changed_plan("variant", name, work, variants), shows=what_shows(name, variants))
 
 
 def coarse_plan(name: str, work: Path, variants: Path = VARIANTS) -> HeadlinePlan:
-    return HeadlinePlan(name, changed_plan("coarse", name, work, variants), finer=base_of("coarse", name, variants),
-                        clock=clock_of(name, variants))
+    return HeadlinePlan(name, changed_plan("coarse", name, work, variants), finer=base_of("coarse", name, variants))
 
 
 def known_names(variants: Path = VARIANTS) -> list[str]:
@@ -115,21 +112,24 @@ def check_plan_names(names: Sequence[str]) -> None:
         raise UsageError(f"there are two plans {twice}, expected each name once")
 
 
-def find_plan(name: str, work: Path) -> HeadlinePlan:
-    """A plan of the headline, a rejected one, a variant, or one of a file of its own."""
+def known_plan(name: str, work: Path) -> HeadlinePlan:
     path = FOLDER / f"{name}.toml"
     if path.is_file():
-        return HeadlinePlan(name, path, clock=clock_of(name))
+        return HeadlinePlan(name, path)
     if name in rejected_names():
         return rejected_plan(name, work)
-    if name in variant_names():
-        return variant_plan(name, work)
-    if name in coarse_names():
-        return coarse_plan(name, work)
-    check_plan_names([name])
+    return variant_plan(name, work) if name in variant_names() else coarse_plan(name, work)
+
+
+def find_plan(name: str, work: Path) -> HeadlinePlan:
+    """A plan of the headline, a rejected one, a variant, each with the clock that its core is asked for, or one of a file of its own."""
     path = Path(name)
-    own = path.resolve().parent != FOLDER
-    return HeadlinePlan(path.stem, path, f"not in {FOLDER.relative_to(ROOT)}" if own else "", clock=None if own else clock_of(path.stem))
+    if path.is_file() and path.resolve().parent == FOLDER:
+        name = path.stem
+    if name in known_names():
+        return replace(known_plan(name, work), clock=clock_of(name))
+    check_plan_names([name])
+    return HeadlinePlan(path.stem, path, f"not in {FOLDER.relative_to(ROOT)}")
 
 
 def find_plans(names: Sequence[str], work: Path) -> list[HeadlinePlan]:
