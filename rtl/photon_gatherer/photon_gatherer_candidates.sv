@@ -20,6 +20,7 @@ module photon_gatherer_candidates #(
     // Of several trees and lists (Wide) and of far gatherers the clock is what is short: what decides is known earlier, for more LUTs.
     parameter bit Wide = 1'b0,
     parameter bit ReadAlways = Wide,  // as in photon_gatherer_pairs
+    parameter bit SlowCodes = Wide,  // codes of a list are compared and written a cycle later: they spread over the part
     localparam int unsigned ContextBits = Contexts > 1 ? $clog2(Contexts) : 1,
     localparam int unsigned K = photonloom_pkg::K,
     localparam int unsigned CountBits = photonloom_pkg::CountBits,
@@ -381,8 +382,8 @@ module photon_gatherer_candidates #(
         .CodeBits(photonloom_pkg::ListCodeBits),
         .ExponentBits(ExponentBits),
         .Known(Known),
-        .CountAhead(Wide || ManyContexts),
-        .WriteLater((Wide && K > 24) || ManyContexts)
+        .CountAhead(ManyContexts || SlowCodes),
+        .WriteLater(ManyContexts || (SlowCodes && K > 24))
     ) list (
         .clk_i(clk_i),
         .rst_i(rst_i),

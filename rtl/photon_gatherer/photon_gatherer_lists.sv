@@ -118,7 +118,8 @@ module photon_gatherer_lists #(
         .RowBits(RowBits),
         .Behind(Behind),
         .Wide(Wide),
-        .ReadAlways(ReadAlways)
+        .ReadAlways(ReadAlways),
+        .SlowCodes(Wide || (photonloom_pkg::FarGatherers != 0 && Lists == 1 && K > 24))
     ) candidates (
         .clk_i(clk_i),
         .rst_i(rst_i),

@@ -210,7 +210,8 @@ std::vector<BenchPlan> plans() {
     p.lanes = 4;
     p.cache_bytes = 0;
   });
-  // Before an SDRAM, two lists of codes: five lines of four beats wait for each, as of sdram_k50.
+  // Before an SDRAM, two lists of codes: five lines of four beats wait for each, as of
+  // sdram_k50_candidates2.
   add("five_lines", [](Plan& p) {
     p.k = 30;
     p.gatherers = 2;

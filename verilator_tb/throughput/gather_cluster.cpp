@@ -101,46 +101,44 @@ constexpr int kPhotonBytes = 12;  // of each plan here, without padding
 // neither leaf caches nor a reorder buffer save a cycle, and without them there is room for more
 // gatherers, each of one candidate a cycle and as many lanes as a beat has photons. Five of k = 16
 // lie so far away that two nodes a cycle are two levels of one descent, which is a block RAM more.
-// Before an SDRAM gatherers of k = 50, of which no port is busier than that of candidates, take two
-// a cycle. The pool is what block RAM is best spent on: each sweep over it takes every line once or
-// twice, however many queries it serves. A pool of 16 places less than its memories have words
-// wastes none of them. Where a query visits many leaves, 16 contexts hide what a leaf takes from
-// there if leaves are few and large, and if the gatherer's own cache, in block RAM, has most of
-// them. With k = 16, where the SDRAM binds, 32 contexts hide more of it, with node memories that
-// are shared to make room for them. The clock of the SDRAM is one that the routed top reaches and,
-// with that of its core, one PLL makes. Bins of 0: no reorder buffer.
+// Before an SDRAM two gatherers of k = 50 with one candidate a cycle use half of its time at most,
+// and so seldom wait for it; a beat is half of their line, and needs no leaf cache. The pool is
+// what block RAM is best spent on: each sweep over it takes every line once or twice, however many
+// queries it serves. A pool of 16 places less than its memories have words wastes none of them.
+// Where a query visits many leaves, 16 contexts hide what a leaf takes from there if leaves are
+// few and large. With k = 16, where the SDRAM binds, 32 contexts hide more of it, with node
+// memories that are shared to make room for them. The clock of the SDRAM is one that the routed
+// top reaches and, with that of its core, one PLL makes. Bins of 0: no reorder buffer.
 struct PlanOfBoard {
   const char* name;
   PhotonMemory memory;
   uint64_t photons;
   int k, gatherers, contexts, nodes, candidates, powers, bucket, lanes, beat_bits, leaf_photons,
-      pool, bins, cache_kb, lut_ram_words, replay, sdram_khz;
-  bool shared_nodes = false;
-  int refreshes_ahead = 0;
+      pool, bins, cache_kb, lut_ram_words, replay;
 };
 constexpr PlanOfBoard kPlans[] = {
     {"block_ram_k8", PhotonMemory::kBlockRam, 16384, 8, 5, 16, 1, 1, 1, 8, 4, 384, 0, 512, 0, 48,
-     32, 1024, 100000},
+     32, 1024},
     {"block_ram_k16", PhotonMemory::kBlockRam, 16384, 16, 5, 16, 2, 1, 1, 8, 4, 384, 0, 512, 0, 48,
-     32, 1024, 100000},
+     32, 1024},
     {"block_ram_k50", PhotonMemory::kBlockRam, 16384, 50, 4, 16, 1, 1, 1, 16, 4, 384, 0, 2032, 0,
-     48, 32, 512, 100000},
+     48, 32, 512},
     {"sdram_k8", PhotonMemory::kSdram, 65536, 8, 3, 16, 1, 1, 1, 8, 4, 384, 256, 11248, 1024, 48,
-     64, 512, 110000},
-    {"sdram_k16", PhotonMemory::kSdram,
-     65536,       16,
-     3,           32,
-     1,           1,
-     1,           8,
-     4,           384,
-     256,         11248,
-     512,         48,
-     64,          512,
-     105000,      true,
-     255},
-    {"sdram_k50", PhotonMemory::kSdram, 65536, 50, 2, 16, 1, 2, 1, 16, 4, 384, 2048, 9200, 512, 48,
-     32, 512, 110000},
+     64, 512},
+    {"sdram_k16", PhotonMemory::kSdram, 65536, 16, 3, 32, 1, 1, 1, 8, 4, 384, 256, 11248, 512, 48,
+     64, 512},
+    {"sdram_k50", PhotonMemory::kSdram, 65536, 50, 2, 16, 1, 1, 1, 16, 8, 768, 0, 11760, 512, 96,
+     64, 512},
 };
+
+// Of an SDRAM, by k.
+struct SdramOfBoard {
+  int k, khz;
+  bool shared_nodes;
+  int refreshes_ahead;
+};
+constexpr SdramOfBoard kSdrams[] = {
+    {8, 110000, false, 0}, {16, 105000, true, 255}, {50, 110000, false, 255}};
 
 Plan make_plan(const PlanOfBoard& p, const SceneGathers& load) {
   Plan plan = load.plan(load.stored_photons(p.photons), p.photons);
@@ -162,9 +160,12 @@ Plan make_plan(const PlanOfBoard& p, const SceneGathers& load) {
   plan.beat_bits = p.beat_bits;
   plan.cache_bytes = p.leaf_photons * plan.photon_bytes;
   plan.board_cache_bytes = p.cache_kb * 1024;
-  plan.sdram_khz = p.sdram_khz;
-  plan.shared_nodes = p.shared_nodes;
-  plan.refreshes_ahead = p.refreshes_ahead;
+  for (const SdramOfBoard& sdram : kSdrams)
+    if (p.memory == PhotonMemory::kSdram && sdram.k == p.k) {
+      plan.sdram_khz = sdram.khz;
+      plan.shared_nodes = sdram.shared_nodes;
+      plan.refreshes_ahead = sdram.refreshes_ahead;
+    }
   plan.lut_ram_words = p.lut_ram_words;
   plan.replay_queries = p.replay;
   check_plan(plan);
