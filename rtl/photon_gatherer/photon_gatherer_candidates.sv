@@ -20,7 +20,7 @@ module photon_gatherer_candidates #(
     // Of several trees and lists (Wide) and of far gatherers the clock is what is short: what decides is known earlier, for more LUTs.
     parameter bit Wide = 1'b0,
     parameter bit ReadAlways = Wide,  // as in photon_gatherer_pairs
-    parameter bit SlowCodes = Wide,  // codes of a list are compared and written a cycle later: they spread over the part
+    parameter bit SlowCodes = Wide,  // codes spread over the part: compared a cycle later, of more than 24 places written a cycle later too
     localparam int unsigned ContextBits = Contexts > 1 ? $clog2(Contexts) : 1,
     localparam int unsigned K = photonloom_pkg::K,
     localparam int unsigned CountBits = photonloom_pkg::CountBits,

@@ -94,6 +94,15 @@ Clocks clocks_of(const fs::path& file, const Plan& plan, const nlohmann::json& r
 
 constexpr int kPhotonBytes = 12;  // of each plan here, without padding
 
+// What a plan's board has of an SDRAM.
+struct SdramOfBoard {
+  int khz;
+  bool shared_nodes;
+  int refreshes_ahead;
+};
+constexpr SdramOfBoard kSdramK8{110000, false, 0}, kSdramK16{105000, true, 255},
+    kSdramK50{110000, false, 255};
+
 // What the command line's plans are: a memory and a k each, with as many gatherers as nextpnr finds
 // wires and block RAM for. Where the map lies in block RAM, shallow memories of more than 32 words
 // are block RAM too: it costs none of the wires that LUT RAM does.
@@ -115,6 +124,7 @@ struct PlanOfBoard {
   uint64_t photons;
   int k, gatherers, contexts, nodes, candidates, powers, bucket, lanes, beat_bits, leaf_photons,
       pool, bins, cache_kb, lut_ram_words, replay;
+  SdramOfBoard sdram{100000, false, 0};
 };
 constexpr PlanOfBoard kPlans[] = {
     {"block_ram_k8", PhotonMemory::kBlockRam, 16384, 8, 5, 16, 1, 1, 1, 8, 4, 384, 0, 512, 0, 48,
@@ -124,21 +134,12 @@ constexpr PlanOfBoard kPlans[] = {
     {"block_ram_k50", PhotonMemory::kBlockRam, 16384, 50, 4, 16, 1, 1, 1, 16, 4, 384, 0, 2032, 0,
      48, 32, 512},
     {"sdram_k8", PhotonMemory::kSdram, 65536, 8, 3, 16, 1, 1, 1, 8, 4, 384, 256, 11248, 1024, 48,
-     64, 512},
+     64, 512, kSdramK8},
     {"sdram_k16", PhotonMemory::kSdram, 65536, 16, 3, 32, 1, 1, 1, 8, 4, 384, 256, 11248, 512, 48,
-     64, 512},
+     64, 512, kSdramK16},
     {"sdram_k50", PhotonMemory::kSdram, 65536, 50, 2, 16, 1, 1, 1, 16, 8, 768, 0, 11760, 512, 96,
-     64, 512},
+     64, 512, kSdramK50},
 };
-
-// Of an SDRAM, by k.
-struct SdramOfBoard {
-  int k, khz;
-  bool shared_nodes;
-  int refreshes_ahead;
-};
-constexpr SdramOfBoard kSdrams[] = {
-    {8, 110000, false, 0}, {16, 105000, true, 255}, {50, 110000, false, 255}};
 
 Plan make_plan(const PlanOfBoard& p, const SceneGathers& load) {
   Plan plan = load.plan(load.stored_photons(p.photons), p.photons);
@@ -160,12 +161,9 @@ Plan make_plan(const PlanOfBoard& p, const SceneGathers& load) {
   plan.beat_bits = p.beat_bits;
   plan.cache_bytes = p.leaf_photons * plan.photon_bytes;
   plan.board_cache_bytes = p.cache_kb * 1024;
-  for (const SdramOfBoard& sdram : kSdrams)
-    if (p.memory == PhotonMemory::kSdram && sdram.k == p.k) {
-      plan.sdram_khz = sdram.khz;
-      plan.shared_nodes = sdram.shared_nodes;
-      plan.refreshes_ahead = sdram.refreshes_ahead;
-    }
+  plan.sdram_khz = p.sdram.khz;
+  plan.shared_nodes = p.sdram.shared_nodes;
+  plan.refreshes_ahead = p.sdram.refreshes_ahead;
   plan.lut_ram_words = p.lut_ram_words;
   plan.replay_queries = p.replay;
   check_plan(plan);
