@@ -191,7 +191,7 @@ def page(data: Data, goals: FastGoals, stale: Collection[str]) -> str:
                              "MHz: least, median (seeds)", "LUT-eq", "DP16KD", "MULT18X18D",
                              "gathers a second for 1,000 LUT-eq", "its goal, at which clock", "goals reached"]) +
             f"\nPlaced by nextpnr's {data['placer']} placer"
-            f"{', a seed with which that does not end by the default one' if data['placer'] != 'heap' else ''}. "
+            f"{', a seed with which nextpnr does not end by the default one' if data['placer'] != 'heap' else ''}. "
             f"Made of `fpga/fast.json` {of}; " + "; ".join(data["versions"].values()) + ".\n" +
             (f"\nMeasured with earlier RTL: {', '.join(f'`{plan}`' for plan in stale)}; `scripts/fpga-fast NAME` measures a plan again.\n"
              if stale else ""))

@@ -20,9 +20,9 @@ from flow.goals import PlannedGoals, planned_goals
 from flow.headline.netlist import SHORT, digest_now
 from flow.headline.plans import HeadlinePlan
 from flow.headline.tops import Routing, Top, prepare, route_seed, synthesized
-from flow.headline.verdict import clock_name
 from flow.jobs import each
 from flow.package import PHOTONLOOM, describe
+from flow.results import clock_name
 from flow.routing import Placement, constrained
 from flow.shell import ROOT, Failure, field, read_json, read_toml, run, say, write_json
 from flow.synthesis import Counts
@@ -43,7 +43,7 @@ class PlannedClock(TypedDict):
 
 
 class Planned(TypedDict):
-    """A scene's engine. cycles: predicted, a gather of all gatherers; clocks: of the seed, none where the placer did not end."""
+    """A scene's engine. cycles: predicted, a gather of all gatherers; clocks: of the seed, none where nextpnr did not end."""
     scene: str
     plan: str
     gatherers: int
@@ -91,7 +91,7 @@ def row_of(plan: HeadlinePlan, said: dict[str, Any], top: Top, resources: Counts
 def missed(row: Planned) -> list[str]:
     """Why a row's top is not what the plan promises."""
     if not row["clocks"]:
-        return ["nextpnr's static placer does not end"]
+        return ["nextpnr does not end"]
     return [f"{c['name']} reaches {c['achieved']:.1f} MHz of {c['constraint']:g}" for c in row["clocks"] if c["achieved"] < c["constraint"]]
 
 
@@ -166,7 +166,7 @@ def main() -> int:
     p.add_argument("--seed", type=whole(1, LAST_SEED), help="of the placement (default: 1)")
     p.add_argument("--jobs", type=whole(1), help="tops routed at a time (default: one a core; 2 GB each)")
     p.add_argument("--placer", choices=("heap", "static"), help="as of scripts/fpga (default: static, but heap with nextpnr 0.7)")
-    p.add_argument("--results", type=folder, default=ROOT / "build" / "planned", help="where netlists and routed seeds are kept (default: build/planned)")
+    p.add_argument("--results", type=folder, help="where netlists and routed seeds are kept (default: build/planned)")
     p.add_argument("--render", action="store_true", help="write the table from fpga/planned.json again, nothing else")
     p.add_argument("--predict", action="store_true", help="plan the scenes again, and write what is predicted of the same plans today; nothing is routed")
     p.add_argument("--check", action="store_true", help="tell whether docs/planner.md is that of fpga/planned.json and of today's RTL")
@@ -179,7 +179,7 @@ def main() -> int:
     if o.check + o.render + o.predict > 1:
         p.error("expected one of --check, --render and --predict")
     if o.check or o.render or o.predict:
-        refuse_idle(p, o, ("seed", "placer") + (() if o.predict else ("jobs",)), "--check" if o.check else "--render" if o.render else "--predict")
+        refuse_idle(p, o, ("seed", "placer") + (() if o.predict else ("jobs", "results")), "--check" if o.check else "--render" if o.render else "--predict")
     seed, jobs = o.seed or 1, o.jobs or os.cpu_count() or 1
     board = read_board(goals.board)
     if o.check or o.render:
@@ -193,7 +193,7 @@ def main() -> int:
         say("docs/planner.md is that of fpga/planned.json" +
             (f", and says that earlier RTL was routed for {', '.join(stale)}" if stale else " and of today's RTL"))
         return 0
-    work = o.results.resolve()
+    work = (o.results or ROOT / "build" / "planned").resolve()
     scenes = [known[name] for name in o.scenes] or list(goals.scenes)
     old: Data | None = read_json(DATA) if DATA.is_file() else None
     if o.predict:

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The report of scripts/fpga: build/fpga/BOARD-PLANHASH/report.json."""
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TypedDict
 
@@ -8,6 +8,8 @@ from flow.boards import Board
 from flow.routing import Placement, constrained
 from flow.shell import ROOT, Failure, read_json
 from flow.synthesis import Binding, Counts
+
+BOARD_CORE = "clk"  # the core's clock behind a board's PLL
 
 
 class Spread(TypedDict):
@@ -34,13 +36,14 @@ class Measured(TypedDict):
 
 class Entry(Measured, total=False):
     """A unit, or the board. fmax_mhz: of the core's clock; met: no clock's median misses its constraint; estimated: the tool's
-    estimate, which neither meets nor misses anything."""
+    estimate, which neither meets nor misses anything; unrouted: seeds with which nextpnr did not come to an end."""
     route_speed: int
     placer: str
     clocks: dict[str, ClockSpread]
     fmax_mhz: Spread
     met: bool
     estimated: bool
+    unrouted: list[int]
 
 
 class Report(TypedDict):
@@ -67,15 +70,25 @@ def median(values: Sequence[float]) -> float:
     return ordered[middle] if len(ordered) % 2 else (ordered[middle - 1] + ordered[middle]) / 2
 
 
+def clock_name(net: str) -> str:
+    """'clk_sdram' of '$glbnet$clk_sdram'."""
+    return net.rsplit("$", 1)[-1]
+
+
+def core_clocks(clocks: Mapping[str, ClockSpread], mhz: float) -> set[str]:
+    """The nets of a core that was asked for so many MHz: those with this constraint, of which an SDRAM's may be one beside a board's."""
+    same = {net for net, clock in clocks.items() if abs(clock["constraint"] - mhz) < 0.01}
+    return {net for net in same if clock_name(net) == BOARD_CORE} or same
+
+
 def add_placements(entry: Entry, placed: list[Placement], where: Path) -> None:
-    """Puts what the seeds gave into an entry. The core's clock is the one constrained to the package's; others (the SDRAM's)
-    are made by the same PLL."""
+    """Puts what the seeds gave into an entry. Beside a board's core there may be a clock of the SDRAM, made by the same PLL."""
     entry["seeds"], entry["clocks"] = placed, {}
     for clock, first in placed[0]["clocks"].items():
         achieved = [p["clocks"][clock]["achieved"] for p in placed]
         entry["clocks"][clock] = {"constraint": constrained(first), "median": median(achieved), "low": min(achieved),
                                   "high": max(achieved)}
-    core = [c for c in entry["clocks"].values() if abs(c["constraint"] - entry["constraint_mhz"]) < 0.01]
+    core = [entry["clocks"][net] for net in core_clocks(entry["clocks"], entry["constraint_mhz"])]
     if not core:
         raise Failure(f"{where}: no clock is constrained to {entry['constraint_mhz']} MHz")
     slowest = min(core, key=lambda c: c["median"])

@@ -9,12 +9,14 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, NotRequired, TypedDict, TypeVar
 
-from flow.shell import ROOT, Failure, beside, complaint, read_json, read_text, run, say, started
+from flow.shell import ROOT, Failure, beside, complaint, read_json, read_text, say, started
 from flow.tools import Tools
 
 STATIC_ROUNDS = 900  # after which nextpnr's static placer is ended; a placement that ended took some 600
 LEGALISING_LEAST, LEGALISING_SHARE = 300, 2  # it is ended too when it has legalised for so many s, and for so many times its rounds
+ROUTER_LEAST, ROUTER_MORE = 900, 7200  # s after which nextpnr's router is judged, and that it may need more at its pace
 SPARE_SEEDS = 2
+DEFAULT_PLACER = "heap"
 PART_SPEED = 6  # grade by whose delays the Makefile has the router search if not told
 Found = TypeVar("Found")
 
@@ -65,17 +67,31 @@ def legalises_for_ever(log: str, until: float, since: float) -> bool:
             since > max(LEGALISING_LEAST, LEGALISING_SHARE * until))
 
 
-def watch_static(command: Sequence[str], log: Path, placer_log: Path) -> bool:
-    """Runs a placement by nextpnr's static placer. False where it does not come to an end. It goes round with the same
-    overlap of block RAMs for ever, which tops whose photon memory is stored in pairs of blocks were seen to do (docs/headline.md), or
-    it looks for ever for places of cells that stand together, of which a LUT RAM has six LUTs of one tile's eight."""
+def routes_for_ever(log: str) -> bool:
+    """Whether nextpnr's router does not come near its end: at its pace in the last third of its time, it would need ROUTER_MORE s more.
+    Of each thousand steps it says how many arcs are left and when that was."""
+    said = [(int(left), float(at)) for left, at in re.findall(r"^Info: +\d+ \|[^|]*\|[^|]*\| *(\d+)\| *[\d.]+ +([\d.]+)\|", log, re.M)]
+    if not said or said[-1][1] < ROUTER_LEAST:
+        return False
+    left, now = said[-1]
+    left_before, before = next((step for step in reversed(said) if step[1] <= now * 2 / 3), said[0])
+    return left * (now - before) > ROUTER_MORE * max(0, left_before - left)
+
+
+def watch(command: Sequence[str], log: Path, placer_log: Path | None, router_log: Path) -> bool:
+    """Runs a placement. False where it does not come to an end. nextpnr's static placer goes round with the same overlap of block RAMs
+    for ever, which tops whose photon memory is stored in pairs of blocks were seen to do (docs/headline.md), or it looks for ever for
+    places of cells that stand together, of which a LUT RAM has six LUTs of one tile's eight. The router hardly gets on where wires are
+    scarce. placer_log: of the static placer; None of another, which is left alone."""
     with open(log, "w") as out:
         begun = said_at = time.monotonic()
         said = ""
         with started(command, out) as running:
             while running.poll() is None:
                 time.sleep(2)
-                if not placer_log.is_file():
+                if router_log.is_file() and routes_for_ever(read_text(router_log)):
+                    return False
+                if not placer_log or not placer_log.is_file():
                     continue
                 now = time.monotonic()
                 if (text := read_text(placer_log)) != said:
@@ -89,7 +105,7 @@ def watch_static(command: Sequence[str], log: Path, placer_log: Path) -> bool:
 
 def routed_name(top: str, seed: int, placer: str, route_speed: int | None) -> str:
     """What the package's Makefile calls the files of one placement."""
-    return (f"{top}_seed{seed}" + (f"_{placer}" if placer != "heap" else "") +
+    return (f"{top}_seed{seed}" + (f"_{placer}" if placer != DEFAULT_PLACER else "") +
             (f"_route{route_speed}" if route_speed not in (None, PART_SPEED) else ""))
 
 
@@ -100,20 +116,19 @@ def forget(folder: Path, top: str, seed: int, placer: str, route_speed: int | No
 
 
 def place(folder: Path, top: str, seed: int, tools: Tools, route_speed: int | None = None,
-          placer: str = "heap") -> Placement | None:
-    """One seed; `.bit` beside it. None where the static placer does not end."""
+          placer: str = DEFAULT_PLACER) -> Placement | None:
+    """One seed; `.bit` beside it. None where nextpnr does not come to an end."""
     log, built = beside(folder, f".seed{seed}.log"), folder / "build"
     command = (["make", "-C", str(folder), f"SEED={seed}", f"PLACER={placer}", "NEXTPNR_FLAGS=--timing-allow-fail"] +
                ([f"ROUTE_SPEED={route_speed}"] if route_speed else []) + tools.variables)
     routed = routed_name(top, seed, placer, route_speed)
-    if placer == "static":
-        placer_log = built / (routed + (".placed" if route_speed not in (None, PART_SPEED) else "") + ".log")
-        if placer_log.is_file() and not (built / f"{routed}.json").is_file():
-            placer_log.unlink()  # of a run that was cut short
-        if not watch_static(command, log, placer_log):
-            return None
-    else:
-        run(command, log=log)
+    in_one = route_speed in (None, PART_SPEED)  # else placed by one delay and routed by another
+    logs = [built / (routed + end + ".log") for end in (("", "") if in_one else (".placed", ".routed"))]
+    if not (built / f"{routed}.json").is_file():
+        for path in logs:
+            path.unlink(missing_ok=True)  # of a run that was cut short
+    if not watch(command, log, logs[0] if placer == "static" else None, logs[1]):
+        return None
     clocks, utilization = clocks_of(built / f"{routed}.json")
     placed: Placement = {"seed": seed, "placer": placer, "clocks": clocks, "utilization": utilization}
     if (bitstream := built / f"{routed}.bit").is_file():
@@ -122,21 +137,24 @@ def place(folder: Path, top: str, seed: int, tools: Tools, route_speed: int | No
 
 
 def placements(name: str, seeds: Sequence[int], placer: str, place_one: Callable[[int, str], Found | None]) -> list[Found]:
-    """What place_one(seed, placer) gives for each seed, None where the static placer does not end: a further seed is taken
-    for it, and when there have been SPARE_SEEDS of these, the default placer."""
+    """What place_one(seed, placer) gives for each seed, None where nextpnr does not come to an end: a further seed is taken for it, when
+    there have been SPARE_SEEDS of these, the default placer, and where that does not end either, the others have to do."""
     placed, waiting, spare = [], list(seeds), SPARE_SEEDS
     for seed in waiting:  # which grow meanwhile
         say(f"{name}: seed {seed}")
         found = place_one(seed, placer)
+        if found is None and spare:
+            say(f"{name}: seed {seed}: nextpnr does not end; takes seed {waiting[-1] + 1} for it")
+            waiting.append(waiting[-1] + 1)
+            spare -= 1
+            continue
+        if found is None and placer != DEFAULT_PLACER:
+            say(f"{name}: seed {seed}: nextpnr does not end; takes the default placer")
+            found = place_one(seed, DEFAULT_PLACER)
         if found is None:
-            takes = f"seed {waiting[-1] + 1} for it" if spare else "the default placer"
-            say(f"{name}: seed {seed}: nextpnr's static placer does not end; takes {takes}")
-            if spare:
-                waiting.append(waiting[-1] + 1)
-                spare -= 1
-                continue
-            found = place_one(seed, "heap")
-            if found is None:
-                raise Failure(f"{name}: seed {seed}: the default placer does not end either")
+            say(f"{name}: seed {seed}: nextpnr does not end; goes without it")
+            continue
         placed.append(found)
+    if not placed:
+        raise Failure(f"{name}: nextpnr does not end with any seed of {', '.join(map(str, waiting))}")
     return placed

@@ -66,6 +66,8 @@ class Scripts(unittest.TestCase):
             self.refused(f"--clock is of what is routed, and {option} routes nothing; expected none of --", "headline", option, "--clock", "60")
         self.refused("--first-seed is of what is routed, and --replay-only routes nothing; expected none of --", "headline", "--replay-only", "--first-seed", "0")
         self.refused("--jobs is of what is routed, and --check routes nothing; expected none of --", "headline", "--check", "--jobs", "2")
+        self.refused("--results is of what is routed, and --images-only routes nothing; expected none of --", "headline", "--images-only", "--results", "d")
+        self.refused("--results is of what is routed, and --check routes nothing; expected none of --", "plan-boards", "--check", "--results", "d")
         self.refused("--jobs is of what is routed, and --render routes nothing; expected none of --", "plan-boards", "--render", "--jobs", "2")
         self.refused("--route-again is of what is routed, and --render routes nothing; expected none of --", "headline", "--render", "--route-again")
         self.refused("--check and --render are of the whole table, expected no scenes$", "plan-boards", "cornell", "--check")

@@ -21,18 +21,18 @@ from flow.plans.fit import fit_one, least_squares, relative_error, twins_of
 from flow.plans.measurements import Measurement, Measurements, merge
 from flow.plans.catalogue import read_catalogue
 from flow.plans.pages import COLUMNS, measured_table
-from flow.results import Entry, add_placements, median, missed_clocks
-from flow.routing import STATIC_ROUNDS, Placement, legalises_for_ever, place, placements
+from flow.results import Entry, add_placements, core_clocks, median, missed_clocks
+from flow.routing import ROUTER_LEAST, ROUTER_MORE, STATIC_ROUNDS, Placement, legalises_for_ever, place, placements, routes_for_ever
 from flow.shell import ROOT, Failure, run
 from flow.tools import Tools
 
 
 class Placements(unittest.TestCase):
-    def place(self, seeds: int, endless: Container[int]) -> list[tuple[int, str]]:
-        """The (seed, placer) that are kept where the static placer does not end with some seeds."""
+    def place(self, seeds: int, endless: Container[int], by_default: Container[int] = ()) -> list[tuple[int, str]]:
+        """The (seed, placer) that are kept where nextpnr does not end with some seeds, by the static placer and by the default one."""
         with contextlib.redirect_stdout(io.StringIO()):
             return placements("board", range(1, 1 + seeds), "static",
-                              lambda seed, placer: None if placer == "static" and seed in endless else (seed, placer))
+                              lambda seed, placer: None if seed in (endless if placer == "static" else by_default) else (seed, placer))
 
     def test_a_further_seed_stands_in(self) -> None:
         self.assertEqual(self.place(2, []), [(1, "static"), (2, "static")])
@@ -41,6 +41,11 @@ class Placements(unittest.TestCase):
 
     def test_then_the_default_placer(self) -> None:
         self.assertEqual(self.place(2, range(1, 9)), [(3, "heap"), (4, "heap")])
+
+    def test_the_seeds_that_end_have_to_do(self) -> None:
+        self.assertEqual(self.place(3, range(2, 9), range(9)), [(1, "static")])
+        with self.assertRaisesRegex(Failure, "^board: nextpnr does not end with any seed of 1, 2, 3$"):
+            self.place(1, range(9), range(9))
 
     def test_what_a_package_is_told(self) -> None:
         with tempfile.TemporaryDirectory() as folder:
@@ -55,18 +60,41 @@ class Placements(unittest.TestCase):
                 self.assertEqual((package / "told").read_text(), f"{placer} 2\n")
                 self.assertTrue((built / f"{routed}.log").is_file(), "the log of a run that ended is kept")
 
-    def place_by(self, makefile: str) -> Placement | None:
+    def place_by(self, makefile: str, placer: str = "static", route_speed: int | None = None) -> Placement | None:
         """What place() gives where a package's Makefile does this for `all`."""
         with tempfile.TemporaryDirectory() as folder:
             package = Path(folder, "package")
             (package / "build").mkdir(parents=True)
             (package / "Makefile").write_text(f"all:\n\t@{makefile}\n")
-            return place(package, "top", 2, Tools([], {}), placer="static")
+            return place(package, "top", 2, Tools([], {}), route_speed, placer)
 
     def test_a_placer_that_does_not_end_is_ended(self) -> None:
         for says in (f"Info: iter={STATIC_ROUNDS + 1} steplen=1", "Info: iter=9 steplen=1\\nInfo: Strict legalising 7 cells..."):
             with self.subTest(says), mock.patch("flow.routing.LEGALISING_LEAST", 1), mock.patch("flow.routing.LEGALISING_SHARE", 0):
                 self.assertIsNone(self.place_by(f"printf '{says}\\n' >build/top_seed2_static.log; sleep 600"))
+
+    def router_log(self, *steps: tuple[float, int]) -> str:
+        """As nextpnr writes it: of (s since it began, arcs left)."""
+        return "Info: Routing 9999 arcs.\n" + "".join(f"Info: {1000 * n:10} | {n:8} {9 * n:10} |  137   862 | {left:9}|       7.31 {at:10.2f}|\n"
+                                                      for n, (at, left) in enumerate(steps, start=1))
+
+    def test_a_router_takes_its_time(self) -> None:
+        late = ROUTER_LEAST + 3.0
+        in_time = round(3 * ROUTER_MORE / late)  # arcs that can be left where one was routed in the last third
+        for log, ever in (("", False), (self.router_log((1, 500000)), False), (self.router_log((1, 500), (ROUTER_LEAST - 1, 500)), False),
+                          (self.router_log((1, 500), (late, 500)), True), (self.router_log((late / 2, 400), (late * 0.8, 400), (late, 400)), True),
+                          (self.router_log((late * 2 / 3, 900 * in_time), (late, 900 * in_time - 800)), True),
+                          (self.router_log((late * 2 / 3, in_time), (late, in_time - 1)), False),
+                          (self.router_log((late * 2 / 3, in_time + 2), (late, in_time + 1)), True),
+                          (self.router_log((1, 9000000), (late * 2 / 3, in_time + 2), (late, in_time + 1)), True)):
+            self.assertEqual(routes_for_ever(log), ever, log)
+
+    def test_a_router_that_does_not_get_on_is_ended(self) -> None:
+        for placer, route_speed, log in (("static", None, "_static"), ("heap", None, ""), ("heap", 8, "_route8.routed")):
+            with self.subTest(placer), tempfile.NamedTemporaryFile("w+") as said:
+                said.write(self.router_log((1, 500), (ROUTER_LEAST, 500)))
+                said.flush()
+                self.assertIsNone(self.place_by(f"cp {said.name} build/top_seed2{log}.log; sleep 600", placer, route_speed))
 
     def test_legalising_takes_its_time(self) -> None:
         rounds, legalising = "Info: iter=9 steplen=1\n", "Info: Strict legalising 7 cells..."
@@ -108,6 +136,16 @@ class Seeds(unittest.TestCase):
             add_placements(entry, entry["seeds"], Path("there"))
             self.assertEqual(entry["clocks"]["sdram"]["constraint"], asked)
             self.assertEqual(missed_clocks(entry), [])
+
+    def test_a_core_as_fast_as_its_sdram(self) -> None:
+        entry = self.entry((60, 120))
+        clocks = entry["seeds"][0]["clocks"]
+        entry["seeds"][0]["clocks"] = {"$glbnet$clk_sdram": clocks["sdram"], "$glbnet$clk": {"achieved": 130.0, "constraint": 100.0}}
+        entry["constraint_mhz"] = 100.0
+        add_placements(entry, entry["seeds"], Path("there"))
+        self.assertEqual(entry["fmax_mhz"], {"median": 130, "low": 130, "high": 130})
+        self.assertEqual(core_clocks(entry["clocks"], 100.0), {"$glbnet$clk"})
+        self.assertEqual(core_clocks(entry["clocks"], 90.0), set())
 
     def test_an_estimate_misses_nothing(self) -> None:
         entry = self.entry((60, 99))

@@ -191,7 +191,10 @@ class KeptSeeds(Folder):
         self.endless = {2}
         for _ in range(2):
             self.assertEqual([s["seed"] for s in route(self.top, self.routing)["seeds"]], [1, 3, 4])
+            self.assertEqual(route(self.top, self.routing)["unrouted"], [2])
         self.assertEqual([seed for seed, _ in self.placed], [1, 2, 3, 4])
+        self.endless = set()
+        self.assertNotIn("unrouted", route(self.top, dataclasses.replace(self.routing, seeds=1)))
 
     def test_other_tools_have_other_results(self) -> None:
         self.assertNotEqual(tops.top_key("d", {"yosys": "1"}), tops.top_key("d", {"yosys": "2"}))

@@ -32,7 +32,7 @@ class PlannedEngines(unittest.TestCase):
         self.assertEqual(missed(row), ["clk_sdram reaches 99.0 MHz of 100"])
         self.assertEqual(cells(row)[-1], "**MISSED**: clk_sdram reaches 99.0 MHz of 100")
         row["clocks"] = []
-        self.assertEqual(cells(row)[-4:], ["–", "–", "`dddddddddddd`", "**MISSED**: nextpnr's static placer does not end"])
+        self.assertEqual(cells(row)[-4:], ["–", "–", "`dddddddddddd`", "**MISSED**: nextpnr does not end"])
 
     def test_a_scene_measured_again_takes_the_place_of_its_row(self) -> None:
         other, again = copy.deepcopy(ROW), copy.deepcopy(ROW)

@@ -55,7 +55,7 @@ def options() -> argparse.Namespace:
                    help="as of scripts/fpga (default: 6, but 8 with nextpnr 0.7, which did not end at 6)")
     p.add_argument("--placer", choices=("heap", "static"), help="as of scripts/fpga (default: static, but heap with nextpnr 0.7)")
     p.add_argument("--route-again", action="store_true", help="route even what is kept")
-    p.add_argument("--results", type=folder, default=ROOT / "build" / "headline",
+    p.add_argument("--results", type=folder,
                    help="where results are kept (default: build/headline); such folders can be copied together")
     only = p.add_mutually_exclusive_group()
     only.add_argument("--route-only", action="store_true", help="route the seeds, and leave the rest to a later run")
@@ -67,7 +67,9 @@ def options() -> argparse.Namespace:
     only.add_argument("--check", action="store_true", help="tell whether docs/headline.md is that of fpga/headline.json and of today's RTL")
     o = p.parse_args()
     if nothing_routed := next((f"--{name.replace('_', '-')}" for name in ("replay_only", "images_only", "render", "check") if getattr(o, name)), None):
-        refuse_idle(p, o, ("seeds", "first_seed", "jobs", "route_speed", "placer", "route_again", "clock"), nothing_routed)
+        refuse_idle(p, o, ("seeds", "first_seed", "jobs", "route_speed", "placer", "route_again", "clock") +
+                    (("results",) if o.images_only else ()), nothing_routed)
+    o.results = o.results or ROOT / "build" / "headline"
     o.seeds, o.jobs = o.seeds or 3, o.jobs or os.cpu_count()
     o.first_seed = 1 if o.first_seed is None else o.first_seed
     if o.first_seed + o.seeds - 1 > LAST_SEED:
@@ -138,7 +140,7 @@ def route_only(tops: list[Top], routing: Routing, jobs: int) -> None:
         top, seed = job
         placed = route_seed(top, seed, routing.placer, routing)
         reached = (", ".join(f"{net} {c['achieved']:.1f} of {c['constraint']:g} MHz" for net, c in placed["clocks"].items())
-                   if placed else "nextpnr's static placer does not end")
+                   if placed else "nextpnr does not end")
         say(f"{top.name}, seed {seed}: {reached}")
 
     each(jobs, one, [(top, seed) for seed in seeds for top in tops])

@@ -3,7 +3,7 @@
 does not have is None."""
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, TypedDict
+from typing import Any, NotRequired, TypedDict
 
 from flow.results import ClockSpread, Spread
 from flow.shell import ROOT, read_json
@@ -64,10 +64,10 @@ class Row(TypedDict):
     it is one. shows: what a variant shows, which has no goal of its own, else "". coarse: of one in coarser formats, judged beside
     the one that it is coarser than. leaf_limit: leaves that a query visits at most, 0 where the search is exact. recall: part of
     the exact k nearest that golden finds, as the libraries found them. lut_eq: LUT-equivalents of the whole top. all_cores: golden
-    on the whole machine. digest: of the netlist that was routed. clocks: None where only the core's was recorded. fits: resource
-    of the part -> gatherers of this plan that it has room for. ports_cycles: of the core, in which the ports of a photon memory in
-    block RAM move a gather's lines; None before an SDRAM, and where it was not recorded. cores: library, or photonloom for golden
-    -> its rate."""
+    on the whole machine. digest: of the netlist that was routed. unrouted: seeds with which nextpnr did not come to an end. clocks:
+    None where only the core's was recorded. fits: resource of the part -> gatherers of this plan that it has room for. ports_cycles:
+    of the core, in which the ports of a photon memory in block RAM move a gather's lines; None before an SDRAM, and where it was not
+    recorded. cores: library, or photonloom for golden -> its rate."""
     plan: str
     rejected: str
     shows: str
@@ -86,6 +86,7 @@ class Row(TypedDict):
     versions: list[str]
     processor: str
     seeds: list[int]
+    unrouted: NotRequired[list[int]]
     fmax_mhz: Spread
     clocks: dict[str, ClockSpread] | None
     binding: Binding

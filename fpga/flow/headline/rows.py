@@ -62,7 +62,7 @@ def rows_of(plan: HeadlinePlan, top: Top, entry: Entry, simulated: Simulated, co
         own = simulated_row("reordered", radius)
         if not own:
             raise Failure(f"{plan.name}: the simulation has no reordered row with r2_max {radius}")
-        out.append({"plan": plan.name, "rejected": plan.rejected, "shows": plan.shows, "coarse": coarse,
+        row: Row = {"plan": plan.name, "rejected": plan.rejected, "shows": plan.shows, "coarse": coarse,
                     "leaf_limit": timed.leaf_limit,
                     "recall": timed.recall, "lut_eq": entry["resources"][LUT_EQ], "all_cores": timed.all_cores,
                     "memory": own["memory"], "k": own["k"],
@@ -73,5 +73,8 @@ def rows_of(plan: HeadlinePlan, top: Top, entry: Entry, simulated: Simulated, co
                     "cycles_per_gather": own["cycles_per_gather"],
                     "cost": {"nodes": own["nodes"], "leaves": own["leaves"], "insertions": own["insertions"],
                              "bound": own["bound"]},
-                    "ports_cycles": own["ports_cycles"], "sdram": sdram_load(own, simulated_row("pixels", radius)), "cores": timed.one, "uart": top.rate})
+                    "ports_cycles": own["ports_cycles"], "sdram": sdram_load(own, simulated_row("pixels", radius)), "cores": timed.one, "uart": top.rate}
+        if unrouted := entry.get("unrouted"):
+            row["unrouted"] = unrouted
+        out.append(row)
     return out

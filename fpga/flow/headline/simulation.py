@@ -12,7 +12,7 @@ from typing import Any
 
 from flow.headline.data import Cores, Rate
 from flow.headline.plans import HeadlinePlan
-from flow.results import Entry
+from flow.results import Entry, core_clocks
 from flow.shell import ROOT, Failure, field, read_json, read_toml, run, say, warn, write_json
 
 CLOUDS = (".photons", ".queries")
@@ -48,7 +48,8 @@ def sha256(path: Path) -> str:
 def sdram_mhz(entry: Entry) -> float | None:
     """The SDRAM's clock to simulate: what it is constrained to, or what it reaches where that is slower; the controller
     counts the chip's times in cycles of the constraint. None where the top has no such clock."""
-    clocks = [c for c in entry["clocks"].values() if abs(c["constraint"] - entry["constraint_mhz"]) >= 0.01]
+    core = core_clocks(entry["clocks"], entry["constraint_mhz"])
+    clocks = [clock for net, clock in entry["clocks"].items() if net not in core]
     if len(clocks) > 1:
         raise Failure(f"{entry['top']}: has {len(clocks)} clocks beside the core's, expected the SDRAM's alone")
     return min(clocks[0]["median"], clocks[0]["constraint"]) if clocks else None

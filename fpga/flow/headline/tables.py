@@ -6,9 +6,9 @@ from pathlib import Path
 from flow.goals import CoarseGoals, GainGoals
 from flow.headline.data import FrameTime, ImageTime, Rate, Row, Seconds
 from flow.headline.netlist import SHORT
-from flow.headline.verdict import (GOLDEN, Verdict, board_for_size, clock_name, cycles_without_row_changes, finer_row, judge_coarse,
+from flow.headline.verdict import (GOLDEN, Verdict, board_for_size, cycles_without_row_changes, finer_row, judge_coarse,
                                    judge_gain, rate)
-from flow.results import ClockSpread, Spread
+from flow.results import Spread, clock_name, core_clocks
 from flow.shell import ROOT, field, read_toml
 from flow.tables import markdown
 
@@ -69,13 +69,10 @@ def clock_cell(clock: Spread, seeds: int) -> str:
 
 def core_cell(row: Row) -> str:
     """The core's clock beside what it was asked for; the constraint is that in whole picoseconds."""
-    asked = min((c["constraint"] for c in (row["clocks"] or {}).values() if is_core(row, c)), default=row["clock_mhz"])
+    clocks = row["clocks"] or {}
+    asked = min((clocks[net]["constraint"] for net in core_clocks(clocks, row["clock_mhz"])), default=row["clock_mhz"])
     return (f"{clock_cell(row['fmax_mhz'], len(row['seeds']))} of {row['clock_mhz']:g}" +
             (" **missed**" if row["fmax_mhz"]["median"] < asked else ""))
-
-
-def is_core(row: Row, clock: ClockSpread) -> bool:
-    return abs(clock["constraint"] - row["clock_mhz"]) < 0.01
 
 
 def sdram_clock_unknown(row: Row) -> bool:
@@ -86,9 +83,10 @@ def other_clocks(row: Row) -> str:
     """Every clock but the core's beside its constraint."""
     if row["clocks"] is None:
         return "not recorded" if sdram_clock_unknown(row) else "–"
+    core = core_clocks(row["clocks"], row["clock_mhz"])
     cells = [f"{clock_name(net)} {clock_cell(c, len(row['seeds']))} of {c['constraint']:g}" +
              (" **missed**" if c["median"] < c["constraint"] else "")
-             for net, c in row["clocks"].items() if not is_core(row, c)]
+             for net, c in row["clocks"].items() if net not in core]
     return ", ".join(cells) or "–"
 
 
@@ -236,10 +234,15 @@ def part_table(judged: Judged) -> str:
                     ["plan", "radius"] + [PARTS.get(name, name) for name in names])
 
 
+def seeds_cell(row: Row) -> str:
+    without_end = ", ".join(map(str, row.get("unrouted", [])))
+    return ", ".join(map(str, row["seeds"])) + (f"; not routed: {without_end}" if without_end else "")
+
+
 def top_table(judged: Judged) -> str:
     """One line a plan."""
     tops = {r["plan"]: r for r, _ in judged}
     return markdown([[r["plan"], r["gatherers"], core_cell(r), other_clocks(r),
-                      ", ".join(map(str, r["seeds"])), f"`{r['digest'][:SHORT]}`", f"{r['uart'] / 1e3:.1f}",
+                      seeds_cell(r), f"`{r['digest'][:SHORT]}`", f"{r['uart'] / 1e3:.1f}",
                       f"{r['binding']['resource']} {r['binding']['used']:,} of {r['binding']['of']:,}"]
                      for r in tops.values()], TOP_COLUMNS)

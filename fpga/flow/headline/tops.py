@@ -68,7 +68,7 @@ class Synthesized(TypedDict):
 
 
 class Seed(TypedDict):
-    """A file of one seed; placed: None where the static placer did not end."""
+    """A file of one seed; placed: None where nextpnr did not come to an end."""
     placed: Placement | None
 
 
@@ -116,7 +116,7 @@ def seed_file(top: Top, seed: int, placer: str, route_speed: int) -> Path:
 
 
 def route_seed(top: Top, seed: int, placer: str, o: Routing) -> Placement | None:
-    """One seed, routed unless it is kept, or is being routed by another command. None where the static placer does not end."""
+    """One seed, routed unless it is kept, or is being routed by another command. None where nextpnr does not come to an end."""
     kept, netlist = seed_file(top, seed, placer, o.route_speed), o.board.top()
     with locked(kept.with_suffix(".lock")):
         if kept.is_file() and not o.again:
@@ -137,11 +137,20 @@ def route_seed(top: Top, seed: int, placer: str, o: Routing) -> Placement | None
 
 def route(top: Top, o: Routing) -> Entry:
     """The top's entry, as one of scripts/fpga, of all seeds that are asked for."""
-    placed = placements(top.name, range(o.first_seed, o.first_seed + o.seeds), o.placer,
-                        lambda seed, placer: route_seed(top, seed, placer, o))
+    without_end: set[int] = set()
+
+    def one(seed: int, placer: str) -> Placement | None:
+        placed = route_seed(top, seed, placer, o)
+        if placed is None:
+            without_end.add(seed)
+        return placed
+
+    placed = placements(top.name, range(o.first_seed, o.first_seed + o.seeds), o.placer, one)
     said = synthesized(top, o)
     entry: Entry = {"name": "board", "digest": top.digest, "top": o.board.top(), "constraint_mhz": top.clock_mhz,
                     "resources": said["resources"], "binding": said["binding"], "seeds": [],
                     "route_speed": o.route_speed, "placer": o.placer}
     add_placements(entry, placed, top.folder)
+    if unrouted := sorted(without_end - {p["seed"] for p in placed}):
+        entry["unrouted"] = unrouted
     return entry

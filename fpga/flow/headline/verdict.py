@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 from flow.goals import CoarseGoals, GainGoals, HeadlineGoals
 from flow.headline.data import Row, SdramLoad
+from flow.results import clock_name
 
 GOLDEN = "photonloom"
 
@@ -48,11 +49,6 @@ def slower_than_golden(row: Row, verdict: Verdict) -> bool:
 def board_for_size(row: Row, verdict: Verdict) -> float | None:
     """Gathers a second for 1,000 LUT-equivalents of the whole top; None where those were not recorded."""
     return 1000 * verdict.board / row["lut_eq"] if row["lut_eq"] else None
-
-
-def clock_name(net: str) -> str:
-    """'clk_sdram' of '$glbnet$clk_sdram'."""
-    return net.rsplit("$", 1)[-1]
 
 
 def clocks_missed(row: Row) -> list[str]:
