@@ -3,7 +3,7 @@
 JOBS := $(shell nproc)
 PREFIX ?= /usr/local
 .DEFAULT_GOAL := build
-.PHONY: help build install demo test test-full gallery precision mutate bench bench-rtl asan tsan fuzz extremes soak format clean references mutate-golden fpga-tools fpga board-sim headline fpga-fast fpga-plans area-check tradeoffs studies plan-promise plan-boards sweep-search slurm-test cycle-fit report-bundle mutate-hls test-hls formal signoff mutate-auto faults large-scenes
+.PHONY: help build install demo test test-full gallery precision mutate bench bench-rtl asan tsan fuzz extremes soak format clean references mutate-golden fpga-tools fpga board-sim headline fpga-fast fpga-plans area-check tradeoffs studies plan-promise plan-boards sweep-search slurm-test cycle-fit engine-predictions report-bundle mutate-hls test-hls formal signoff mutate-auto faults large-scenes
 
 help: ## this list
 	@sed -n 's/^\([a-z-]*\):[^#]*## \(.*\)/  make \1\t\2/p' Makefile | expand -t 24
@@ -71,7 +71,7 @@ signoff: ## what of the units' RTL their benches reach, and every hole with its 
 faults: ## faults of link, board, memory port, units and disk, and what becomes of results: docs/faults.md
 	@scripts/setup faults
 	@cmake --preset release -DBUILD_TESTING=ON
-	@cmake --build build --target photonloom scenes benches test_units test_command test_rtl_slow
+	@cmake --build build --target photonloom scenes benches test_units test_command test_command_slow test_rtl_slow
 	@scripts/faults --update
 
 mutate-auto: ## COUNT (200) mutants of each unit's RTL, of operators, constants and conditions, each caught by its bench (UNITS=..., SEED=1; hours)
@@ -190,6 +190,12 @@ plan-boards: build ## whether the engines planned for a board are routed: docs/p
 	@scripts/fpga-tools
 	@scripts/plan-boards
 
+engine-predictions: ## predicted cycles of engines beside simulated ones: docs/planner.md (MINUTES)
+	@scripts/setup test
+	@cmake --preset release -DBUILD_TESTING=ON
+	@cmake --build build --target photonloom scenes test_study_slow
+	@scripts/engine-predictions
+
 studies: build ## shipped studies with tables, plots and goals: docs/studies.md (an hour)
 	@scripts/setup studies
 	@scripts/studies
@@ -197,7 +203,9 @@ studies: build ## shipped studies with tables, plots and goals: docs/studies.md 
 cycle-fit: build ## plans through the RTL, and the fit that predicts cycles a gather: study/cycle_fit.hpp
 	@scripts/setup cycle-fit
 	@build/photonloom sweep studies/cycles.toml -o build/cycles
-	@scripts/cycle-fit build/cycles/results.csv
+	@sed 's/^cycles = "rtl"/cycles = "model"/' studies/cycles.toml >build/cycles_modelled.toml # the same scenes, in ../scenes
+	@build/photonloom sweep build/cycles_modelled.toml -o build/cycles_modelled
+	@scripts/cycle-fit build/cycles/results.csv build/cycles_modelled/results.csv
 
 sweep-search: ## what the strategy `search` of a study needs: Optuna
 	@scripts/setup sweep-search

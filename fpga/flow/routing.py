@@ -14,7 +14,7 @@ from flow.tools import Tools
 
 STATIC_ROUNDS = 900  # after which nextpnr's static placer is ended; a placement that ended took some 600
 LEGALISING_LEAST, LEGALISING_SHARE = 300, 2  # it is ended too when it has legalised for so many s, and for so many times its rounds
-ROUTER_LEAST, ROUTER_MORE = 900, 7200  # s after which nextpnr's router is judged, and that it may need more at its pace
+ROUTER_LEAST, ROUTER_MORE = 900, 10800  # s after which nextpnr's router is judged, and that it may need more at its pace
 SPARE_SEEDS = 2
 DEFAULT_PLACER = "heap"
 PART_SPEED = 6  # grade by whose delays the Makefile has the router search if not told

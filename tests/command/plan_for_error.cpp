@@ -37,7 +37,8 @@ double relmse(const std::string& a, const std::string& b) {
 
 }  // namespace
 
-TEST_CASE("plan --error: the plan keeps the error in a run with another seed, and costs less") {
+TEST_CASE("plan --error: the plan keeps the error in a run with another seed, and costs less",
+          "[slow]") {
   const Scratch s;
   const std::string file = s / "plan.toml";
   const auto o =
@@ -292,7 +293,7 @@ TEST_CASE(
   CHECK(plan_hash_text(read_plan(same)) == plan_hash_text(plan));
 }
 
-TEST_CASE("plan --explain: all words of a line, and both truth values") {
+TEST_CASE("plan --explain: all words of a line, and both truth values", "[slow]") {
   const Scratch s;
   const auto values = [&](const std::string& line) {
     const auto o = run("plan" + cornell_box() +

@@ -71,7 +71,8 @@ std::string command(const std::string& study, const std::string& folder) {
 
 }  // namespace
 
-TEST_CASE("a sweep that was killed at random moments ends with an uninterrupted one's tables") {
+TEST_CASE("a sweep that was killed at random moments ends with an uninterrupted one's tables",
+          "[slow]") {
   const Scratch s;
   write_file(s / "study.toml", small_study(cornell(), kPoints));
   const auto start = std::chrono::steady_clock::now();

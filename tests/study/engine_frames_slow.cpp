@@ -9,6 +9,7 @@
 #include "study/engine_search.hpp"
 #include "tests/catch.hpp"
 #include "tests/command/run.hpp"
+#include "tests/study/predictions.hpp"
 #include "verilator_tb/unit/backends.hpp"
 
 using namespace photonloom;
@@ -73,14 +74,15 @@ TEST_CASE("predicted cycles of a frame's engine are within 15 % of simulated one
       const EngineCycles predicted =
           engine_cycles(plan, frame.global, frame.caustic, in, board.core_khz);
       const double simulated = simulated_cycles(plan, frame, in, {});
-      CAPTURE(simulated, predicted.cycles, plan.gatherers, plan.lanes, plan.nodes_per_cycle,
-              plan.contexts, plan.cache_bytes, predicted.gatherers, predicted.memory);
-      WARN(scene << ", " << plan.gatherers << " gatherers, " << plan.cache_bytes
-                 << " bytes of cache"
-                 << (plan.reorder_key == ReorderKey::kNone ? "" : ", reordered") << ": "
-                 << predicted.cycles << " cycles predicted, " << simulated << " simulated");
-      CHECK(predicted.cycles > 0.85 * simulated);
-      CHECK(predicted.cycles < 1.15 * simulated);
+      CAPTURE(predicted.gatherers, predicted.memory);
+      photonloom::test::check_prediction({{"table", "frames"},
+                                          {"scene", scene},
+                                          {"gatherers", plan.gatherers},
+                                          {"nodes", plan.nodes_per_cycle},
+                                          {"contexts", plan.contexts},
+                                          {"cache_bytes", plan.cache_bytes},
+                                          {"reordered", plan.reorder_key != ReorderKey::kNone}},
+                                         predicted.cycles, simulated);
     }
   }
 }
@@ -108,15 +110,14 @@ TEST_CASE("predicted cycles of engines before an SDRAM are within 15 % of simula
     RunOptions options;
     options.sdram_period = static_cast<double>(board.core_khz) / plan.sdram_khz;
     const double simulated = simulated_cycles(plan, frame, in, options);
-    CAPTURE(asked.scene, asked.photons, asked.k, simulated, predicted.cycles, plan.gatherers,
-            plan.contexts, plan.cache_bytes, plan.board_cache_bytes, plan.reorder_packets,
-            predicted.gatherers, predicted.memory);
-    WARN(asked.scene << ", " << asked.photons << " photons, k = " << asked.k << ", " << in.size()
-                     << " queries, " << plan.gatherers << " gatherers, " << plan.reorder_packets
-                     << " in the pool: " << predicted.cycles << " cycles predicted ("
-                     << predicted.gatherers << " of the gatherers, " << predicted.memory
-                     << " of the memory), " << simulated << " simulated");
-    CHECK(predicted.cycles > 0.85 * simulated);
-    CHECK(predicted.cycles < 1.15 * simulated);
+    CAPTURE(in.size(), plan.contexts, plan.cache_bytes, plan.board_cache_bytes, predicted.gatherers,
+            predicted.memory);
+    photonloom::test::check_prediction({{"table", "sdram"},
+                                        {"scene", asked.scene},
+                                        {"photons", asked.photons},
+                                        {"k", asked.k},
+                                        {"gatherers", plan.gatherers},
+                                        {"pool", plan.reorder_packets}},
+                                       predicted.cycles, simulated);
   }
 }

@@ -9,6 +9,7 @@
 #include "study/engine_search.hpp"
 #include "tests/catch.hpp"
 #include "tests/command/run.hpp"
+#include "tests/study/predictions.hpp"
 #include "verilator_tb/throughput/gather_load.hpp"
 
 using namespace photonloom;
@@ -34,11 +35,8 @@ TEST_CASE("predicted cycles of the headline's rows from an SDRAM are within 15 %
     const int core_khz = static_cast<int>(1000 * row.at("fmax_mhz").at("median").get<double>());
     const double predicted = engine_cycles(plan, map, {}, queries, core_khz).cycles;
     const auto simulated = row.at("cycles_per_gather").get<double>();
-    CAPTURE(name, within_mean, predicted, simulated);
-    WARN(name << (within_mean ? " within the mean r^2: " : ": ") << predicted
-              << " cycles predicted, " << simulated << " simulated");
-    CHECK(predicted > 0.85 * simulated);
-    CHECK(predicted < 1.15 * simulated);
+    test::check_prediction({{"table", "headline"}, {"plan", name}, {"within_mean", within_mean}},
+                           predicted, simulated);
     ++rows;
   }
   CHECK(rows >= 6);

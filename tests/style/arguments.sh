@@ -28,7 +28,7 @@ refuses() {  # SCRIPT ARGUMENT...
   [ "$(printf '%s\n' "$said" | grep -c "^$script: ")" = 1 ] || tell "$script $*: expected one sentence, it said: $said"
   unchanged "$script $*"
 }
-for name in plan-promise tradeoffs cycle-fit time-to-image scene-table studies soak demo gallery precision references asan tsan \
+for name in plan-promise tradeoffs cycle-fit engine-predictions time-to-image scene-table studies soak demo gallery precision references asan tsan \
   golden-images fuzz bench board-sim; do
   helps "$name"
   refuses "$name" --nonsense
@@ -40,6 +40,10 @@ refuses tradeoffs work more
 refuses fpga --dry-run --page README.md
 refuses fpga --dry-run --board up5k --placer static
 refuses cycle-fit none.csv
+refuses cycle-fit none.csv none.csv
+refuses cycle-fit --check none.csv none.csv
+refuses engine-predictions none
+refuses engine-predictions --check frames
 refuses time-to-image work more
 refuses scene-table work
 refuses studies none
