@@ -190,7 +190,7 @@ plan-boards: build ## whether the engines planned for a board are routed: docs/p
 	@scripts/fpga-tools
 	@scripts/plan-boards
 
-engine-predictions: ## predicted cycles of engines beside simulated ones: docs/planner.md (MINUTES)
+engine-predictions: ## predicted cycles of engines beside simulated ones: docs/planner.md (a quarter of an hour)
 	@scripts/setup test
 	@cmake --preset release -DBUILD_TESTING=ON
 	@cmake --build build --target photonloom scenes test_study_slow

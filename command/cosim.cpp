@@ -244,6 +244,10 @@ void cosim(const CosimOptions& o) {
     std::erase_if(hardware, [&](const auto& unit) {
       return !find_unit(unit.first).lacks(frame.plan).empty();
     });
+  for (const auto& [unit, backend] : hardware)
+    if (const std::string lacks = find_unit(unit).lacks(frame.plan); !lacks.empty())
+      throw std::runtime_error(
+          fmt::format("--backend: {}: gets no packet, the plan has no {}", unit, lacks));
   if (!o.rig.wave_unit().empty())
     if (const std::string lacks = find_unit(o.rig.wave_unit()).lacks(frame.plan); !lacks.empty())
       throw std::runtime_error(fmt::format("--wave-unit {}: gets no packet, the plan has no {}",

@@ -179,6 +179,8 @@ void FrameOptions::refuse_all(const std::string& why) const {
     if (command_->count(option) > 0) throw UsageError(fmt::format("{}: {}", option, why));
 }
 
+bool FrameOptions::has_seed() const { return command_->count("--seed") > 0; }
+
 std::vector<std::string> FrameOptions::photon_options() const {
   std::vector<std::string> given;
   for (const char* option : kPhotonOnly)

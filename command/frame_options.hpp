@@ -28,6 +28,7 @@ class FrameOptions {
   void refuse_derivation(const std::string& plan_file) const;
   // The same for every option of a plan, --set too; `why` is what is said of it.
   void refuse_all(const std::string& why) const;
+  bool has_seed() const;
   // Options given that only the photon mapper reads.
   std::vector<std::string> photon_options() const;
 

@@ -52,22 +52,30 @@ std::map<std::string, std::string> images(const PreparedFrame& frame) {
   return files;
 }
 
-// Warns where the board's whole top takes more block RAMs than its part has.
-void warn_of_block_ram(const std::string& source, const Plan& plan, const BoardDescription& board) {
-  const std::optional<int> has = block_rams_of(board);
-  const int blocks = board_memories(plan).total();
-  if (!has || blocks <= *has) return;
+// Warns where the board's whole top takes more of something than its part has.
+void warn_of_room(const std::string& source, const Plan& plan, const BoardDescription& board) {
   // What of this plan takes some.
-  std::vector<std::string> less;
-  if (plan.gatherers > 1) less.push_back("fewer board.gatherers");
-  less.push_back(plan.photon_memory == PhotonMemory::kSdram ? "a smaller board.cache_bytes"
-                                                            : "fewer photons in block RAM");
-  if (plan.reorder_key != ReorderKey::kNone) less.push_back("a smaller reorder.packets");
-  if (plan.cache_bytes != 0) less.push_back("a smaller gatherer.cache_bytes");
-  print_warnings(
-      {fmt::format("{}: the top takes {} block RAMs, {} has {}; expected {} (photonloom plan tells "
-                   "what takes them)",
-                   source, blocks, board.name, *has, fmt::join(less, " or "))});
+  std::vector<std::string> blocks;
+  if (plan.gatherers > 1) blocks.push_back("fewer board.gatherers");
+  std::vector<std::string> logic = blocks;
+  blocks.push_back(plan.photon_memory == PhotonMemory::kSdram ? "a smaller board.cache_bytes"
+                                                              : "fewer photons in block RAM");
+  if (plan.reorder_key != ReorderKey::kNone) blocks.push_back("a smaller reorder.packets");
+  if (plan.cache_bytes != 0) blocks.push_back("a smaller gatherer.cache_bytes");
+  for (const auto& [line, width] : {std::pair{"nodes_per_cycle", plan.nodes_per_cycle},
+                                    {"candidates_per_cycle", plan.candidates_per_cycle},
+                                    {"powers_per_cycle", plan.powers_per_cycle},
+                                    {"lanes", plan.lanes}})
+    if (width > 1) logic.push_back(fmt::format("a smaller gatherer.{}", line));
+  if (logic.empty()) logic.push_back("a smaller gather.k");
+  std::vector<std::string> warnings;
+  for (const BoardShortage& s : board_shortages(plan, board))
+    warnings.push_back(
+        fmt::format("{}: the top takes {} {}, {} has {}; expected {} (photonloom plan tells what "
+                    "takes them)",
+                    source, s.needed, s.resource, board.name, s.has,
+                    fmt::join(s.resource == "block RAMs" ? blocks : logic, " or ")));
+  print_warnings(warnings);
 }
 
 // Throws where the package in `dir` has kernels that are not what its plan and the sources give.
@@ -150,7 +158,7 @@ void generate(const GenerateOptions& o) {
     files = generate_hardware(request);
   }
   if (!o.board.empty() && o.unit.empty())
-    warn_of_block_ram(source, request.plan, read_board(o.board, o.boards));
+    warn_of_room(source, request.plan, read_board(o.board, o.boards));
   if (o.hls)
     for (auto& [name, text] : write_kernel_package(request.plan)) files["hls/" + name] = text;
   for (const auto& [name, text] : files) {

@@ -119,9 +119,9 @@ void describe(const Plan& plan, const std::string& file, const PlanOptions& o,
       print_warnings({error.what()});
       continue;
     }
-    const std::optional<int> has = block_rams_of(board);
-    if (board.has_core() && has && b.total() > *has)
-      fmt::print("  more than the {} block RAMs of board {}\n", *has, name);
+    if (!board.has_core()) continue;
+    for (const BoardShortage& s : board_shortages(plan, board))
+      fmt::print("  {} {}, more than the {} of board {}\n", s.needed, s.resource, s.has, name);
   }
 }
 
@@ -214,6 +214,8 @@ void plan(const PlanOptions& o) {
   ConsoleProgress progress;
   const PreparedFrame frame = prepare_frame(request, Arithmetic::kGolden, &progress, true);
   print_warnings(frame.warnings);
+  if (!request.plan_file.empty() && !frame.plan.compressed() && o.frame.has_seed())
+    print_warnings({"--seed changes nothing with --plan, whose lines of photons stay"});
   if (o.output == "-") {
     fmt::print("{}", plan_text(frame.plan, frame.reasons));
     return;

@@ -79,6 +79,32 @@ BoardNeeds other_needs(const Plan& plan) {
   return needs;
 }
 
+std::vector<BoardShortage> board_shortages(const Plan& plan, const BoardDescription& board) {
+  std::vector<BoardShortage> all;
+  const auto compare = [&](const char* resource, double needed, std::optional<int> has) {
+    if (has && std::lround(needed) > *has) all.push_back({resource, std::lround(needed), *has});
+  };
+  const auto states = [&](const char* name) -> std::optional<int> {
+    const auto found = board.resources.find(name);
+    if (found == board.resources.end()) return std::nullopt;
+    return found->second;
+  };
+  if (states(kBlockRam)) {
+    UnitResources sum;
+    for (const std::string& unit : units_on_board(plan)) {
+      if (!is_predicted(unit)) continue;
+      const UnitResources r = estimate_resources(plan, unit);
+      const int count = unit == unit_name<PhotonGatherer> ? plan.gatherers : 1;
+      sum.lut += count * r.lut, sum.ff += count * r.ff, sum.dsp += count * r.dsp;
+    }
+    compare("LUT-equivalents", sum.lut, states("LUT4"));
+    compare("flip-flops", sum.ff, states("FF"));
+    compare("multipliers", sum.dsp, states("MULT18X18D"));
+  }
+  compare("block RAMs", board_memories(plan).total(), block_rams_of(board));
+  return all;
+}
+
 std::string misfit(const BoardNeeds& needs, const BoardDescription& board,
                    const BoardShare& share) {
   const struct {

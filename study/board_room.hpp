@@ -3,6 +3,7 @@
 #pragma once
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "golden/plan/plan.hpp"
 #include "rtl/generate/board_file.hpp"
@@ -33,6 +34,15 @@ BoardNeeds operator*(int n, const BoardNeeds& a);
 // Of one gatherer, and of all else on the board that is predicted: other units, memories, link.
 BoardNeeds gatherer_needs(const Plan& plan);
 BoardNeeds other_needs(const Plan& plan);
+
+// What a board's part has too little of for a plan's whole top, as predicted, without a margin for
+// errors and for what is not predicted. Of parts that the prediction of logic is not of, block RAM
+// alone.
+struct BoardShortage {
+  std::string resource;  // as a sentence has it
+  long needed, has;
+};
+std::vector<BoardShortage> board_shortages(const Plan& plan, const BoardDescription& board);
 
 // Why these do not fit in this share of the board and in all of its multipliers; empty: they do.
 std::string misfit(const BoardNeeds& needs, const BoardDescription& board, const BoardShare& share);

@@ -100,21 +100,36 @@ bool begins_at_zero(const std::string& name) {
   return does;
 }
 
+// What a line of numbers is in the plan; of one that is none of the plan's, nothing.
+std::optional<std::string> own_value(const std::string& name, const Plan& plan) {
+  std::optional<std::string> own;
+  Plan::visit(
+      plan, [&](const char* section, const char* key, const auto& value, auto, auto, const char*) {
+        using Value = std::decay_t<decltype(value)>;
+        if constexpr (std::is_arithmetic_v<Value> && !std::is_same_v<Value, bool>)
+          if (name == fmt::format("{}.{}", section, key)) own = fmt::format("{}", value);
+      });
+  return own;
+}
+
 // Values of a line that the planner does not choose: half, the same and double of what it is, or
 // all its words. Throws std::runtime_error where the line has none.
 std::vector<std::string> other_values(const std::string& name, const Plan& plan) {
   std::optional<double> now;
   bool known = false, whole = false;
-  Plan::visit(
-      plan, [&](const char* section, const char* key, const auto& value, auto, auto, const char*) {
-        if (name != fmt::format("{}.{}", section, key)) return;
-        known = true;
-        using Value = std::decay_t<decltype(value)>;
-        if constexpr (std::is_arithmetic_v<Value> && !std::is_same_v<Value, bool>) {
-          now = static_cast<double>(value);
-          whole = std::is_integral_v<Value>;
-        }
-      });
+  double least = 0, most = 0;  // 0: no most
+  Plan::visit(plan, [&](const char* section, const char* key, const auto& value, auto smallest,
+                        auto largest, const char*) {
+    if (name != fmt::format("{}.{}", section, key)) return;
+    known = true;
+    using Value = std::decay_t<decltype(value)>;
+    if constexpr (std::is_arithmetic_v<Value> && !std::is_same_v<Value, bool>) {
+      now = static_cast<double>(value);
+      whole = std::is_integral_v<Value>;
+      least = static_cast<double>(smallest);
+      most = static_cast<double>(largest);
+    }
+  });
   if (!known)
     throw std::runtime_error(
         fmt::format("--explain: the plan has no line {}, expected one of docs/plan.md", name));
@@ -129,6 +144,7 @@ std::vector<std::string> other_values(const std::string& name, const Plan& plan)
   std::vector<std::string> values;
   for (const double factor : {0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 2.0, 4.0}) {
     const double x = *now == 0 ? factor * 4 : *now * factor;
+    if (whole && (std::floor(x) < least || (most != 0 && x > most))) continue;
     const std::string text = fmt::format("{}", whole ? std::floor(x) : x);
     if (std::find(values.begin(), values.end(), text) == values.end()) values.push_back(text);
   }
@@ -894,9 +910,21 @@ class PlanSearch::Work {
          chosen_lines(photons_asked("photons"), photons_asked("caustic_photons")))
       if (line.name == name) {
         std::vector<std::string> values = line.values;
-        std::sort(values.begin(), values.end(), [](const std::string& a, const std::string& b) {
-          return std::strtod(a.c_str(), nullptr) < std::strtod(b.c_str(), nullptr);
+        if (const std::optional<std::string> own =
+                own_value(name, plan_of_point(*scene_, study_, around).plan);
+            own && std::find(values.begin(), values.end(), *own) == values.end()) {
+          // Nor do those around it stand among the planner's.
+          const std::vector<std::string> near =
+              other_values(name, plan_of_point(*scene_, study_, around).plan);
+          values.insert(values.end(), near.begin(), near.end());
+        }
+        const auto number = [](const std::string& text) {
+          return std::strtod(text.c_str(), nullptr);
+        };
+        std::sort(values.begin(), values.end(), [&](const std::string& a, const std::string& b) {
+          return number(a) < number(b);
         });
+        values.erase(std::unique(values.begin(), values.end()), values.end());
         return values;
       }
     return other_values(name, plan_of_point(*scene_, study_, around).plan);

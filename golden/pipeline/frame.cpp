@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "golden/pipeline/frame.hpp"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -859,7 +861,12 @@ FrameUnits make_golden_units(const Plan& plan) {
 
 Image render_frame(const FrameInput& in, FrameUnits& units, FrameCounts& counts,
                    Progress* progress) {
-  return with_memory_for_pixels(in.plan.width, in.plan.height, [&] {
+  const std::string tiles = in.plan.batch_tiles == 0 ? "all" : std::to_string(in.plan.batch_tiles);
+  const std::string what = fmt::format(
+      "a frame of {}x{} pixels, {} samples of each (frame.spp), {} tiles at a time "
+      "(frame.batch_tiles)",
+      in.plan.width, in.plan.height, in.plan.spp, tiles);
+  return with_memory_for(what, [&] {
     if (in.arithmetic == Arithmetic::kReference)
       return Renderer<Arithmetic::kReference>(in, units, counts, progress).render();
     return Renderer<Arithmetic::kGolden>(in, units, counts, progress).render();

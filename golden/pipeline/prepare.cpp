@@ -183,7 +183,7 @@ PreparedFrame prepare_frame(std::unique_ptr<World> world, const FrameRequest& re
 
   if (from_file) {
     check_plan_fits(frame, request.plan_file);
-    if (!only_plan) check_plan_makes_an_image(frame.plan, request.plan_file);
+    if (!only_plan) check_plan_makes_an_image(frame.plan, request.plan_file, request.set);
   } else {
     PlannedFrame planned =
         make_plan(*frame.world, plan_request, frame.global_pass, frame.caustic_pass);

@@ -95,8 +95,9 @@ std::string expectation(const T& value, uint64_t smallest, uint64_t largest, boo
   } else {
     const std::string from =
         signed_range ? fmt::format("{}", signed_smallest) : fmt::format("{}", smallest);
-    return largest ? fmt::format("an integer from {} to {}", from, largest)
-                   : fmt::format("an integer of at least {}", from);
+    if (largest) return fmt::format("an integer from {} to {}", from, largest);
+    if (std::is_unsigned_v<T>) return fmt::format("an integer from {} to 2^63 - 1", from);
+    return fmt::format("an integer of at least {}", from);
   }
 }
 

@@ -49,8 +49,9 @@ struct PlannedFrame {
 };
 
 // Throws PlanError where gathers of a plan give no light: (k - 1) / k is 0 for k = 1. `name` is the
-// plan's.
-void check_plan_makes_an_image(const Plan& plan, const std::string& name);
+// plan's, or the option's that says k; `assignments` are those of its lines.
+void check_plan_makes_an_image(const Plan& plan, const std::string& name,
+                               const std::vector<std::string>& assignments);
 
 // A sentence where a pixel's steps are coarser than any plan has them that is derived; "" else.
 std::string why_pixels_are_coarse(const Plan& plan, const World& world);

@@ -42,13 +42,13 @@ bool choose_dividers(const PllLimits& pll, long in_khz, BoardClocks& clocks) {
   return best_distance >= 0;
 }
 
-// Core clocks that the PLL makes, for a message; "" where there are none.
+// Core clocks in MHz that the PLL makes, for a message; "" where there are none.
 std::string examples(const BoardDescription& board, int sdram_khz) {
   std::string text;
   for (const int khz : {25000, 50000, 60000, 62500, 75000, 100000}) {
     BoardClocks clocks{.core_khz = khz, .sdram_khz = sdram_khz};
     if (!choose_dividers(*board.pll, board.oscillator_khz, clocks)) continue;
-    text += fmt::format("{}{}", text.empty() ? "for example one of " : ", ", khz);
+    text += fmt::format("{}{:g}", text.empty() ? "--clock of for example " : ", ", khz / 1000.0);
   }
   return text;
 }
@@ -66,7 +66,7 @@ std::string sdram_examples(const BoardDescription& board, int core_khz) {
        khz -= 1250) {
     BoardClocks clocks{.core_khz = core_khz, .sdram_khz = khz};
     if (!choose_dividers(*board.pll, board.oscillator_khz, clocks)) continue;
-    text += fmt::format("{}{}", told++ ? ", " : "board.sdram_khz of the plan to be one of ", khz);
+    text += fmt::format("{}{}", told++ ? ", " : "a board.sdram_khz of for example ", khz);
   }
   return text;
 }
@@ -121,17 +121,18 @@ BoardClocks board_clocks(const BoardDescription& board, int core_khz, int sdram_
   BoardClocks clocks{.core_khz = core_khz};
   if (!choose_dividers(*board.pll, board.oscillator_khz, clocks)) {
     const std::string core = examples(board, 0);
-    throw std::runtime_error(
-        fmt::format("the PLL cannot make {} kHz of {} kHz exactly, expected {}", core_khz,
-                    board.oscillator_khz, core.empty() ? other_limits(board) : core));
+    throw std::runtime_error(fmt::format(
+        "the PLL cannot make {:g} MHz of {:g} MHz exactly, expected {}", core_khz / 1000.0,
+        board.oscillator_khz / 1000.0, core.empty() ? other_limits(board) : core));
   }
   clocks.sdram_khz = sdram_khz;
   if (sdram_khz && !choose_dividers(*board.pll, board.oscillator_khz, clocks)) {
     const std::string core = examples(board, sdram_khz), sdram = sdram_examples(board, core_khz);
-    throw std::runtime_error(
-        fmt::format("the PLL cannot make {} kHz beside the SDRAM's {} kHz, expected {}{}{}",
-                    core_khz, sdram_khz, core, core.empty() || sdram.empty() ? "" : ", or ",
-                    core.empty() && sdram.empty() ? other_limits(board) : sdram));
+    throw std::runtime_error(fmt::format(
+        "the PLL cannot make {:g} MHz beside the {} kHz of the plan's board.sdram_khz, "
+        "expected {}{}{}",
+        core_khz / 1000.0, sdram_khz, core, core.empty() || sdram.empty() ? "" : ", or ",
+        core.empty() && sdram.empty() ? other_limits(board) : sdram));
   }
   choose_baud(board, clocks);
   return clocks;

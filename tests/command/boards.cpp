@@ -188,8 +188,8 @@ TEST_CASE("files of a board that do not fit together are named, with the key or 
                 "block_ram/ulx3s_85f_top.sv: has no module b_top, expected the top of board b"},
            // clocks
            Case{"board.toml", "output_khz = [10000, 400000]", "output_khz = [100000, 400000]",
-                "the PLL cannot make 50000 kHz of 25000 kHz exactly, expected for example one of "
-                "100000"},
+                "the PLL cannot make 50 MHz of 25 MHz exactly, expected --clock of for example "
+                "100"},
            Case{"board.toml", "baud = [", "baud = [8000000] # ",
                 "board b: a core clock of 50000 kHz is too slow for its UART"},
        }) {
@@ -258,13 +258,15 @@ TEST_CASE("the SDRAM has the plan's clock") {
   for (const auto& [options, said] :
        {std::pair{"--set board.refreshes_ahead=256",
                   "board.refreshes_ahead is '256', expected an integer from 0 to 255"},
-        std::pair{"--set board.sdram_khz=93333",
-                  "50000 kHz beside the SDRAM's 93333 kHz, expected board.sdram_khz of the plan to "
-                  "be one of 110000, 100000, 93750"},
-        std::pair{"--clock 45",
-                  "45000 kHz beside the SDRAM's 100000 kHz, expected for example one of 25000, "
-                  "50000, 60000, 62500, 75000, 100000, or board.sdram_khz of the plan to be one of "
-                  "105000, 101250, 97500"},
+        std::pair{
+            "--set board.sdram_khz=93333",
+            "cannot make 50 MHz beside the 93333 kHz of the plan's board.sdram_khz, expected a "
+            "board.sdram_khz of for example 110000, 100000, 93750"},
+        std::pair{
+            "--clock 45",
+            "45 MHz beside the 100000 kHz of the plan's board.sdram_khz, expected --clock of for "
+            "example 25, 50, 60, 62.5, 75, 100, or a board.sdram_khz of for example 105000, "
+            "101250, 97500"},
         std::pair{"--set board.sdram_khz=120001",
                   "board.sdram_khz is '120001', expected an integer from 50000 to 120000"}}) {
     INFO(options);

@@ -375,7 +375,7 @@ TEST_CASE("a photon map too large for the board's block RAM is told before synth
   CHECK_THAT(read_file(scratch / "hw" + "/README.md"),
              ContainsSubstring(fmt::format("| all of the top | | | | {} |", blocks)));
   CHECK_THAT(run(tell).out,
-             ContainsSubstring("  more than the 208 block RAMs of board ulx3s-85f\n"));
+             ContainsSubstring(" block RAMs, more than the 208 of board ulx3s-85f\n"));
   // Those of another family, by its own name for them.
   CHECK_THAT(
       run(fmt::format("generate {} --board arty-a7-100t -o {}", scratch / "plan.toml",
@@ -383,9 +383,29 @@ TEST_CASE("a photon map too large for the board's block RAM is told before synth
           .err,
       ContainsSubstring(fmt::format("the top takes {} block RAMs, arty-a7-100t has 270", blocks)));
   CHECK_THAT(run(tell).out,
-             ContainsSubstring("  more than the 270 block RAMs of board arty-a7-100t\n"));
+             ContainsSubstring(" block RAMs, more than the 270 of board arty-a7-100t\n"));
   CHECK_THAT(run(tell).out, !ContainsSubstring("nexys-video"));
   CHECK_THAT(run(tell + " --json").out, ContainsSubstring(fmt::format("\"total\": {}", blocks)));
+}
+
+TEST_CASE("logic that a board lacks is told before synthesis") {
+  const Scratch scratch;
+  Plan plan = gatherer_plan();
+  write_plan(plan, scratch / "plan.toml");
+  const std::string wide =
+      " --set board.gatherers=8 --set gatherer.nodes_per_cycle=2 --set gatherer.lanes=8 --set "
+      "gatherer.candidates_per_cycle=4 --set gatherer.powers_per_cycle=4 --set "
+      "gatherer.cache_bytes=0";
+  const Outcome made = run(fmt::format("generate {} --board ulx3s-85f -o {} {}",
+                                       scratch / "plan.toml", scratch / "hw", wide));
+  INFO(made.err);
+  CHECK(made.status == 0);
+  CHECK_THAT(made.err, ContainsSubstring(" LUT-equivalents, ulx3s-85f has 83640; expected fewer "
+                                         "board.gatherers or a smaller gatherer.nodes_per_cycle"));
+  CHECK_THAT(made.err, ContainsSubstring(" multipliers, ulx3s-85f has 156; expected fewer "));
+  const std::string told = run("plan '" + scratch / "plan.toml" + "'" + wide).out;
+  CHECK_THAT(told, ContainsSubstring(" LUT-equivalents, more than the 83640 of board ulx3s-85f\n"));
+  CHECK_THAT(told, ContainsSubstring(" multipliers, more than the 156 of board ulx3s-85f\n"));
 }
 
 TEST_CASE("a board that cannot hold the plan is refused") {
@@ -398,8 +418,10 @@ TEST_CASE("a board that cannot hold the plan is refused") {
   refused("nexys", "", 0,
           "there is no board nexys, expected one of arty-a7-100t, nexys-video, ulx3s-85f, up5k");
   refused("up5k", "", 0, "room for one unit alone");
-  refused("ulx3s-85f", "", 51300, "the PLL cannot make 51300 kHz");
-  refused("arty-a7-100t", "", 51300, "the PLL cannot make 51300 kHz");
+  refused("ulx3s-85f", "", 51300,
+          "the PLL cannot make 51.3 MHz of 25 MHz exactly, expected --clock of for example 25, ");
+  refused("arty-a7-100t", "", 51300,
+          "the PLL cannot make 51.3 MHz of 100 MHz exactly, expected --clock of for example ");
   plan.photon_memory = PhotonMemory::kSdram;
   refused("arty-a7-100t", "", 0, "has no SDRAM");
   CHECK(run("generate --check a --board up5k").status == 2);

@@ -295,11 +295,11 @@ TEST_CASE(
 
 TEST_CASE("plan --explain: all words of a line, and both truth values", "[slow]") {
   const Scratch s;
-  const auto values = [&](const std::string& line) {
+  const auto values = [&](const std::string& line, const std::string& more = "") {
     const auto o = run("plan" + cornell_box() +
                        "--size 4x4 --spp 1 --gather-rays 2 --photons 1000 --reference-spp 8 "
                        "--points 2 --seeds 2 --work '" +
-                       s / "work" + "' --json --explain " + line);
+                       s / "work" + "' --json --explain " + line + more);
     INFO(line << "\n" << o.err);
     REQUIRE(o.status == 0);
     std::vector<std::string> said;
@@ -323,6 +323,25 @@ TEST_CASE("plan --explain: all words of a line, and both truth values", "[slow]"
     CHECK(first(line) == "0");
   }
   CHECK(first("gatherer.contexts") != "0");
+  // No values that the line cannot have.
+  CHECK(values("gatherer.nodes_per_cycle") == Words{"1", "2"});
+}
+
+TEST_CASE("plan --explain: the plan's own value and those around it are among a line's") {
+  const Scratch s;
+  const auto o = run("plan" + cornell_box() +
+                     "--size 4x4 --spp 1 --gather-rays 2 --photons 1000 --reference-spp 8 "
+                     "--points 2 --seeds 2 --k 100 --work '" +
+                     s / "work" + "' --json --explain gather.k");
+  INFO(o.err);
+  REQUIRE(o.status == 0);
+  std::set<std::string> said;
+  const auto points = nlohmann::json::parse(o.out)["curves"]["gather.k"];
+  for (const auto& p : points) CHECK(said.insert(p["value"].get<std::string>()).second);
+  for (const char* k : {"3", "50", "75", "100", "200"}) {
+    CAPTURE(k);
+    CHECK(said.count(k) == 1);
+  }
 }
 
 TEST_CASE("plan --points: no more plans are measured in a search, each told once") {

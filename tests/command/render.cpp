@@ -303,7 +303,9 @@ TEST_CASE("what cannot be is one clear error, and nothing is left behind") {
   fails("render" + box() + "--arithmetic exact" + out, 2, {"--arithmetic"});
   fails("render" + box() + "-D x" + out, 2, {"-D"});
   fails("render" + box() + "-o" + quoted(scratch / "x.png"), 2, {".exr"});
-  fails("render" + box() + "--k 1 --photons 100" + out, 1, {"gather.k is 1"});
+  fails("render" + box() + "--k 1 --photons 100" + out, 1, {"--k: gather.k is 1"});
+  fails("render" + box() + "--set gather.k=1 --photons 100" + out, 1,
+        {"--set: 'gather.k=1': gather.k is 1"});
   fails("render" + box() + "--k 1 --radius 0 --photons 100" + out, 1, {"gather.k is 1"});
   fails("render" + box() + "--k 1 --radius 1 --photons 100" + out, 1, {"gather.k is 1"});
   fails("render" + box() + "--photons 100 --set photon.channels=1 --set " +
@@ -450,6 +452,8 @@ TEST_CASE("what does not fit in memory is told") {
                   "not enough memory for 268435457 global photons"},
         {"render" + box() + "--photons 100 --size 16384x16384 -o" + quoted(s / "x.exr"),
          "not enough memory for a frame of 16384x16384 pixels"},
+        {"render" + box() + "--photons 100 --size 16x16 --spp 1048576 -o" + quoted(s / "x.exr"),
+         "not enough memory for a frame of 16x16 pixels, 1048576 samples of each (frame.spp), "},
         {"render" + box() + "--integrator path --size 16384x16384 -o" + quoted(s / "x.exr"),
          "not enough memory for a frame of 16384x16384 pixels"}}) {
     const std::string command = "ulimit -v 4000000; '" +

@@ -220,8 +220,10 @@ int main(int argc, char** argv) {
   app.add_option("--nodes", o.nodes, "Inner nodes a cycle.");
   app.add_option("--candidates", o.candidates, "Candidates a cycle.");
   app.add_option("--powers", o.powers, "Powers a cycle.");
-  app.add_flag("!--no-narrow", o.narrow, "Without the rows of the options above.");
-  app.add_flag("!--no-wide", o.wide, "Without the wide plans.");
+  app.add_flag_callback(
+      "--no-narrow", [&] { o.narrow = false; }, "Without the rows of the options above.");
+  app.add_flag_callback(
+      "--no-wide", [&] { o.wide = false; }, "Without the wide plans.");
   app.add_option("--fast", o.fast, "Folder of the wide plans, kK.toml.");
   app.add_option("--cache-bytes", o.cache_bytes, "Leaf cache.");
   app.add_option("--cache-ways", o.ways, "Its associativity.");
