@@ -14,9 +14,10 @@ from flow.arguments import check_names
 from flow.boards import FAMILIES
 from flow.goals import area_goals
 from flow.package import PHOTONLOOM, UNITS, describe, set_options
-from flow.shell import ROOT, Failure, first_line, read_json, read_text, run, say, write_json
+from flow.shell import ROOT, Failure, first_line, read_text, run, say, write_json
 from flow.synthesis import Counts, counts_of
 from flow.tools import yosys_version
+from flow.typed_json import checked_json, require_fields, typed
 
 PLAN = ROOT / "fpga" / "area.toml"
 FAMILY = FAMILIES["ecp5"]
@@ -61,10 +62,11 @@ class Section:
         """Tells what changed; fails where a resource grew."""
         grown = []
         for unit in units:
-            counts = counted(unit, yosys)
             if unit not in self.values:
                 raise Failure(f"{self.path}: has no {unit} for Yosys {self.version}")
-            more, less = compare(unit, counts, self.values[unit], limit)
+            where = f"{self.version}.{unit}"
+            require_fields(typed(self.values[unit], Counts, self.path, where), FAMILY.cells, int, self.path, where)
+            more, less = compare(unit, counted(unit, yosys), self.values[unit], limit)
             for change in less:
                 say(f"shrank, scripts/area-check --update keeps it: {change}")
             for change in more:
@@ -103,10 +105,10 @@ def main() -> int:
     goals, units = area_goals(), o.units or UNITS
     version = yosys_version(first_line([o.yosys, "-V"]))
     if not version:
-        raise Failure(f"{o.yosys} does not start or does not say its version, expected Yosys")
+        raise Failure(f"{o.yosys} does not say its version, expected Yosys")
     if os.sep in o.yosys:  # it runs in other folders too
         o.yosys = os.path.abspath(o.yosys)
-    baseline = read_json(o.baseline)
+    baseline = checked_json(o.baseline, dict[str, dict[str, Any]])
     plan_hash = describe(PLAN)["hash"]
     if not o.update and version not in baseline:
         known = ", ".join(baseline)

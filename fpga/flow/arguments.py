@@ -2,11 +2,15 @@
 """Kinds of numbers on a command line, for argparse: what they refuse ends a command with status 2 before it does anything; and names and folders."""
 import argparse
 import math
+import os
 from collections.abc import Callable, Collection, Sequence
 from pathlib import Path
 
+from flow.shell import Failure
+
 # What nextpnr's --seed holds.
 LAST_SEED = 2**31 - 1
+CLOCKS = (1, 400)  # MHz, of photonloom generate --clock
 
 
 def whole(least: int, most: int | None = None) -> Callable[[str], int]:
@@ -24,9 +28,20 @@ def whole(least: int, most: int | None = None) -> Callable[[str], int]:
 
 def folder(text: str) -> Path:
     """Where results go; one that is there or will be made."""
-    if Path(text).exists() and not Path(text).is_dir():
-        raise argparse.ArgumentTypeError(f"{text} is a file, expected a folder")
-    return Path(text)
+    path = Path(text)
+    there = next((step for step in (path, *path.parents) if os.path.exists(step)), Path())
+    if not there.is_dir():
+        raise argparse.ArgumentTypeError(f"{there} is a file, expected a folder")
+    return path
+
+
+def made_folder(path: Path) -> Path:
+    """A folder of results, made where it is not there."""
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise Failure(f"{path}: cannot be made: {error.strerror}") from error
+    return path
 
 
 def check_names(p: argparse.ArgumentParser, names: Sequence[str], known: Collection[str], kind: str = "", option: str = "") -> None:
@@ -39,19 +54,33 @@ def check_names(p: argparse.ArgumentParser, names: Sequence[str], known: Collect
         p.error(f"{where}{what}{twice} is named twice, expected each once")
 
 
-def refuse_idle(p: argparse.ArgumentParser, o: argparse.Namespace, names: Collection[str], why: str) -> None:
-    """Refuses options, named by what they are kept as and None by default, where they would do nothing. why: what stands in their way."""
+def refuse_idle(p: argparse.ArgumentParser, o: argparse.Namespace, names: Collection[str], why: str, does: str = "route") -> None:
+    """Refuses options, named by what they are kept as and None by default, where they would do nothing. why: what stands in their way;
+    does: what it does not do, with them or without."""
     if given := next((name for name in names if not (getattr(o, name) is None or getattr(o, name) is False)), None):  # 0 is given
-        p.error(f"--{given.replace('_', '-')} is of what is routed, and {why} routes nothing; expected none of " +
+        p.error(f"--{given.replace('_', '-')} is of what is {does}d, and {why} {does}s nothing; expected none of " +
                 ", ".join(f"--{name.replace('_', '-')}" for name in names))
+
+
+def number_of(text: str) -> float:
+    """NaN of what is no number."""
+    try:
+        return float(text)
+    except ValueError:
+        return math.nan
+
+
+def megahertz(text: str) -> float:
+    """A clock that a board's core can be asked for."""
+    least, most = CLOCKS
+    if not least <= (number := number_of(text)) <= most:
+        raise argparse.ArgumentTypeError(f"is {text}, expected a number from {least} to {most}")
+    return number
 
 
 def positive(text: str) -> float:
     """A number above zero, no infinity."""
-    try:
-        number = float(text)
-    except ValueError:
-        number = math.nan
+    number = number_of(text)
     if not 0 < number < math.inf:
         raise argparse.ArgumentTypeError(f"is {text}, expected a number above 0")
     return number

@@ -11,24 +11,26 @@ from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 from typing import NotRequired, TypedDict
 
-from flow.arguments import check_names, whole
+from flow.arguments import check_names, refuse_idle, whole
 from flow.boards import LUT_EQ, Board, read_board
 from flow.goals import FastGoals, fast_goals
 from flow.headline.netlist import digest_now, netlist_digest
 from flow.package import describe, generate, lock_of
 from flow.plans.catalogue import read_catalogue
 from flow.results import median, report_folder
-from flow.routing import Clock, clocks_of, place, placements, routed_name
-from flow.shell import ROOT, Failure, field, locked, read_json, read_toml, say, write_json
+from flow.routing import DEFAULT_PLACER, SPARE_SEEDS, Clock, clocks_of, place, placements, routed_name
+from flow.shell import ROOT, Failure, field, locked, read_toml, say, write_json
 from flow.synthesis import Counts, synthesise
 from flow.tables import between, markdown, replace_between
 from flow.tools import Tools, find_tools, require_same
+from flow.typed_json import checked_json, require_fields
 
 FAST = ROOT / "fpga" / "fast"
 DATA = ROOT / "fpga" / "fast.json"
 PAGE = ROOT / "docs" / "photon_gatherer.md"
 CYCLES = ROOT / "build" / "bench" / "rtl_photon_gatherer.json"
 UNIT = "photon_gatherer"
+SHOWN = (LUT_EQ, "DP16KD", "MULT18X18D")  # resources of the table
 WIDTHS = ("nodes_per_cycle", "lanes", "candidates_per_cycle", "powers_per_cycle")
 
 
@@ -59,6 +61,20 @@ class CycleRow(TypedDict):
     cycles_per_gather: float
 
 
+class Bench(TypedDict):
+    """The JSON of throughput_photon_gatherer."""
+    photon_gatherer: list[CycleRow]
+
+
+def read_data() -> Data:
+    data = checked_json(DATA, Data)
+    for n, row in enumerate(data["rows"]):
+        require_fields(row["resources"], SHOWN, int, DATA, f"rows[{n}].resources")
+        if len(row["cycles"]) != 2:
+            raise Failure(f"{DATA}: rows[{n}].cycles is {row['cycles']}, expected those with an ideal memory and with a slow one")
+    return data
+
+
 def names() -> list[str]:
     """The plans of fpga/fast, narrow ones behind the wide one of their k."""
     found = [name.removeprefix("fast/") for name in read_catalogue().derived if name.startswith("fast/")]
@@ -79,6 +95,15 @@ def routed_before(folder: Path, top: str, seed: int, placer: str) -> float | Non
     if not report.is_file() or not netlist.is_file() or report.stat().st_mtime < netlist.stat().st_mtime:
         return None
     return slowest(clocks_of(report)[0])
+
+
+def there(folder: Path, top: str, seed: int, placer: str) -> list[float] | None:
+    """MHz of a placement that is there; none where the seed was not tried, None where nextpnr did not end: of that the log is left alone."""
+    if (before := routed_before(folder, top, seed, placer)) is not None:
+        return [before]
+    built, routed = folder / "build", routed_name(top, seed, placer, None)
+    ended = (built / f"{routed}.log").is_file() and not (built / f"{routed}.json").is_file()
+    return None if ended else []
 
 
 def slowest(clocks: Mapping[str, Clock]) -> float:
@@ -113,7 +138,7 @@ def measure_in(folder: Path, name: str, plan_hash: str, board: Board, tools: Too
     if route:
         mhz = placements(name, seeds, placer, routed)
     else:
-        mhz = [before for seed in seeds if (before := routed_before(folder, top, seed, placer)) is not None]
+        mhz = [before for found in placements(name, seeds, placer, lambda seed, by: there(folder, top, seed, by)) for before in found]
     return {"plan": name, "k": field(said, path, "gather.k", int, "a count"),
             "widths": [field(said, path, f"gatherer.{width}", int, "a count") for width in WIDTHS],
             "contexts": field(said, path, "gatherer.contexts", int, "a count"), "digest": of_sources,
@@ -137,6 +162,13 @@ def least_rate(row: Row, rows: Sequence[Row], goals: FastGoals) -> float | None:
 def megahertz_for(row: Row, least: float) -> float:
     """The clock at which a plan reaches a rate."""
     return least * row["cycles"][0] * row["resources"][LUT_EQ] / 1e9
+
+
+def fewer(row: Row, before: Row | None) -> list[str]:
+    """What is lost where a row of more seeds is replaced."""
+    if not before or len(row["mhz"]) >= len(before["mhz"]):
+        return []
+    return [f"MISSED: {len(row['mhz'])} seeds routed, {len(before['mhz'])} in the row that this one replaces"]
 
 
 def verdict(row: Row, rows: Sequence[Row], goals: FastGoals) -> list[str]:
@@ -183,15 +215,15 @@ def page(data: Data, goals: FastGoals, stale: Collection[str]) -> str:
         cells.append([f"`{row['plan']}`", ", ".join(str(w) for w in row["widths"]), row["contexts"],
                       *(f"{c:.1f}" for c in row["cycles"]),
                       f"{min(mhz):.1f}, {median(mhz):.1f} ({len(mhz)})" if mhz else "–", f"{row['resources'][LUT_EQ]:,}",
-                      row["resources"]["DP16KD"], row["resources"]["MULT18X18D"],
+                      *(row["resources"][name] for name in SHOWN if name != LUT_EQ),
                       f"{reached:,.0f}" if reached else "–",
                       f"{least:,.0f}, from {megahertz_for(row, least):.1f} MHz" if least else "–", said])
     of = hashlib.sha256(json.dumps(data, sort_keys=True).encode()).hexdigest()[:16]
     return (markdown(cells, ["plan", "nodes, lanes, candidates, powers", "contexts", "cycles, ideal memory", "cycles, latency 60",
                              "MHz: least, median (seeds)", "LUT-eq", "DP16KD", "MULT18X18D",
                              "gathers a second for 1,000 LUT-eq", "its goal, at which clock", "goals reached"]) +
-            f"\nPlaced by nextpnr's {data['placer']} placer"
-            f"{', a seed with which nextpnr does not end by the default one' if data['placer'] != 'heap' else ''}. "
+            f"\nPlaced by nextpnr's {data['placer']} placer. Where nextpnr does not end with a seed, a further one is taken, up to {SPARE_SEEDS} "
+            f"of a plan{', then the default placer' if data['placer'] != DEFAULT_PLACER else ''}. "
             f"Made of `fpga/fast.json` {of}; " + "; ".join(data["versions"].values()) + ".\n" +
             (f"\nMeasured with earlier RTL: {', '.join(f'`{plan}`' for plan in stale)}; `scripts/fpga-fast NAME` measures a plan again.\n"
              if stale else ""))
@@ -201,7 +233,7 @@ def main() -> int:
     p = argparse.ArgumentParser(prog="fpga-fast", description=__doc__)
     p.add_argument("plans", nargs="*", help="measure these again; the others stay as fpga/fast.json has them")
     p.add_argument("--seeds", type=whole(1), help="placements of each (default: those of fpga/goals.toml)")
-    p.add_argument("--placer", choices=("heap", "static"), default="static", help="as of scripts/fpga (default: static)")
+    p.add_argument("--placer", choices=("heap", "static"), help="as of scripts/fpga (default: static)")
     p.add_argument("--no-route", action="store_true", help="take the placements that are there, and make none")
     only = p.add_mutually_exclusive_group()
     only.add_argument("--cycles", action="store_true", help="take the cycles of build/bench anew, and what was measured of each netlist as it is")
@@ -212,12 +244,14 @@ def main() -> int:
     check_names(p, o.plans, names(), "plan")
     if o.plans and (o.check or o.render or o.cycles):
         p.error("--check, --render and --cycles are of the whole table, expected no plans")
-    board = read_board(goals.board)
     if o.check or o.render or o.cycles:
-        made: Data = read_json(DATA)
+        refuse_idle(p, o, ("seeds", "placer", "no_route"), "--check" if o.check else "--render" if o.render else "--cycles")
+    board, placer = read_board(goals.board), o.placer or "static"
+    if o.check or o.render or o.cycles:
+        made = read_data()
         stale = stale_rows(made, board)
         if o.cycles:
-            take_cycles(made, stale, read_json(CYCLES)[UNIT])
+            take_cycles(made, stale, checked_json(CYCLES, Bench)["photon_gatherer"])
         text = page(made, goals, stale)  # if that fails, both stay
         if o.cycles:
             write_json(DATA, made)
@@ -228,26 +262,26 @@ def main() -> int:
         say("docs/photon_gatherer.md is that of fpga/fast.json" +
             (f", and says that earlier RTL was measured for {', '.join(stale)}" if stale else " and of today's RTL"))
         return 0
-    tools = find_tools(board)
-    cycle_rows: list[CycleRow] = read_json(CYCLES)[UNIT]
-    seeds = range(1, 1 + (o.seeds or goals.seeds))
-    kept: Data | None = read_json(DATA) if o.plans and DATA.is_file() else None
-    if kept and kept["placer"] != o.placer:
+    measured = o.plans or names()
+    kept = read_data() if DATA.is_file() else None
+    old = {row["plan"]: row for row in kept["rows"]} if kept else {}
+    stay = [name for name in names() if name in old and name not in measured]
+    if kept and stay and kept["placer"] != placer:
         p.error(f"{DATA} is of the placer {kept['placer']}, expected --placer {kept['placer']} or all plans")
-    if kept and any(row["plan"] not in o.plans for row in kept["rows"]):
+    if kept and stay and kept["board"] != board.name:
+        p.error(f"{DATA} is of the board {kept['board']}, expected all plans for {board.name}")
+    tools = find_tools(board)
+    cycle_rows = checked_json(CYCLES, Bench)["photon_gatherer"]
+    seeds = range(1, 1 + (o.seeds or goals.seeds))
+    if kept and stay:
         require_same(kept["versions"], tools, DATA, "scripts/fpga-fast without plans")
-    old: dict[str, Row] = {row["plan"]: row for row in kept["rows"]} if kept else {}
-    rows = []
-    for name in names():
-        if not o.plans or name in o.plans:
-            rows.append(measure(name, board, tools, seeds, o.placer, cycle_rows, not o.no_route))
-        elif name in old:
-            rows.append(old[name])
-    data: Data = {"board": board.name, "placer": o.placer, "versions": tools.versions, "rows": rows}
+    rows = [old[name] if name in stay else measure(name, board, tools, seeds, placer, cycle_rows, not o.no_route)
+            for name in names() if name in stay or name in measured]
+    data: Data = {"board": board.name, "placer": placer, "versions": tools.versions, "rows": rows}
     text = page(data, goals, stale_rows(data, board))  # if that fails, both stay
     write_json(DATA, data)
     replace_between(PAGE, "fast", text)
-    faults = [f"{row['plan']}: {fault}" for row in rows for fault in verdict(row, rows, goals)]
+    faults = [f"{row['plan']}: {fault}" for row in rows for fault in fewer(row, old.get(row["plan"])) + verdict(row, rows, goals)]
     for fault in faults:
         say(fault)
     return 1 if faults else 0

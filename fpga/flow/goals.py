@@ -1,12 +1,16 @@
 # SPDX-License-Identifier: Apache-2.0
 """What the commands judge by: fpga/goals.toml."""
+import math
+from collections.abc import Callable, Collection
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from flow.headline.plans import headline_names
 from flow.shell import ROOT, Failure, field, read_toml
 
 GOALS = ROOT / "fpga" / "goals.toml"
+MEMORIES = ("block_ram", "sdram")  # board.photon_memory of a plan
 
 
 @dataclass(frozen=True)
@@ -99,11 +103,34 @@ class PlannedGoals:
     scenes: tuple[Path, ...]
 
 
+def refuse_unknown(table: dict[str, Any], path: Path, name: str, known: Collection[str]) -> None:
+    """A key that is misspelt would be a goal that nothing is judged by."""
+    if unknown := next((key for key in table if key not in known), None):
+        raise Failure(f"{path}: {name}.{unknown} is unknown, expected some of {', '.join(known)}")
+
+
+def texts(said: dict[str, Any], path: Path, name: str, expected: str) -> tuple[str, ...]:
+    found = field(said, path, name, list, expected)
+    if not all(isinstance(text, str) for text in found):
+        raise Failure(f"{path}: {name} is {found}, expected {expected}")
+    return tuple(found)
+
+
+def scenes_of(said: dict[str, Any], path: Path, name: str) -> tuple[Path, ...]:
+    return tuple(ROOT / scene for scene in texts(said, path, name, "a list of scenes"))
+
+
+def count(said: dict[str, Any], path: Path, name: str) -> int:
+    found: int = field(said, path, name, int, "a count of at least 1")
+    if found < 1:
+        raise Failure(f"{path}: {name} is {found}, expected a count of at least 1")
+    return found
+
+
 def planned_goals(path: Path = GOALS) -> PlannedGoals:
     said = read_toml(path)
-    return PlannedGoals(field(said, path, "planned.board", str, "a board"),
-                        tuple(field(said, path, "planned.options", list, "a list of options")),
-                        tuple(ROOT / scene for scene in field(said, path, "planned.scenes", list, "a list of scenes")))
+    return PlannedGoals(field(said, path, "planned.board", str, "a board"), texts(said, path, "planned.options", "a list of options"),
+                        scenes_of(said, path, "planned.scenes"))
 
 
 def area_goals(path: Path = GOALS) -> AreaGoals:
@@ -114,16 +141,21 @@ def area_goals(path: Path = GOALS) -> AreaGoals:
 
 def gain_goals(said: dict[str, Any], path: Path) -> GainGoals:
     gain: dict[str, Any] = field(said, path, "headline.gain", dict, "a table")
+    refuse_unknown(gain, path, "headline.gain", ("commit", "golden", *headline_names()))
 
-    def pair(plan: str, name: str) -> tuple[Any, Any]:
-        found = field(said, path, f"headline.gain.{plan}.{name}", list, "two numbers")
-        if len(found) != 2 or not all(isinstance(number, (int, float)) for number in found):
-            raise Failure(f"{path}: headline.gain.{plan}.{name} is {found}, expected two numbers")
+    def pair(plan: str, name: str, expected: str, right: Callable[[Any], bool]) -> tuple[Any, Any]:
+        found = field(said, path, f"headline.gain.{plan}.{name}", list, expected)
+        if len(found) != 2 or not all(right(number) for number in found):
+            raise Failure(f"{path}: headline.gain.{plan}.{name} is {found}, expected {expected}")
         return found[0], found[1]
 
-    golden = {memory: float(field(said, path, f"headline.gain.golden.{memory}", (int, float), "a multiple of one core"))
-              for memory in field(said, path, "headline.gain.golden", dict, "a table")}
-    plans = {plan: Growth(pair(plan, "before"), pair(plan, "times"), pair(plan, "or_gatherers"))
+    def rates(plan: str, name: str) -> tuple[float, float]:
+        return pair(plan, name, "two numbers above 0", lambda number: type(number) in (int, float) and 0 < number < math.inf)
+
+    refuse_unknown(field(said, path, "headline.gain.golden", dict, "a table"), path, "headline.gain.golden", MEMORIES)
+    golden = {memory: float(field(said, path, f"headline.gain.golden.{memory}", (int, float), "a multiple of one core")) for memory in MEMORIES}
+    plans = {plan: Growth(rates(plan, "before"), rates(plan, "times"),
+                          pair(plan, "or_gatherers", "two counts", lambda number: type(number) is int and number >= 0))
              for plan in gain if plan not in ("commit", "golden")}
     return GainGoals(field(said, path, "headline.gain.commit", str, "a commit"), golden, plans)
 
@@ -131,13 +163,15 @@ def gain_goals(said: dict[str, Any], path: Path) -> GainGoals:
 def headline_goals(path: Path = GOALS) -> HeadlineGoals:
     said = read_toml(path)
     times: dict[str, Any] = field(said, path, "headline.times_core", dict, "a table")
+    refuse_unknown(times, path, "headline.times_core", MEMORIES)
     for memory in times:
         for k in field(said, path, f"headline.times_core.{memory}", dict, "a table"):
             field(said, path, f"headline.times_core.{memory}.{k}", (int, float), "a multiple of one core")
-    scenes = field(said, path, "headline.images.scenes", list, "a list of scenes")
-    counts = [field(said, path, f"headline.images.{name}", int, "a count") for name in ("width", "height", "spp", "gather_rays")]
-    images = ImageGoals(tuple(ROOT / scene for scene in scenes),
-                        field(said, path, "headline.images.plan", str, "a plan of fpga/headline"), *counts)
+    plan = field(said, path, "headline.images.plan", str, "a plan of fpga/headline")
+    if plan not in headline_names():
+        raise Failure(f"{path}: headline.images.plan is {plan}, expected one of {', '.join(headline_names())}")
+    images = ImageGoals(scenes_of(said, path, "headline.images.scenes"), plan,
+                        *(count(said, path, f"headline.images.{name}") for name in ("width", "height", "spp", "gather_rays")))
     return HeadlineGoals(field(said, path, "headline.board", str, "a board"),
                          ROOT / field(said, path, "headline.scene", str, "a scene below the repository's root"),
                          field(said, path, "headline.replay", str, "a plan of fpga/headline"), images, times, gain_goals(said, path),
@@ -150,7 +184,9 @@ def fast_goals(path: Path = GOALS) -> FastGoals:
 
     def of_k(name: str) -> dict[int, float]:
         table: dict[str, Any] = field(said, path, name, dict, "a table")
+        if unknown := next((k for k in table if not k.isdecimal()), None):
+            raise Failure(f"{path}: {name}.{unknown} is unknown, expected a k, a whole number")
         return {int(k): float(field(said, path, f"{name}.{k}", (int, float), "a number")) for k in table}
 
-    return FastGoals(field(said, path, "fast.board", str, "a board"), field(said, path, "fast.seeds", int, "a count"),
+    return FastGoals(field(said, path, "fast.board", str, "a board"), count(said, path, "fast.seeds"),
                      of_k("fast.mhz"), of_k("fast.rates"), path)

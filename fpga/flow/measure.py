@@ -4,22 +4,23 @@ board's whole top, with several seeds. Writes build/fpga/BOARD-PLANHASH/report.j
 median misses the clock that it is constrained to. Of an Artix-7 clocks are the tool's estimate, which is not judged."""
 import argparse
 import os
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from flow.arguments import LAST_SEED, check_names, positive, whole
-from flow.boards import FAMILIES, Board, UnknownBoard, board_names, read_board
+from flow.arguments import LAST_SEED, check_names, megahertz, refuse_idle, whole
+from flow.boards import BOARDS, FAMILIES, Board, UnknownBoard, board_names, read_board
+from flow.headline.netlist import netlist_digest
+from flow.measured_pages import README, README_BOARD, render, section
 from flow.package import UNITS, PackageFacts, describe, digest, generate, lock_of
 from flow.results import Entry, Report, add_placements, entries_of, missed_clocks, report_folder
 from flow.routing import place, placements
-from flow.shell import ROOT, Failure, UsageError, locked, say, warn, write_json
+from flow.shell import ROOT, Failure, UsageError, locked, read_toml, say, warn, write_json
 from flow.synthesis import binding, synthesise
 from flow.tables import around, markdown, replace_between
 from flow.tools import Tools, find_tools
 
 PARTS = UNITS + ["board"]
-README_BOARD = "ulx3s-85f"
 
 
 @dataclass(frozen=True)
@@ -34,6 +35,7 @@ class Options:
     synthesis_only: bool
     tools_only: bool
     dry_run: bool
+    pages_only: str | None = None  # check or render
 
 
 def package(o: Options, where: Path, versions: dict[str, str]) -> tuple[PackageFacts, str]:
@@ -63,21 +65,44 @@ def measure_in(o: Options, where: Path, tools: Tools) -> Entry:
     say(f"{name}: synthesis")
     counts = synthesise(where, o.board, top, top if name == "board" else name, tools)
     entry: Entry = {"name": name, "digest": of_sources, "top": top, "constraint_mhz": said["clock_khz"] / 1000,
-                    "resources": counts, "binding": binding(counts, o.board), "seeds": []}
-    if o.route_speed:
-        entry["route_speed"] = o.route_speed
-    if o.placer != "heap":
-        entry["placer"] = o.placer
+                    "resources": counts, "binding": binding(counts, o.board), "seeds": [], "netlist": netlist_digest(where)}
     if o.board.family.estimated:
         entry["estimated"] = True
     if o.synthesis_only:
         return entry
+    if o.route_speed:
+        entry["route_speed"] = o.route_speed
+    if o.placer != "heap":
+        entry["placer"] = o.placer
     full = entry["binding"]
     if full["used"] > full["of"]:  # nextpnr would look for places without end
         raise Failure(f"{o.plan}: its {name} needs {full['used']} {full['resource']}, the part has {full['of']}")
     placed = placements(name, o.seeds, o.placer, lambda seed, placer: place(where, top, seed, tools, o.route_speed, placer))
     add_placements(entry, placed, where)
     return entry
+
+
+def merged(old: Sequence[Entry], new: Sequence[Entry], today: Mapping[str, str] | None) -> list[Entry]:
+    """The new entries, and what was measured of the other parts while their sources are the same; where only resources are new, what was
+    routed of these. today: name -> digest of the packages of old entries, None where the others do not stay. One without a digest was
+    written by another command meanwhile."""
+    measured = {e["name"]: e for e in new}
+    entries = dict(measured)
+    for e in old:
+        now = measured.get(e["name"])
+        routed_before = now is not None and not now["seeds"] and e["seeds"] and e["digest"] == now["digest"]
+        if routed_before or (now is None and today is not None and e["digest"] == today.get(e["name"], e["digest"])):
+            entries[e["name"]] = e
+    return sorted(entries.values(), key=lambda e: PARTS.index(e["name"]))
+
+
+def read_entries(path: Path) -> list[Entry]:
+    """Those of the report, each of a part."""
+    entries = entries_of(path)
+    for n, entry in enumerate(entries):
+        if entry["name"] not in PARTS:
+            raise Failure(f"{path}: entries[{n}].name is {entry['name']}, expected one of {', '.join(PARTS)}")
+    return entries
 
 
 def table(entries: Sequence[Entry]) -> str:
@@ -99,6 +124,11 @@ def table(entries: Sequence[Entry]) -> str:
             "frequency is claimed; nor is there a bitstream.\n")
 
 
+def has_core(board: Board) -> bool:
+    """Whether the board has a top of its own, and not only those around a unit."""
+    return any(top != "unit" for top in read_toml(BOARDS / board.name / "board.toml").get("top", {}))
+
+
 def parser() -> argparse.ArgumentParser:
     p = argparse.ArgumentParser(prog="fpga", description=__doc__)
     p.add_argument("plan", nargs="?", help="a plan.toml (default: fpga/gatherer.toml, that of make bench-rtl; for up5k "
@@ -106,16 +136,19 @@ def parser() -> argparse.ArgumentParser:
     p.add_argument("--board", default=README_BOARD, help=" or ".join(board_names()))
     p.add_argument("--units", help="these alone, separated by commas: photon_gatherer, reorder_buffer, cdf_sampler, "
                                    "board (default: all that the plan has, and the board's top; on a UP5K the reorder buffer)")
-    p.add_argument("--seeds", type=whole(1), default=3, help="placements of each")
-    p.add_argument("--first-seed", type=whole(0, LAST_SEED), default=1)
-    p.add_argument("--clock", type=positive, help="MHz of the board's core, if not its default")
+    p.add_argument("--seeds", type=whole(1), help="placements of each (default: 3)")
+    p.add_argument("--first-seed", type=whole(0, LAST_SEED), help="number of the first one (default: 1)")
+    p.add_argument("--clock", type=megahertz, help="MHz of the board's core, if not its default")
     p.add_argument("--route-speed", type=int, choices=(6, 7, 8),
                    help="speed grade of an ECP5 by whose delays the router searches (default: 6, the part's); 8 routes tops "
                         "that 6 does not finish. The result is always analysed at grade 6")
     p.add_argument("--placer", choices=("heap", "static"),
                    help="of nextpnr (default: heap on an ECP5, static on an Artix-7); static leaves shorter wires in wide tops")
     p.add_argument("--synthesis-only", action="store_true", help="counts alone")
-    p.add_argument("--tools", action="store_true", help="only say which tools there are, or what is missing")
+    only = p.add_mutually_exclusive_group()
+    only.add_argument("--tools", action="store_true", help="only say which tools there are, or what is missing")
+    only.add_argument("--check", action="store_true", help="only tell whether the pages that have such tables say which rows are of earlier RTL")
+    only.add_argument("--render", action="store_true", help="only have these pages say so")
     p.add_argument("--dry-run", action="store_true", help="only tell whether the arguments are right; needs no tools")
     p.add_argument("--readme", action="store_true", help="put the table into README.md too")
     p.add_argument("--page", type=Path, nargs="?", const=ROOT / "docs" / "fpga.md", metavar="FILE",
@@ -123,10 +156,33 @@ def parser() -> argparse.ArgumentParser:
     return p
 
 
+def check_plan(p: argparse.ArgumentParser, plan: Path) -> None:
+    """What can be told of a plan without photonloom."""
+    if not plan.is_file():
+        p.error(f"{plan}: there is no such plan")
+    if plan.suffix != ".toml":
+        p.error(f"{plan}: is no plan, expected a plan.toml")
+    try:
+        if not isinstance(read_toml(plan).get("gatherer"), dict):
+            p.error(f"{plan}: gatherer is missing, expected a plan with this table")
+    except Failure as failure:
+        p.error(str(failure))
+
+
 def options() -> tuple[Options, list[str] | None, dict[Path, str]]:
     """What was asked for: how, which parts (None: the default ones), and the pages that take the table, with its mark."""
     p = parser()
     o = p.parse_args()
+    of_seeds = ("seeds", "first_seed", "route_speed", "placer")
+    if nothing := next((f"--{name}" for name in ("tools", "check", "render") if getattr(o, name)), None):
+        refuse_idle(p, o, (*of_seeds, "units", "clock", "synthesis_only", "readme", "page"), nothing, "measure")
+        if o.plan is not None:
+            p.error(f"{nothing} is of no plan, expected none")
+    if o.clock and (o.readme or o.page):
+        p.error("--readme, --page: of a board at its default clock, expected no --clock")
+    if o.synthesis_only:
+        refuse_idle(p, o, of_seeds, "--synthesis-only")
+    seeds, first_seed = o.seeds or 3, 1 if o.first_seed is None else o.first_seed
     try:
         board = read_board(o.board)
     except UnknownBoard as unknown:
@@ -136,17 +192,19 @@ def options() -> tuple[Options, list[str] | None, dict[Path, str]]:
         p.error("--route-speed is the ulx3s-85f's")
     if o.placer and not board.family.placer:
         p.error(f"--placer: {board.name} has no choice of one")
-    if o.first_seed + o.seeds - 1 > LAST_SEED:
-        p.error(f"--seeds: the last one is {o.first_seed + o.seeds - 1}, expected at most {LAST_SEED}")
+    if first_seed + seeds - 1 > LAST_SEED:
+        p.error(f"--seeds: the last one is {first_seed + seeds - 1}, expected at most {LAST_SEED}")
     asked = o.units.split(",") if o.units is not None else None
     check_names(p, asked or [], PARTS, option="--units")
+    if "board" in (asked or []) and not has_core(board):
+        p.error(f"--units: {board.name} has no top of a whole board, expected some of {', '.join(UNITS)}")
     if o.clock and "board" not in (asked or list(board.units) or PARTS):
         p.error("--clock: is the board's, expected board among --units")
     pages = {}
     if o.readme:
         if board.name != README_BOARD:
             p.error(f"--readme: README.md has a table of {README_BOARD}, expected that board or --page")
-        pages[ROOT / "README.md"] = "size and speed"
+        pages[README[0]] = README[1]
     if o.page:
         pages[o.page] = board.name
     for page, mark in pages.items():
@@ -154,17 +212,21 @@ def options() -> tuple[Options, list[str] | None, dict[Path, str]]:
             around(page, mark)
         except Failure as failure:
             p.error(str(failure))
-    plan = Path(o.plan) if o.plan else board.plan
-    if not plan.is_file():
-        p.error(f"{plan}: there is no such plan")
-    return Options(plan, board, range(o.first_seed, o.first_seed + o.seeds), o.clock, o.route_speed,
+    if o.plan == "":
+        p.error("the plan has no name, expected a plan.toml")
+    plan = board.plan if o.plan is None else Path(o.plan)
+    check_plan(p, plan)
+    return Options(plan, board, range(first_seed, first_seed + seeds), o.clock, o.route_speed,
                    o.placer or board.family.placer or "heap",
-                   o.synthesis_only, o.tools, o.dry_run), asked, pages
+                   o.synthesis_only, o.tools, o.dry_run, "check" if o.check else "render" if o.render else None), asked, pages
 
 
 def main() -> int:
     o, asked, pages = options()
     if o.dry_run:
+        return 0
+    if o.pages_only:
+        render(check=o.pages_only == "check")
         return 0
     tools = find_tools(o.board)
     for name, version in tools.versions.items():
@@ -179,19 +241,20 @@ def main() -> int:
     folder = report_folder(o.board, what["hash"])
     folder.mkdir(parents=True, exist_ok=True)
     path = folder / "report.json"
-    entries = [measure(o, folder, unit, tools) for unit in units]
-    # What was measured of the other parts stays while their sources are the same.
-    kept = [e for e in entries_of(path)
-            if e["name"] not in units and e.get("digest") == digest_now(o, folder, e["name"], tools)] if asked else []
-    entries = sorted(kept + entries, key=lambda e: PARTS.index(e["name"]))
-    report: Report = {"board": o.board.name, "plan": what["hash"], "versions": tools.versions, "entries": entries}
-    write_json(path, report)
-    text, by = table(entries), "; ".join(tools.versions.values())
-    (folder / "report.md").write_text(f"{o.board.name}, plan {what['hash']}; {by}\n\n{text}")
+    read_entries(path)  # what is wrong with it is told before hours
+    new = [measure(o, folder, unit, tools) for unit in units]
+    others = [e["name"] for e in read_entries(path) if e["name"] not in units] if asked else []
+    today = {name: digest_now(o, folder, name, tools) for name in others} if asked else None
+    with locked(lock_of(path)):  # read again, for a digest may have waited for a command that has written it since
+        entries = merged(read_entries(path), new, today)
+        report: Report = {"board": o.board.name, "plan": what["hash"], "versions": tools.versions, "entries": entries}
+        write_json(path, report)
+        text, by = table(entries), "; ".join(tools.versions.values())
+        (folder / "report.md").write_text(f"{o.board.name}, plan {what['hash']}; {by}\n\n{text}")
     print("\n" + text)
     print(f"wrote {os.path.relpath(path, ROOT)}")
     for page, mark in pages.items():
-        replace_between(page, mark, f"{text}\n{by}.\n")
+        replace_between(page, mark, section(text, by, o.plan, {e["name"]: e["netlist"] for e in entries if "netlist" in e}))
     missed = [(e["name"], clock, c) for e in entries for clock, c in missed_clocks(e)]
     for name, clock, c in missed:
         warn(f"{name}: {clock} reaches {c['median']:.1f} MHz, constrained to {c['constraint']:.1f} MHz")

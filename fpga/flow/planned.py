@@ -14,7 +14,7 @@ from collections.abc import Collection, Sequence
 from pathlib import Path
 from typing import Any, TypedDict
 
-from flow.arguments import LAST_SEED, check_names, folder, refuse_idle, whole
+from flow.arguments import LAST_SEED, check_names, folder, made_folder, refuse_idle, whole
 from flow.boards import LUT_EQ, Board, read_board
 from flow.goals import PlannedGoals, planned_goals
 from flow.headline.netlist import SHORT, digest_now
@@ -24,10 +24,11 @@ from flow.jobs import each
 from flow.package import PHOTONLOOM, describe
 from flow.results import clock_name
 from flow.routing import Placement, constrained
-from flow.shell import ROOT, Failure, field, read_json, read_toml, run, say, write_json
+from flow.shell import ROOT, Failure, field, read_toml, run, say, write_json
 from flow.synthesis import Counts
 from flow.tables import between, markdown, replace_between
 from flow.tools import find_tools, nextpnr_is_slow, require_same
+from flow.typed_json import checked_json, require_fields
 
 DATA = ROOT / "fpga" / "planned.json"
 PAGE = ROOT / "docs" / "planner.md"
@@ -63,6 +64,24 @@ class Data(TypedDict):
     options: list[str]
     versions: dict[str, str]
     rows: list[Planned]
+
+
+def read_data() -> Data | None:
+    """None where nothing is routed yet."""
+    if not DATA.is_file():
+        return None
+    data = checked_json(DATA, Data)
+    for n, row in enumerate(data["rows"]):
+        require_fields(row["resources"], (LUT_EQ, "DP16KD"), int, DATA, f"rows[{n}].resources")
+    return data
+
+
+def require_planned_alike(data: Data, goals: PlannedGoals) -> None:
+    """Fails where rows that stay were planned otherwise than the goals have it, for the data name one board and its options."""
+    for name, then, now in (("board", data["board"], goals.board), ("options", " ".join(data["options"]), " ".join(goals.options))):
+        if then != now:
+            raise Failure(f"{DATA}: {name} is {then}, expected {now}, which planned.{name} of fpga/goals.toml says; scripts/plan-boards without "
+                          "scenes routes all again")
 
 
 def plan_scene(scene: Path, goals: PlannedGoals, work: Path) -> tuple[HeadlinePlan, dict[str, Any]]:
@@ -122,7 +141,7 @@ def stale_rows(data: Data, board: Board) -> list[str]:
 
 def page(data: Data | None, stale: Collection[str] = ()) -> str:
     """The table, what it was made of, and the rows that are of earlier RTL."""
-    if not data:
+    if data is None:
         return "Not routed yet.\n"
     of = hashlib.sha256(json.dumps(data, sort_keys=True).encode()).hexdigest()[:SHORT]
     return ("`photonloom plan SCENE " + " ".join(data["options"]) + f" --board {data['board']}`, each whole top placed and routed:\n\n" +
@@ -183,7 +202,7 @@ def main() -> int:
     seed, jobs = o.seed or 1, o.jobs or os.cpu_count() or 1
     board = read_board(goals.board)
     if o.check or o.render:
-        made: Data | None = read_json(DATA) if DATA.is_file() else None
+        made = read_data()
         stale = stale_rows(made, board) if made else []
         text = page(made, stale)
         if o.render:
@@ -193,9 +212,12 @@ def main() -> int:
         say("docs/planner.md is that of fpga/planned.json" +
             (f", and says that earlier RTL was routed for {', '.join(stale)}" if stale else " and of today's RTL"))
         return 0
-    work = (o.results or ROOT / "build" / "planned").resolve()
+    work = made_folder((o.results or ROOT / "build" / "planned").resolve())
     scenes = [known[name] for name in o.scenes] or list(goals.scenes)
-    old: Data | None = read_json(DATA) if DATA.is_file() else None
+    old = read_data()
+    stay = old is not None and any(row["scene"] in known and known[row["scene"]] not in scenes for row in old["rows"])
+    if old and (stay or o.predict):
+        require_planned_alike(old, goals)
     if o.predict:
         rows_of = {row["scene"]: row for row in old["rows"]} if old else {}
         if missing := [scene.stem for scene in scenes if scene.stem not in rows_of]:
@@ -208,8 +230,7 @@ def main() -> int:
     tools = find_tools(board)
     slow = nextpnr_is_slow(tools.versions[board.family.nextpnr])
     routing = Routing(board, tools, 1, seed, None, 8 if slow else 6, o.placer or ("heap" if slow else "static"), False)
-    work.mkdir(parents=True, exist_ok=True)
-    if old and any(row["scene"] in known and known[row["scene"]] not in scenes for row in old["rows"]):
+    if old and stay:
         require_same(old["versions"], tools, DATA, "scripts/plan-boards without scenes")
 
     def one(scene: Path) -> Planned:

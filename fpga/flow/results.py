@@ -2,12 +2,13 @@
 """The report of scripts/fpga: build/fpga/BOARD-PLANHASH/report.json."""
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TypedDict
+from typing import NotRequired, TypedDict
 
 from flow.boards import Board
 from flow.routing import Placement, constrained
-from flow.shell import ROOT, Failure, read_json
+from flow.shell import ROOT, Failure
 from flow.synthesis import Binding, Counts
+from flow.typed_json import checked_json
 
 BOARD_CORE = "clk"  # the core's clock behind a board's PLL
 
@@ -24,7 +25,7 @@ class ClockSpread(Spread):
 
 
 class Measured(TypedDict):
-    """An entry without a placement: what was synthesized, and of which package."""
+    """An entry without a placement: what was synthesized, of which package, and the digest of its netlist."""
     name: str
     digest: str
     top: str
@@ -32,6 +33,7 @@ class Measured(TypedDict):
     resources: Counts
     binding: Binding
     seeds: list[Placement]
+    netlist: NotRequired[str]
 
 
 class Entry(Measured, total=False):
@@ -60,8 +62,7 @@ def report_folder(board: Board, plan_hash: str) -> Path:
 
 def entries_of(report_file: Path) -> list[Entry]:
     """The entries of a report; none where there is no report yet."""
-    entries: list[Entry] = read_json(report_file).get("entries", []) if report_file.is_file() else []
-    return entries
+    return checked_json(report_file, Report)["entries"] if report_file.is_file() else []
 
 
 def median(values: Sequence[float]) -> float:

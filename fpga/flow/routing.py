@@ -9,8 +9,9 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, NotRequired, TypedDict, TypeVar
 
-from flow.shell import ROOT, Failure, beside, complaint, read_json, read_text, say, started
+from flow.shell import ROOT, Failure, beside, complaint, read_text, say, started
 from flow.tools import Tools
+from flow.typed_json import checked_json
 
 STATIC_ROUNDS = 900  # after which nextpnr's static placer is ended; a placement that ended took some 600
 LEGALISING_LEAST, LEGALISING_SHARE = 300, 2  # it is ended too when it has legalised for so many s, and for so many times its rounds
@@ -36,6 +37,12 @@ class Placement(TypedDict):
     bitstream: NotRequired[str]
 
 
+class Report(TypedDict):
+    """Of nextpnr's --report."""
+    fmax: dict[str, Clock]
+    utilization: dict[str, Any]
+
+
 def constrained(clock: Clock) -> float:
     """MHz that a package asks for. nextpnr cuts a period to whole picoseconds and says what frequency that is, a little too high;
     a PLL made it by small dividers, so it is the simplest fraction whose period is cut to the same."""
@@ -46,7 +53,7 @@ def constrained(clock: Clock) -> float:
 
 def clocks_of(report_file: Path) -> tuple[dict[str, Clock], dict[str, Any]]:
     """Clocks and use of the part in the JSON of nextpnr's --report."""
-    report = read_json(report_file)
+    report = checked_json(report_file, Report)
     clocks: dict[str, Clock] = {name: {"achieved": c["achieved"], "constraint": c["constraint"]}
                                 for name, c in report["fmax"].items()}
     if not clocks:
@@ -124,9 +131,8 @@ def place(folder: Path, top: str, seed: int, tools: Tools, route_speed: int | No
     routed = routed_name(top, seed, placer, route_speed)
     in_one = route_speed in (None, PART_SPEED)  # else placed by one delay and routed by another
     logs = [built / (routed + end + ".log") for end in (("", "") if in_one else (".placed", ".routed"))]
-    if not (built / f"{routed}.json").is_file():
-        for path in logs:
-            path.unlink(missing_ok=True)  # of a run that was cut short
+    if not (built / f"{routed}.json").is_file():  # make would take the rest for done
+        forget(folder, top, seed, placer, route_speed)
     if not watch(command, log, logs[0] if placer == "static" else None, logs[1]):
         return None
     clocks, utilization = clocks_of(built / f"{routed}.json")

@@ -4,6 +4,7 @@ import contextlib
 import fcntl
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -94,11 +95,15 @@ def started(command: Sequence[str], output: IO[str] | int, cwd: Path | None = No
             Programs.running.discard(running)
 
 
+OWN_LOCKS: dict[str, threading.Lock] = {}
+
+
 @contextlib.contextmanager
 def locked(path: Path) -> Iterator[None]:
     """One at a time, of all commands of this machine."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    with open(path, "w") as lock:
+    own = OWN_LOCKS.setdefault(os.path.realpath(path), threading.Lock())  # of this command's threads, which wait unsaid
+    with own, open(path, "w") as lock:
         try:
             fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
@@ -107,9 +112,13 @@ def locked(path: Path) -> Iterator[None]:
         yield
 
 
+# What programs say behind the cause: make of folders, photonloom of its help.
+NO_CAUSE = re.compile(r"make(\[\d+\])?: (Leaving|Entering) directory |Run with --help for more information")
+
+
 def complaint(command: Sequence[str], output: str, log: Path | None) -> Failure:
     """What a command that failed said, in one sentence."""
-    words = [line for line in output.splitlines() if line.strip()]
+    words = [line for line in output.splitlines() if line.strip() and not NO_CAUSE.match(line)]
     said = next((line for line in words if "ERROR" in line), words[-1] if words else "it said nothing")
     return Failure(f"{' '.join(command[:2])} failed: {said}" + (f" (all of it: {log})" if log else ""))
 
@@ -126,12 +135,16 @@ def run(command: Sequence[str], log: Path | None = None, cwd: Path | None = None
 
 
 def first_line(command: Sequence[str]) -> str | None:
-    """The first line of what a command says, whatever its status; None where there is none."""
+    """The first line of what a command says, whatever its status; None where there is none. A Failure where it does not start."""
     try:
-        done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
-    except OSError:
-        return None
-    return done.stdout.splitlines()[0] if done.stdout else None
+        done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, errors="replace")
+    except OSError as error:
+        raise Failure(f"{command[0]}: does not start: {error.strerror}") from error
+    lines = done.stdout.splitlines()
+    unloaded = next((line for line in lines if "error while loading shared libraries" in line), None)
+    if unloaded or done.returncode in (126, 127):  # as a shell has it of what cannot be run or found
+        raise Failure(f"{command[0]}: does not start: {unloaded or next(iter(lines), f'status {done.returncode}')}")
+    return lines[0] if lines else None
 
 
 def beside(folder: Path, end: str) -> Path:

@@ -28,9 +28,9 @@ class Scripts(unittest.TestCase):
         self.refused("--seeds: is 0, expected a whole number of at least 1$", "fpga", "--seeds", "0")
         self.refused("--first-seed: is -5, expected", "fpga", "--first-seed", "-5")
         self.refused("--seeds: the last one is 2147483649, expected at most 2147483647$", "fpga", "--first-seed", "2147483647")
-        for clock in ("0", "-1", "nan", "inf"):
-            self.refused(f"--clock: is {clock}, expected a number above 0$", "fpga", "--clock", clock)
-            self.refused(f"--clock: is {clock}, expected a number above 0$", "headline", "--clock", clock)
+        for clock in ("0", "-1", "nan", "inf", "9999"):
+            self.refused(f"--clock: is {clock}, expected a number from 1 to 400$", "fpga", "--clock", clock)
+            self.refused(f"--clock: is {clock}, expected a number from 1 to 400$", "headline", "--clock", clock)
         self.refused("--first-seed: is -1, expected", "headline", "--first-seed", "-1")
         for seeds in ("0", "-1", "1.5"):
             self.refused(f"--seeds: is {seeds}, expected a whole number of at least 1$", "fpga-fast", "--seeds", seeds)
@@ -105,6 +105,17 @@ class Scripts(unittest.TestCase):
         for name in ("../boards/up5k", "./up5k", "up5k/", "", "."):
             with self.assertRaisesRegex(UnknownBoard, "^there is no board "):
                 read_board(name)
+
+    def test_what_the_page_would_not_say(self) -> None:
+        self.refused(r"--page: --clock is of a single run, expected the clock of a plan of the page in \[clock\] of fpga/headline.toml$",
+                     "headline", "sdram_k16", "--clock", "75", "--page", "--dry-run")
+        self.refused("README.md: is not TOML: .*", "headline", "README.md", "--dry-run")
+        with tempfile.TemporaryDirectory() as folder:
+            own = Path(folder, "block_ram_k8.toml")
+            own.write_text((ROOT / "fpga/headline/block_ram_k8.toml").read_text())
+            self.refused("block_ram_k8.toml: block_ram_k8 is a plan of the page, expected a name of its own$", "headline", str(own), "--dry-run")
+            own.write_text("gather = 5\n")
+            self.refused("block_ram_k8.toml: ", "headline", str(own), "--dry-run")
 
 
 class Make(unittest.TestCase):

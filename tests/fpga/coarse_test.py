@@ -9,7 +9,7 @@ from flow.goals import CoarseGoals, headline_goals
 from flow.headline import page, tables
 from flow.headline.data import Coarse, Row, of_headline
 from flow.headline.formats import formats_relmse
-from flow.headline.plans import VARIANTS, HeadlinePlan, clock_of, coarse_names, coarse_plan, find_plan
+from flow.headline.plans import VARIANTS, HeadlinePlan, check_variants, clock_of, coarse_names, coarse_plan, find_plan, known_names
 from flow.headline.rows import photon_bytes
 from flow.headline.verdict import judge_coarse
 from flow.shell import ROOT, Failure, field, read_toml
@@ -114,7 +114,28 @@ class Plans(unittest.TestCase):
             self.assertEqual(find_plan(str(plan.path), self.work), plan)
             own = self.work / f"{name}.toml"
             own.write_text(plan.path.read_text())
-            self.assertEqual(find_plan(str(own), self.work), HeadlinePlan(name, own, "not in fpga/headline"))
+            self.assertEqual(find_plan(str(own), self.work), HeadlinePlan(name, own))
+
+    def test_what_is_wrong_with_the_file_of_plans(self) -> None:
+        """All of it is told before anything is built."""
+        variants = self.work / "headline.toml"
+        right = VARIANTS.read_text()
+        for old, new, said in (('set = ["gather.leaf_limit=4"]', "set = [4]", r"variant.block_ram_k8_leaves4.set is \[4\], expected a list of strings"),
+                               ("[variant.block_ram_k1]", "[variant.sdram_k8]", "variant.sdram_k8 is the name of another plan too, expected each name once"),
+                               ("[variant.block_ram_k1]", "[variant.sdram_k8_coarse]", "coarse.sdram_k8_coarse is the name of another plan too, "),
+                               ('base = "sdram_k50"', 'base = "sdram_k51"', "rejected.sdram_k50_candidates2.base is sdram_k51, expected one of block_ram_k16, "),
+                               ("why = \"fewer queries in flight keep its SDRAM busy for less of the time; slower\"", 'why = ""',
+                                "rejected.sdram_k16_contexts16.why is empty, expected why it"),
+                               ("why = ", "because = ", "rejected.sdram_k16_contexts16.why is missing, expected why it"),
+                               ("shows = ", "tells = ", "variant.block_ram_k1.shows is missing, expected what it shows"),
+                               ("sdram_k16 = 75", 'sdram_k16 = "75"', "clock.sdram_k16 is '75', expected MHz of the core"),
+                               ("sdram_k16 = 75", "sdram_k17 = 75", "clock.sdram_k17 is of no plan, ")):
+            self.assertIn(old, right)
+            variants.write_text(right.replace(old, new))
+            with self.subTest(new), self.assertRaisesRegex(Failure, f"headline.toml: {said}"):
+                check_variants(variants)
+        self.assertEqual(len(set(known_names())), len(known_names()))
+        check_variants()
 
     def test_relmse_is_that_of_golden_beside_reference(self) -> None:
         """Positions of 11 bits cost more than those of 16, and those cost something."""

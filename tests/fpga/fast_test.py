@@ -1,12 +1,18 @@
 # SPDX-License-Identifier: Apache-2.0
 """What is said of the gatherer alone, on made-up figures."""
+import contextlib
+import io
+import json
+import tempfile
 import unittest
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from unittest import mock
 
 from flow.boards import read_board
-from flow.fast import CycleRow, Data, Row, cycles_of, names, page, rate, stale_rows, take_cycles, verdict
+from flow.fast import CycleRow, Data, Row, cycles_of, fewer, names, page, rate, stale_rows, take_cycles, there, verdict
 from flow.goals import FastGoals, fast_goals
+from flow.routing import placements
 from flow.shell import Failure
 
 GOALS = FastGoals("b", 3, {8: 90.0}, {}, Path("goals.toml"))
@@ -56,9 +62,11 @@ class Fast(unittest.TestCase):
         text = page(data, GOALS, [])
         self.assertIn("| `k8` | 2, 8, 2, 2 | 32 | 10.0 | 20.0 | 80.0, 80.0 (1) | 9,000 | 90 | 48 | 888,889 | 1,000,000, from 90.0 MHz | MISSED: 1 of 3 seeds", text)
         self.assertIn("Yosys 1", text)
-        self.assertIn("nextpnr's static placer, a seed", text)
+        self.assertIn("nextpnr's static placer. Where nextpnr does not end with a seed, a further one is taken, up to 2 of a plan, then the default placer. ", text)
         data["rows"][0]["digest"] = "other"
         self.assertNotEqual(page(data, GOALS, []), text)
+        data["placer"] = "heap"
+        self.assertIn("up to 2 of a plan. ", page(data, GOALS, []))
 
     def test_rows_of_earlier_rtl_are_named(self) -> None:
         data: Data = {"board": "b", "placer": "static", "versions": {}, "rows": [row("k8", [80.0], 10.0, 9000), NARROW]}
@@ -78,6 +86,34 @@ class Fast(unittest.TestCase):
             self.assertEqual((data["rows"][0]["cycles"], data["rows"][0]["mhz"]), ([9.0, 18.5], [80.0]))
             with self.assertRaisesRegex(Failure, "k8 was measured with earlier RTL, expected scripts/fpga-fast k8 first$"):
                 take_cycles(data, ["k8"], rows)
+
+    def taken(self, routed: Mapping[str, float], ended: Sequence[str]) -> list[float]:
+        """MHz of three seeds where these placements are there, and these did not end."""
+        with tempfile.TemporaryDirectory() as folder:
+            built = Path(folder, "build")
+            built.mkdir()
+            (built / "top.json").touch()
+            for name, mhz in routed.items():
+                (built / f"top_seed{name}.json").write_text(json.dumps({"fmax": {"clk": {"achieved": mhz, "constraint": 50}}, "utilization": {}}))
+            for name in [*routed, *ended]:
+                (built / f"top_seed{name}.log").touch()
+            with contextlib.redirect_stdout(io.StringIO()):
+                found = placements("k8", [1, 2, 3], "static", lambda seed, placer: there(Path(folder), "top", seed, placer))
+            return [mhz for of_seed in found for mhz in of_seed]
+
+    def test_what_is_there_is_taken_as_routing_would(self) -> None:
+        some = {"2_static": 92.0, "3_static": 93.0, "4_static": 94.0}
+        self.assertEqual(self.taken({}, []), [])
+        self.assertEqual(self.taken(some, []), [92, 93], "a seed that was not tried")
+        self.assertEqual(self.taken(some, ["1_static"]), [92, 93, 94])
+        self.assertEqual(self.taken({"2_static": 92.0, "5": 85.0}, ["1_static", "3_static", "4_static", "5_static"]), [92, 85])
+        with self.assertRaisesRegex(Failure, "^k8: nextpnr does not end with any seed of 1, 2, 3, 4, 5$"):
+            self.taken({}, [f"{seed}{placer}" for seed in range(1, 6) for placer in ("", "_static")])
+
+    def test_a_row_of_more_seeds_is_not_lost_unsaid(self) -> None:
+        self.assertEqual(fewer(row("k8", [80.0], 1, 1), row("k8", [80.0, 81.0], 1, 1)), ["MISSED: 1 seeds routed, 2 in the row that this one replaces"])
+        self.assertEqual(fewer(row("k8", [80.0], 1, 1), row("k8", [80.0], 1, 1)), [])
+        self.assertEqual(fewer(row("k8", [80.0], 1, 1), None), [])
 
     def test_every_plan_has_its_goals(self) -> None:
         self.assertEqual(names(), ["k8", "narrow_k8", "k16", "narrow_k16", "k50", "narrow_k50"])

@@ -23,7 +23,7 @@ from flow.plans.catalogue import read_catalogue
 from flow.plans.pages import COLUMNS, measured_table
 from flow.results import Entry, add_placements, core_clocks, median, missed_clocks
 from flow.routing import ROUTER_LEAST, ROUTER_MORE, STATIC_ROUNDS, Placement, legalises_for_ever, place, placements, routes_for_ever
-from flow.shell import ROOT, Failure, run
+from flow.shell import ROOT, Failure, first_line, run
 from flow.tools import Tools
 
 
@@ -67,6 +67,20 @@ class Placements(unittest.TestCase):
             (package / "build").mkdir(parents=True)
             (package / "Makefile").write_text(f"all:\n\t@{makefile}\n")
             return place(package, "top", 2, Tools([], {}), route_speed, placer)
+
+    def test_a_placement_without_its_report_is_made_again(self) -> None:
+        with tempfile.TemporaryDirectory() as folder:
+            package = Path(folder, "package")
+            built = package / "build"
+            built.mkdir(parents=True)
+            (package / "Makefile").write_text("all: build/top_seed2.bit\nbuild/top_seed2.bit: build/top_seed2.config\n\t@touch $@\nbuild/top_seed2.config:\n\t@cp report "
+                                              "build/top_seed2.json; touch $@\n")
+            (package / "report").write_text('{"fmax": {"clk": {"achieved": 60, "constraint": 50}}, "utilization": {}}')
+            for end in ("config", "bit"):
+                (built / f"top_seed2.{end}").touch()
+            placed = place(package, "top", 2, Tools([], {}))
+            assert placed
+            self.assertEqual(placed["clocks"]["clk"]["achieved"], 60)
 
     def test_a_placer_that_does_not_end_is_ended(self) -> None:
         for says in (f"Info: iter={STATIC_ROUNDS + 1} steplen=1", "Info: iter=9 steplen=1\\nInfo: Strict legalising 7 cells..."):
@@ -280,6 +294,16 @@ class Run(unittest.TestCase):
     def test_a_program_that_is_not_there(self) -> None:
         with self.assertRaisesRegex(Failure, "^/nowhere/program: cannot be started: No such file or directory$"):
             run(["/nowhere/program"])
+
+    def test_a_tool_that_does_not_start_has_no_version(self) -> None:
+        self.assertEqual(first_line(["sh", "-c", "echo Yosys 0.52; exit 1"]), "Yosys 0.52")
+        self.assertIsNone(first_line(["true"]))
+        missing = "yosys: error while loading shared libraries: libtcl8.6.so: cannot open shared object file"
+        for script, said in ((f"echo {missing}; exit 1", missing), ("echo not found; exit 127", "not found"), ("exit 126", "status 126")):
+            with self.subTest(script), self.assertRaisesRegex(Failure, f"^sh: does not start: {said}$"):
+                first_line(["sh", "-c", script])
+        with self.assertRaisesRegex(Failure, "^/nowhere/yosys: does not start: No such file or directory$"):
+            first_line(["/nowhere/yosys"])
 
     def test_what_failed_carries_its_last_words(self) -> None:
         with self.assertRaisesRegex(Failure, "sh -c failed: last$"):

@@ -7,6 +7,7 @@ import dataclasses
 import io
 import json
 import re
+import sys
 import tempfile
 import unittest
 from pathlib import Path
@@ -15,8 +16,8 @@ from unittest import mock
 
 from flow.boards import LUT_EQ, read_board
 from flow.goals import GainGoals, Growth, ImageGoals, headline_goals
-from flow.headline import images, page, replay, tables, tops
-from flow.headline.command import check_predictions, processor
+from flow.headline import command, images, page, replay, tables, tops
+from flow.headline.command import check_predictions, digests_today, misses, processor
 from flow.headline.data import Cores, Data, ImageTime, Rate, Replay, Row, SdramLoad, merge, read_data
 from flow.headline.images import ON_A_BOARD, image_time, render_options, time_images
 from flow.headline.link import link_of
@@ -419,9 +420,13 @@ class Verdicts(MadeUp):
     def test_rows_of_several_machines_are_told_apart(self) -> None:
         def judged(*rows: Row) -> list[tuple[Row, Verdict]]:
             return [(row, self.judge(row)) for row in rows]
-        self.assertEqual(page.processors(judged(self.row(), self.row(plan="q"))), "a core")
-        self.assertEqual(page.processors(judged(self.row(), self.row(plan="q", processor="another"), self.row(plan="r"))),
-                         "a core for `p`, `r`; another for `q`")
+        self.assertEqual(page.made_on(judged(self.row(), self.row(plan="q"))), "One core of: a core. Yosys 1.\n")
+        self.assertEqual(page.made_on(judged(self.row(), self.row(plan="q", processor="another"), self.row(plan="r"))),
+                         "One core of: a core for `p`, `r`; another for `q`. Yosys 1.\n")
+
+    def test_rows_of_several_tools_are_told_apart(self) -> None:
+        judged = [(row, self.judge(row)) for row in (self.row(), self.row(plan="q", versions=["Yosys 2", "nextpnr 3"]))]
+        self.assertEqual(page.made_on(judged), "One core of: a core. Yosys 1 for `p`; Yosys 2, nextpnr 3 for `q`.\n")
 
     def test_what_a_row_was_to_gain(self) -> None:
         goals = GainGoals("c0ffee", {"block_ram": 1.5, "sdram": 1.2},
@@ -457,6 +462,7 @@ class Verdicts(MadeUp):
         row["clocks"] = {"$glbnet$clk": {"constraint": 110.0, "median": 100.0, "low": 95.0, "high": 101.0}}
         row["clock_mhz"] = 110.0
         self.assertIn("| 100.0 (95.0 – 101.0) of 110 **missed** | – |", tables.top_table([(row, self.judge(row))]))
+        self.assertIn("| 1, 2, 3; not routed: 4, 6 |", tables.top_table([(self.row(unrouted=[4, 6]), self.judge(row))]))
         row = self.row()
         self.assertEqual(page.arithmetic([(row, self.judge(row))]),
                          "- `p`, no radius: 12.0 nodes, 3.5 leaves, 16.0 insertions a query: 16.0 cycles of a gatherer's lists; "
@@ -675,6 +681,29 @@ class Page(MadeUp):
         data = read_data(path)
         self.assertEqual((data["rows"][0]["all_cores"], data["rows"][0]["shows"], data["images"], data["replay"]), (None, "", [], None))
 
+    def test_a_file_that_is_none(self) -> None:
+        path = self.path.with_name("headline.json")
+        for text, said in (("[]", "is a list, expected a table"), ("{}", "rows is missing, expected a list"), ('{"rows": 5}', "rows is 5, expected a list"),
+                           ('{"rows": [4]}', r"rows\[0\] is 4, expected a table"), ('{"rows": [{}]}', r"(board is missing, expected a text|rows\[0\].plan is missing)")):
+            path.write_text(text)
+            with self.subTest(text), self.assertRaisesRegex(Failure, f"headline.json: {said}"):
+                read_data(path)
+        self.data["rows"] = [self.row(plan="sdram_k8"), self.row(plan="README.md")]
+        with self.assertRaisesRegex(Failure, r"fpga/headline.json: rows\[1\].plan is README.md, expected one of block_ram_k16, "):
+            digests_today(self.data, self.path.parent)
+
+    def test_a_check_makes_no_folder(self) -> None:
+        works: list[Path] = []
+
+        def digests(data: Data, work: Path) -> dict[str, str]:
+            works.append(work)
+            raise Failure("far enough")
+        for arguments in (["--check"], ["--render"], ["--check", "--results", str(self.path.parent / "there")]):
+            with mock.patch.object(sys, "argv", ["headline", *arguments]), mock.patch.object(command, "digests_today", digests), \
+                    self.assertRaisesRegex(Failure, "far enough"):
+                command.main()
+        self.assertEqual([work.is_dir() for work in works], [False, False, True])
+
     def test_variants_stand_apart_and_are_not_counted(self) -> None:
         self.data["rows"].append(self.row(plan="v", shows="something", k=1))
         head, tail = self.text().split("## One neighbour, and few leaves")
@@ -718,6 +747,37 @@ class Page(MadeUp):
         head, tail = self.text().split("## Rejected plans")
         self.assertNotIn("| r | 8 |", head)
         self.assertIn("| r | 8 |", tail)
+
+    def test_each_section_says_on_which_core_its_rows_were_timed(self) -> None:
+        """And with which tools, where they are others than those of the rows above."""
+        self.data["rows"] += [self.row(plan="v", shows="something", processor="a third"),
+                              self.sdram(plan="c", versions=["Yosys 3"], coarse={"finer": "p", "photon_bytes": 8, "relmse": 0, "finer_bytes": 12, "finer_relmse": 0})]
+        apart = "Multiples of one processor's core cannot be set against those of another's, here and below; the boards' rates can.\n"
+        self.assertIn(f"\nOne core of: a core. Yosys 1.\n\n{apart}\n| plan", self.text())
+        sections = {part.split("\n")[0]: part for part in self.text().split("\n## ")}
+        self.assertIn("\nOne core of: a third.\n\n| plan", sections["One neighbour, and few leaves"])
+        self.assertIn("\nMade with Yosys 3.\n\n| plan", sections["Fewer bytes a photon"])
+        self.assertIn("\nOne core of: a core.\n\n| plan", sections["Rejected plans"])
+        for row in self.data["rows"]:
+            row["processor"] = "a core"
+        self.assertNotIn("cannot be set against those of another's", self.text())
+
+    def test_a_report_has_the_rows_of_its_run_alone(self) -> None:
+        """The page says of every plan that is not measured how to do so; the report of a run of some plans does not."""
+        for row, heading in ((self.row(plan="own"), "## Tops"), (self.row(plan="r", rejected="slower"), "## Rejected plans"),
+                             (self.row(plan="v", shows="something"), "## One neighbour, and few leaves")):
+            self.data["rows"] = [row]
+            text = page.report(self.data, headline_goals())
+            self.assertIn(f"\n{heading}\n", text)
+            self.assertEqual(text.count("One core of: a core. Yosys 1.\n"), 1)
+            for other in ("not measured", "No replay", "One core of: .", *({"## Tops", "## Rejected plans", "## One neighbour, and few leaves", "## Fewer bytes a photon"} - {heading})):
+                self.assertNotIn(other, text)
+
+    def test_what_a_run_is_told_to_have_missed(self) -> None:
+        """A plan of the user's as one of the headline; a rejected plan is known to miss."""
+        low = [self.row(4e6, plan="own"), self.row(4e6, plan="r", rejected="slower")]
+        self.assertEqual([(row["plan"], miss) for row, miss in misses(low, headline_goals())],
+                         [("own", "2.50 times one core, goal 8")])
 
     def test_why_a_plan_was_rejected_is_of_the_file_of_plans(self) -> None:
         name = rejected_names()[0]

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What is kept of earlier runs and of other tools, what ends with a command, and what of several jobs is told."""
 import contextlib
+import fcntl
 import io
 import json
 import os
@@ -160,12 +161,30 @@ class Ended(InFolder):
             with locked(lock):
                 done.set()
 
-        with locked(lock):
-            waiting = threading.Thread(target=other)
-            waiting.start()
-            self.assertFalse(done.wait(0.1))
-        waiting.join(WAITED)
+        said = io.StringIO()
+        with contextlib.redirect_stdout(said):
+            with locked(lock):
+                waiting = threading.Thread(target=other)
+                waiting.start()
+                self.assertFalse(done.wait(0.1))
+            waiting.join(WAITED)
         self.assertTrue(done.is_set())
+        self.assertEqual(said.getvalue(), "", "the command's own threads are no other command")
+
+    def test_another_command_is_waited_for_and_named(self) -> None:
+        lock, said = self.folder / "lock", io.StringIO()
+        held = open(lock, "w")
+        fcntl.flock(held, fcntl.LOCK_EX)  # by none that this process knows of
+
+        def give() -> None:
+            self.wait_for("the sentence", said.getvalue)
+            held.close()
+
+        giving = threading.Thread(target=give)
+        giving.start()
+        with contextlib.redirect_stdout(said), locked(lock):
+            giving.join(WAITED)
+        self.assertRegex(said.getvalue(), f": waits for another command, which holds {lock}\n$")
 
 
 def alive(group: int) -> bool:
@@ -244,7 +263,7 @@ class Published(MadeUp):
             data.write_text(json.dumps({"board": "ulx3s-85f", "rows": [], "link": {"baud": 1, "down": 1, "up": 1}}))
             before = data.read_text()
             with mock.patch.object(command, "DATA", data), mock.patch.object(command, "read_data", return_value={**json.loads(before), "replay": None, "images": []}), \
-                    self.assertRaisesRegex(Failure, "there is no such plan"):
+                    self.assertRaisesRegex(Failure, r"rows\[0\].plan is none, expected one of "):
                 command.publish([self.row(plan="none")], None, [], None, headline_goals(), Path(folder), True)
             self.assertEqual(data.read_text(), before)
 

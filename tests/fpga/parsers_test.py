@@ -6,7 +6,7 @@ import unittest
 from pathlib import Path
 
 from flow.boards import FAMILIES, LUT_EQ, UnknownBoard, board_names, read_board
-from flow.goals import area_goals, headline_goals
+from flow.goals import area_goals, fast_goals, headline_goals, planned_goals
 from flow.plans.catalogue import read_catalogue
 from flow.routing import clocks_of, routed_name, static_rounds
 from flow.shell import ROOT, Failure, complaint
@@ -137,6 +137,14 @@ class Said(unittest.TestCase):
             self.assertEqual(str(failure), f"make synth failed: {said} (all of it: a.log)")
         self.assertEqual(str(complaint(["make"], "", None)), "make failed: it said nothing")
 
+    def test_what_stands_behind_the_cause(self) -> None:
+        for log, said in (("make: Entering directory 'p'\nnextpnr -q\nmake: *** [Makefile:37: a.config] Killed\nmake: Leaving directory 'p'\n",
+                           "make: *** [Makefile:37: a.config] Killed"),
+                          ("make[1]: *** [Makefile:37: a.config] Error 3\nmake[1]: Leaving directory 'p'\n", "make[1]: *** [Makefile:37: a.config] Error 3"),
+                          ("--clock: '7777', expected a number from 1 to 400\nRun with --help for more information.\n",
+                           "--clock: '7777', expected a number from 1 to 400")):
+            self.assertEqual(str(complaint(["tool"], log, None)), f"tool failed: {said}")
+
 
 BOARD = """[part]
 name = "P"
@@ -184,7 +192,7 @@ class DataFiles(Files):
         self.assertEqual(headline_goals().share, {"SDRAM": 0.85, "gatherers": 0.8})
         text = (ROOT / "fpga" / "goals.toml").read_text()
         path = self.write("goals.toml", text.replace("times = [2, 1.8]", "times = [2]"))
-        with self.assertRaisesRegex(Failure, r"goals.toml: headline.gain.block_ram_k8.times is \[2\], expected two numbers"):
+        with self.assertRaisesRegex(Failure, r"goals.toml: headline.gain.block_ram_k8.times is \[2\], expected two numbers above 0"):
             headline_goals(path)
         path = self.write("goals.toml", '[area]\ngrowth = "much"\n')
         with self.assertRaisesRegex(Failure, "goals.toml: area.growth is 'much', expected a share"):
@@ -212,6 +220,34 @@ class Tables(Files):
         self.assertEqual(page.read_text(), "before\n<!-- m -->\nnew\n<!-- end of m -->\nafter\n")
         with self.assertRaisesRegex(Failure, "page.md: has no marks '<!-- n -->' and '<!-- end of n -->'"):
             replace_between(page, "n", "new\n")
+
+
+class Goals(Files):
+    def test_what_is_wrong_with_a_goal(self) -> None:
+        """Its field, and what was expected."""
+        right = (ROOT / "fpga" / "goals.toml").read_text()
+        scenes, numbers = "expected a list of scenes", "expected two numbers above 0"
+        for read, old, new, said in (
+                (headline_goals, "block_ram_k50 = { before", "blok_ram_k50 = { before", "headline.gain.blok_ram_k50 is unknown, expected some of commit, golden, block_ram_k16, "),
+                (headline_goals, "golden = { block_ram =", "golden = { block_ramm =", "headline.gain.golden.block_ramm is unknown, expected some of block_ram, sdram"),
+                (headline_goals, "golden = { block_ram = 1.5, ", "golden = { ", "headline.gain.golden.block_ram is missing, expected a multiple of one core"),
+                (headline_goals, "block_ram = { 8", "block_ramm = { 8", "headline.times_core.block_ramm is unknown, expected some of block_ram, sdram"),
+                (headline_goals, "before = [0.80,", "before = [0,", rf"headline.gain.block_ram_k50.before is \[0, 1.26\], {numbers}"),
+                (headline_goals, "times = [2.5, 2.5]", "times = [true, 2]", rf"headline.gain.block_ram_k50.times is \[True, 2\], {numbers}"),
+                (headline_goals, "or_gatherers = [0, 3]", "or_gatherers = [0, 1.5]", r"headline.gain.block_ram_k8.or_gatherers is \[0, 1.5\], expected two counts"),
+                (headline_goals, 'scenes = ["scenes/cornell.xml", "scenes/atrium.xml"]', "scenes = [5]", rf"headline.images.scenes is \[5\], {scenes}"),
+                (headline_goals, 'plan = "sdram_k16"', 'plan = "sdram_k17"', "headline.images.plan is sdram_k17, expected one of block_ram_k16, "),
+                (headline_goals, "spp = 4", "spp = 0", "headline.images.spp is 0, expected a count of at least 1"),
+                (planned_goals, 'scenes = ["scenes/cornell.xml", "scenes/atrium.xml", "scenes/cornell_glossy.xml"]', "scenes = [1]", rf"planned.scenes is \[1\], {scenes}"),
+                (planned_goals, 'options = ["--photons", "16000", "--k", "16"]', "options = [1, 2]", r"planned.options is \[1, 2\], expected a list of options"),
+                (fast_goals, "seeds = 3", "seeds = 0", "fast.seeds is 0, expected a count of at least 1"),
+                (fast_goals, "seeds = 3", "seeds = -2", "fast.seeds is -2, expected a count of at least 1"),
+                (fast_goals, "8 = 90", "wide = 90", "fast.mhz.wide is unknown, expected a k, a whole number"),
+                (fast_goals, "8 = 729142", "k8 = 729142", "fast.rates.k8 is unknown, expected a k, a whole number")):
+            self.assertIn(old, right)
+            path = self.write("goals.toml", right.replace(old, new))
+            with self.subTest(new), self.assertRaisesRegex(Failure, f"goals.toml: {said}"):
+                read(path)
 
 
 if __name__ == "__main__":

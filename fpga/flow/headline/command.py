@@ -9,19 +9,21 @@ without a radius and within the mean r^2 of the queries. Whole images by golden,
 Routed seeds and simulations are kept in build/headline by what they were made from, and are not made again; a run that was
 ended goes on where it was. Writes report.json there; with --page fpga/headline.json and docs/headline.md, which --render
 writes from it again and --check compares with it and with today's RTL. Exit status 1 where a row misses its multiple of one
-core or a clock, or where reordering gains too little."""
+core or a clock, its share of its own bound or what it was to gain, or where reordering gains too little; but for rejected plans."""
 import argparse
 import os
+import tempfile
+from collections.abc import Sequence
 from pathlib import Path
 
-from flow.arguments import LAST_SEED, folder, positive, refuse_idle, whole
+from flow.arguments import LAST_SEED, folder, made_folder, megahertz, refuse_idle, whole
 from flow.boards import read_board
 from flow.goals import HeadlineGoals, headline_goals
 from flow.headline.data import DATA, Data, ImageTime, Link, Replay, Row, merge, of_headline, read_data
 from flow.headline.images import time_images
 from flow.headline.netlist import SHORT, plan_digest
 from flow.headline.page import check_page, images_of, page_texts, report, stale_plans, summary, write_page
-from flow.headline.plans import FOLDER, HeadlinePlan, check_plan_names, find_plan, find_plans, known_names
+from flow.headline.plans import FOLDER, HeadlinePlan, check_plan_names, check_variants, find_plan, find_plans, known_names
 from flow.headline.replay import replay
 from flow.headline.rows import coarse_of, gatherers_that_fit, rows_of
 from flow.headline.simulation import Bench, Simulated, sha256, simulate, time_core
@@ -50,7 +52,7 @@ def options() -> argparse.Namespace:
     p.add_argument("--seeds", type=whole(1), help="placements of each top (default: 3; a top took 10 to 40 minutes)")
     p.add_argument("--first-seed", type=whole(0, LAST_SEED), help="number of the first one (default: 1)")
     p.add_argument("--jobs", type=whole(1), help="tops routed, then simulated, at a time (default: one a core; 2 GB each)")
-    p.add_argument("--clock", type=positive, help="MHz of the core to route to, if not what fpga/headline.toml has for the plan, or the board's default")
+    p.add_argument("--clock", type=megahertz, help="MHz of the core to route to, if not what fpga/headline.toml has for the plan, or the board's default; not with --page")
     p.add_argument("--route-speed", type=int, choices=(6, 7, 8),
                    help="as of scripts/fpga (default: 6, but 8 with nextpnr 0.7, which did not end at 6)")
     p.add_argument("--placer", choices=("heap", "static"), help="as of scripts/fpga (default: static, but heap with nextpnr 0.7)")
@@ -69,17 +71,19 @@ def options() -> argparse.Namespace:
     if nothing_routed := next((f"--{name.replace('_', '-')}" for name in ("replay_only", "images_only", "render", "check") if getattr(o, name)), None):
         refuse_idle(p, o, ("seeds", "first_seed", "jobs", "route_speed", "placer", "route_again", "clock") +
                     (("results",) if o.images_only else ()), nothing_routed)
-    o.results = o.results or ROOT / "build" / "headline"
     o.seeds, o.jobs = o.seeds or 3, o.jobs or os.cpu_count()
     o.first_seed = 1 if o.first_seed is None else o.first_seed
     if o.first_seed + o.seeds - 1 > LAST_SEED:
         p.error(f"--first-seed, --seeds: the last one is {o.first_seed + o.seeds - 1}, expected at most {LAST_SEED}")
+    check_variants()
     check_plan_names(o.plans)
     of_no_plan = {"--replay-only": o.replay_only, "--images-only": o.images_only, "--render": o.render, "--check": o.check}
     if o.plans and (option := next((name for name, asked in of_no_plan.items() if asked), None)):
         p.error(f"{option} is of the whole page, expected no plans")
     if o.page and (o.route_only or o.render or o.check):
         p.error("--page is of what is measured, expected none of --route-only, --render, --check")
+    if o.page and o.clock:
+        p.error("--page: --clock is of a single run, expected the clock of a plan of the page in [clock] of fpga/headline.toml")
     for path in (Path(name) for name in o.plans if name not in known_names()):
         check_own_plan(p, path, o.page)
     return o
@@ -87,11 +91,18 @@ def options() -> argparse.Namespace:
 
 def check_own_plan(p: argparse.ArgumentParser, path: Path, page: bool) -> None:
     """What would fail after hours of routing."""
-    if page and path.resolve().parent != FOLDER:
-        p.error(f"--page: {path} is a plan of its own, which --check would not find again, expected plans of fpga/headline or "
-                "fpga/headline.toml")
-    said, goals = read_toml(path), headline_goals()
-    memory, k = field(said, path, "board.photon_memory", str, "a memory"), field(said, path, "gather.k", int, "a count")
+    if path.resolve().parent != FOLDER:
+        if page:
+            p.error(f"--page: {path} is a plan of its own, which --check would not find again, expected plans of fpga/headline or "
+                    "fpga/headline.toml")
+        if path.stem in known_names():
+            p.error(f"{path}: {path.stem} is a plan of the page, expected a name of its own")
+    goals = headline_goals()
+    try:
+        said = read_toml(path)
+        memory, k = field(said, path, "board.photon_memory", str, "a memory"), field(said, path, "gather.k", int, "a count")
+    except Failure as failure:
+        p.error(str(failure))
     try:
         goals.times_core(memory, k)
     except Failure as failure:
@@ -106,18 +117,26 @@ def routing_of(o: argparse.Namespace, goals: HeadlineGoals) -> Routing:
                    o.placer or ("heap" if slow else "static"), o.route_again)
 
 
+def plans_of(data: Data, work: Path) -> dict[str, HeadlinePlan]:
+    """The plans of the data by their names."""
+    known = known_names()
+    for number, row in enumerate(data["rows"]):
+        if row["plan"] not in known:
+            raise Failure(f"{DATA}: rows[{number}].plan is {row['plan']}, expected one of {', '.join(known)}")
+    return {name: find_plan(name, work) for name in {row["plan"] for row in data["rows"]}}
+
+
 def digests_today(data: Data, work: Path) -> dict[str, str]:
     """Plan -> digest of its netlist, of each plan of the data; at the clock that its core is asked for today, whatever its row has."""
     board = read_board(data["board"])
-    plans = {name: find_plan(name, work) for name in {row["plan"] for row in data["rows"]}}
-    return {name: plan_digest(plan, board) for name, plan in plans.items()}
+    return {name: plan_digest(plan, board) for name, plan in plans_of(data, work).items()}
 
 
 def predicted_today(data: Data, work: Path) -> Data:
     """The data with as many gatherers as photonloom predicts that each resource has room for: what was measured stays, but not a
     prediction of an earlier fit."""
     board = read_board(data["board"])
-    facts = {name: describe(find_plan(name, work).path) for name in {row["plan"] for row in data["rows"]}}
+    facts = {name: describe(plan.path) for name, plan in plans_of(data, work).items()}
     today = data.copy()
     today["rows"] = [row.copy() for row in data["rows"]]
     for row in today["rows"]:
@@ -181,27 +200,40 @@ def publish(rows: list[Row], played: Replay | None, images: list[ImageTime], lin
     return data
 
 
+def misses(rows: Sequence[Row], goals: HeadlineGoals) -> list[tuple[Row, str]]:
+    """What the rows of a run miss; a rejected plan is known to."""
+    missed = [(row, miss) for row in rows if not row["rejected"] for miss in judge(row, goals).missed]
+    missed += [(row, miss) for row in rows if row["coarse"]
+               for miss in judge_coarse(row, [*rows, *(read_data()["rows"] if DATA.is_file() else [])], goals.coarse).missed]
+    return missed + [(row, miss) for row in rows if of_headline(row) for miss in judge_gain(row, goals.gain).missed]
+
+
+def of_page(render: bool, goals: HeadlineGoals, work: Path) -> None:
+    """--render, or --check. work: where plans are written."""
+    data = read_data()
+    today, predicted = digests_today(data, work), predicted_today(data, work)
+    if render:
+        data = predicted
+        texts = page_texts(data, goals, stale_plans(data, today))
+        write_json(DATA, data)
+        write_page(texts)
+    else:
+        check_predictions(data, predicted)
+    check_page(data, goals, today)
+    stale = stale_plans(data, today)
+    say("docs/headline.md is that of fpga/headline.json" +
+        (f", and says that earlier RTL was routed for {', '.join(sorted(stale))}" if stale else " and of today's RTL"))
+
+
 def main() -> int:
     o, goals = options(), headline_goals()
     if o.dry_run:
         return 0
-    work = o.results.resolve()
-    work.mkdir(parents=True, exist_ok=True)
     if o.render or o.check:
-        data = read_data()
-        today, predicted = digests_today(data, work), predicted_today(data, work)
-        if o.render:
-            data = predicted
-            texts = page_texts(data, goals, stale_plans(data, today))
-            write_json(DATA, data)
-            write_page(texts)
-        else:
-            check_predictions(data, predicted)
-        check_page(data, goals, today)
-        stale = stale_plans(data, today)
-        say("docs/headline.md is that of fpga/headline.json" +
-            (f", and says that earlier RTL was routed for {', '.join(sorted(stale))}" if stale else " and of today's RTL"))
+        with tempfile.TemporaryDirectory() as made:
+            of_page(o.render, goals, made_folder(o.results or Path(made)).resolve())
         return 0
+    work = made_folder(o.results or ROOT / "build" / "headline").resolve()
     replayed = find_plan(goals.replay, work)
     if o.replay_only:
         publish([], play(replayed, goals, work), [], None, goals, work, o.page)
@@ -236,13 +268,10 @@ def main() -> int:
     # One link stands on the page: that of the board beside whole images, or any where there is no page yet.
     link = next((top.link for plan, top in zip(plans, tops) if plan.name == goals.images.plan), None if DATA.is_file() else tops[0].link)
     data = publish(rows, played, images, link, goals, work, o.page)
-    text = summary(data, goals, []) + "\n" + report(data, goals) + images_of(data, goals)
+    text = summary(data, goals, []) + "\n" + report(data, goals) + (images_of(data, goals) if images else "")
     (work / "report.md").write_text(text)
     print("\n" + text)
-    missed = [(row, miss) for row in rows if not row["rejected"] for miss in judge(row, goals).missed]
-    missed += [(row, miss) for row in rows if row["coarse"]
-               for miss in judge_coarse(row, rows + (read_data()["rows"] if DATA.is_file() else []), goals.coarse).missed]
-    missed += [(row, miss) for row in rows if of_headline(row) for miss in judge_gain(row, goals.gain).missed]
+    missed = misses(rows, goals)
     for row, miss in missed:
         warn(f"{row['plan']}, {radius_of(row, 'no radius')}: {miss}")
     return 1 if missed else 0

@@ -6,8 +6,9 @@ from pathlib import Path
 from typing import Any, NotRequired, TypedDict
 
 from flow.results import ClockSpread, Spread
-from flow.shell import ROOT, read_json
+from flow.shell import ROOT
 from flow.synthesis import Binding
+from flow.typed_json import checked_json, typed
 
 DATA = ROOT / "fpga" / "headline.json"
 
@@ -61,7 +62,7 @@ class Coarse(TypedDict):
 
 class Row(TypedDict):
     """A plan, without a radius or within the mean r^2 of its queries. rejected: why the plan is none of the headline's, "" where
-    it is one. shows: what a variant shows, which has no goal of its own, else "". coarse: of one in coarser formats, judged beside
+    it is one, or the user's. shows: what a variant shows, which has no goal of its own, else "". coarse: of one in coarser formats, judged beside
     the one that it is coarser than. leaf_limit: leaves that a query visits at most, 0 where the search is exact. recall: part of
     the exact k nearest that golden finds, as the libraries found them. lut_eq: LUT-equivalents of the whole top. all_cores: golden
     on the whole machine. digest: of the netlist that was routed. unrouted: seeds with which nextpnr did not come to an end. clocks:
@@ -160,6 +161,11 @@ class Data(TypedDict):
     link: Link
 
 
+class Rows(TypedDict):
+    """A file of any form."""
+    rows: list[dict[str, Any]]
+
+
 # What rows and files of earlier forms do not have.
 NO_ROW: dict[str, Any] = {"shows": "", "coarse": None, "leaf_limit": None, "recall": None, "lut_eq": None, "all_cores": None,
                           "ports_cycles": None}
@@ -167,10 +173,8 @@ NO_FILE: dict[str, Any] = {"replay": None, "images": []}
 
 
 def read_data(path: Path = DATA) -> Data:
-    said: dict[str, Any] = read_json(path)
-    data: Any = {**NO_FILE, **said, "rows": [{**NO_ROW, **row} for row in said["rows"]]}
-    whole: Data = data
-    return whole
+    said = checked_json(path, Rows)
+    return typed({**NO_FILE, **said, "rows": [{**NO_ROW, **row} for row in said["rows"]]}, Data, path)
 
 
 def merge(rows: Sequence[Row], new: Sequence[Row]) -> list[Row]:

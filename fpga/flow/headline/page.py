@@ -2,7 +2,7 @@
 """What is written of the headline's rows: docs/headline.md between its marks, from fpga/headline.json and fpga/goals.toml."""
 import math
 import re
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from pathlib import Path
 
 from flow.goals import CoarseGoals, GainGoals, HeadlineGoals
@@ -28,39 +28,53 @@ def share_text(judged: Judged) -> str:
             "other programs had the rest.\n")
 
 
-def variants_text(judged: Judged) -> str:
-    """Rows of what published accelerators search for."""
+def variants_text(judged: Judged, above: Judged = (), whole: bool = True) -> str:
+    """Rows of what published accelerators search for. above: the headline's; whole: plans that were not measured are named too."""
     parts = ["Published accelerators mostly find one nearest neighbour or search approximately; the rows above are exact. k and the leaf "
              "limit are constants of a generated package, no registers, so each of these is a top of its own, routed for itself. Recall is "
              "the part of the exact k nearest that golden, with this row's search, finds among the row's own photons and queries; "
              "the libraries are exact in every row. Back sides are not told apart in it.\n"]
     for name in variant_names():
-        found = any(r["plan"] == name for r, _ in judged)
-        parts.append(f"`{name}`: {what_shows(name)}" +
-                     (".\n" if found else f"; not measured, `make headline PLAN={name} HEADLINE_FLAGS=--page` does.\n"))
+        if whole or name in measured(judged):
+            parts.append(f"`{name}`: {what_shows(name)}" +
+                         (".\n" if name in measured(judged) else f"; not measured, `make headline PLAN={name} HEADLINE_FLAGS=--page` does.\n"))
     if judged:
-        parts += [variant_table(judged), top_table(judged)]
+        parts += [made_on(judged, above), variant_table(judged), top_table(judged)]
     return "\n".join(parts)
 
 
-def coarse_text(judged: Judged, rows: Sequence[Row], goals: CoarseGoals) -> str:
-    """The rows in coarser formats, beside those in the plan's own."""
+def coarse_text(judged: Judged, rows: Sequence[Row], goals: CoarseGoals, above: Judged = (), whole: bool = True) -> str:
+    """The rows in coarser formats, beside those in the plan's own; no figure of a core stands here."""
     parts = ["An SDRAM moves fewer bytes where a photon has fewer. A photon's slot is a whole number of bytes, and a line a multiple of 16. In "
              f"brackets stand the figures of the plan beside which it stands, in the default formats. The formats may cost a relMSE of at most {goals.relmse:.0e}: golden "
              "arithmetic against reference arithmetic, in the plan's frame of the headline's scene, with its k and all of its photons.\n"]
-    measured = {r["plan"] for r, _ in judged}
     for name in coarse_names():
-        parts.append(f"`{name}` is `{base_of('coarse', name)}` with {', '.join(f'`{line}`' for line in changes_of('coarse', name))}" +
-                     (".\n" if name in measured else f"; not measured, `make headline PLAN={name} HEADLINE_FLAGS=--page` does.\n"))
+        if whole or name in measured(judged):
+            parts.append(f"`{name}` is `{base_of('coarse', name)}` with {', '.join(f'`{line}`' for line in changes_of('coarse', name))}" +
+                         (".\n" if name in measured(judged) else f"; not measured, `make headline PLAN={name} HEADLINE_FLAGS=--page` does.\n"))
     if judged:
-        parts += [coarse_table(judged, rows, goals), top_table(judged)]
+        parts += [*([f"Made with {tools}.\n"] if (tools := tools_of(judged)) != tools_of(above) else []),
+                  coarse_table(judged, rows, goals), top_table(judged)]
+    return "\n".join(parts)
+
+
+def rejected_text(judged: Judged, above: Judged, whole: bool) -> str:
+    """Why plans were rejected, and their rows."""
+    parts = []
+    for name in rejected_names():
+        if name in measured(judged):
+            parts.append(f"`{name}`: {why_rejected(name)}.\n")
+        elif whole:
+            parts.append(f"`{name}`: not measured; `make headline PLAN={name} HEADLINE_FLAGS=--page` does.\n")
+    if judged:
+        parts += [made_on(judged, above), goal_table(judged), bound_table(judged), top_table(judged)]
     return "\n".join(parts)
 
 
 def gain_text(judged: Judged, goals: GainGoals) -> str:
     """What the rows gained over an earlier commit."""
     instead = [f"For `{name}` within the mean r², {growth.or_gatherers[1]} gatherers or more in the routed top would do instead."
-               for name, growth in goals.plans.items() if growth.or_gatherers[1]]
+               for name, growth in goals.plans.items() if growth.or_gatherers[1] and name in measured(judged)]
     return (f"Rates on block RAM were to grow to a multiple of those of commit {goals.commit}, which are of its own page, and no row to be slower than a "
             "multiple of golden on one core. " + " ".join(instead) + "\n\n" + gain_table(judged, goals))
 
@@ -124,15 +138,28 @@ def arithmetic(judged: Judged) -> str:
     return "\n".join(lines) + "\n"
 
 
-def processors(judged: Judged) -> str:
-    """The machines on which cores were timed; which rows on which, where there are several: their multiples are not to be set
-    against one another."""
+def told_apart(judged: Judged, what: Callable[[Row], str]) -> str:
+    """What all rows have in common, or each that some have, and whose it is."""
     plans: dict[str, set[str]] = {}
     for r, _ in judged:
-        plans.setdefault(r["processor"], set()).add(r["plan"])
+        plans.setdefault(what(r), set()).add(r["plan"])
     if len(plans) < 2:
         return "".join(plans)
-    return "; ".join(f"{processor} for {names(of)}" for processor, of in plans.items())
+    return "; ".join(f"{said} for {names(of)}" for said, of in plans.items())
+
+
+def tools_of(judged: Judged) -> str:
+    return told_apart(judged, lambda r: ", ".join(r["versions"]))
+
+
+def made_on(judged: Judged, above: Judged = ()) -> str:
+    """The machines on which a section's cores were timed, and its tools, unless they are those of the rows above."""
+    tools = tools_of(judged)
+    return f"One core of: {told_apart(judged, lambda r: r['processor'])}." + (f" {tools}." if tools != tools_of(above) else "") + "\n"
+
+
+def measured(judged: Judged) -> set[str]:
+    return {r["plan"] for r, _ in judged}
 
 
 def names(plans: Collection[str]) -> str:
@@ -216,27 +243,34 @@ def replay_text(replay: Replay | None, judged: Judged) -> str:
     return text + ".\n"
 
 
-def report(data: Data, goals: HeadlineGoals) -> str:
-    """Everything below the first lines."""
+def report(data: Data, goals: HeadlineGoals, whole: bool = False) -> str:
+    """Everything below the first lines. whole: of the page, which says what was not measured; else of one run, and of its rows alone."""
     judged = judged_of([r for r in data["rows"] if of_headline(r)], goals)
     variants = judged_of([r for r in data["rows"] if r["shows"]], goals)
     rejected = judged_of([r for r in data["rows"] if r["rejected"]], goals)
     coarse = judged_of([r for r in data["rows"] if r["coarse"]], goals)
-    link = data["link"]
-    parts = ["One core of: " + processors(judged) + ". " +
-             "; ".join(dict.fromkeys(v for r, _ in judged for v in r["versions"])) + ".\n",
-             goal_table(judged), "## What was gained\n", gain_text(judged, goals.gain), "## All cores, and for its size\n", size_table(judged), share_text(judged),
-             "## One neighbour, and few leaves\n", variants_text(variants), "## Fewer bytes a photon\n", coarse_text(coarse, data["rows"], goals.coarse),
-             "## Others' figures\n",
-             "Multiples below are of what stands beside them, so none can be set against another or against ours. Each is from an abstract, "
-             "a catalogue or a vendor's page; none of the hardware is open.\n", predecessors_table(), "## A board's replayer\n", replay_text(data["replay"], judged), "## What bounds a row\n",
-             bound_table(judged), "The part's bounds, Mquery/s, and how many gatherers each resource has room for:\n",
-             part_table(judged), "## Tops\n", top_table(judged), "## Rejected plans\n"]
-    for name in rejected_names():
-        parts.append(f"`{name}`: " + (f"{why_rejected(name)}." if any(row["plan"] == name for row, _ in rejected) else
-                                      f"not measured; `make headline PLAN={name} HEADLINE_FLAGS=--page` does.") + "\n")
-    if rejected:
-        parts += [goal_table(rejected), bound_table(rejected), top_table(rejected)]
+    link, parts = data["link"], []
+    if judged:
+        parts.append(made_on(judged))
+        if len({r["processor"] for r in data["rows"]}) > 1:
+            parts.append("Multiples of one processor's core cannot be set against those of another's, here and below; the boards' rates can.\n")
+        parts += [goal_table(judged), "## What was gained\n", gain_text(judged, goals.gain), "## All cores, and for its size\n", size_table(judged),
+                  share_text(judged)]
+    if variants or whole:
+        parts += ["## One neighbour, and few leaves\n", variants_text(variants, judged, whole)]
+    if coarse or whole:
+        parts += ["## Fewer bytes a photon\n", coarse_text(coarse, data["rows"], goals.coarse, judged, whole)]
+    if whole:
+        parts += ["## Others' figures\n",
+                  "Multiples below are of what stands beside them, so none can be set against another or against ours. Each is from an abstract, "
+                  "a catalogue or a vendor's page; none of the hardware is open.\n", predecessors_table()]
+    if data["replay"] or whole:
+        parts += ["## A board's replayer\n", replay_text(data["replay"], judged)]
+    if judged:
+        parts += ["## What bounds a row\n", bound_table(judged), "The part's bounds, Mquery/s, and how many gatherers each resource has room for:\n",
+                  part_table(judged), "## Tops\n", top_table(judged)]
+    if rejected or whole:
+        parts += ["## Rejected plans\n", rejected_text(rejected, judged, whole)]
     parts += ["## Arithmetic of the bounds\n", arithmetic([*judged, *variants, *coarse, *rejected]),
               f"UART: {link['baud']:.0f} baud; {link['down']:.1f} bytes a query down and {link['up']:.1f} up, of the tops of "
               f"{link['baud'] / 1e4 / max(link['down'], link['up']):.1f} kquery/s.\n"]
@@ -251,7 +285,7 @@ def images_of(data: Data, goals: HeadlineGoals) -> str:
 
 def page_texts(data: Data, goals: HeadlineGoals, stale: Collection[str]) -> dict[str, str]:
     """Mark of the page -> what stands there."""
-    return {"summary": summary(data, goals, stale) + "\n", "report": report(data, goals), "images": images_of(data, goals)}
+    return {"summary": summary(data, goals, stale) + "\n", "report": report(data, goals, whole=True), "images": images_of(data, goals)}
 
 
 def write_page(texts: Mapping[str, str], page: Path = PAGE) -> None:

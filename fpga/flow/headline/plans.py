@@ -14,9 +14,9 @@ VARIANTS = ROOT / "fpga" / "headline.toml"
 
 @dataclass(frozen=True)
 class HeadlinePlan:
-    """rejected: why it is none of the headline's; "" for one of them. shows: what a variant shows, "" for others. finer: the plan
-    of the headline of which it is one in coarser formats, "" for others. clock: MHz that its core is asked for, None for the board's
-    default."""
+    """rejected: why it is none of the headline's; "" for one of them, or of the user's. shows: what a variant shows, "" for others.
+    finer: the plan of the headline of which it is one in coarser formats, "" for others. clock: MHz that its core is asked for, None for
+    the board's default."""
     name: str
     path: Path
     rejected: str = ""
@@ -36,6 +36,11 @@ def clock_of(name: str, variants: Path = VARIANTS) -> float | None:
         if not 1 <= clocks[plan] <= 400:
             raise Failure(f"{variants}: clock.{plan} is {clocks[plan]:g}, expected 1 to 400 MHz")
     return clocks.get(name)
+
+
+def headline_names() -> list[str]:
+    """The plans of fpga/headline."""
+    return [path.stem for path in sorted(FOLDER.glob("*.toml"))]
 
 
 def names_of(kind: str, variants: Path) -> list[str]:
@@ -61,17 +66,23 @@ def what_shows(name: str, variants: Path = VARIANTS) -> str:
 
 def why_rejected(name: str, variants: Path = VARIANTS) -> str:
     said: str = field(read_toml(variants), variants, f"rejected.{name}.why", str, "why it is not in the headline")
+    if not said:  # by which a rejected plan is known
+        raise Failure(f"{variants}: rejected.{name}.why is empty, expected why it is not in the headline")
     return said
 
 
 def base_of(kind: str, name: str, variants: Path = VARIANTS) -> str:
     said: str = field(read_toml(variants), variants, f"{kind}.{name}.base", str, "a plan of fpga/headline")
+    if said not in headline_names():
+        raise Failure(f"{variants}: {kind}.{name}.base is {said}, expected one of {', '.join(headline_names())}")
     return said
 
 
 def changes_of(kind: str, name: str, variants: Path = VARIANTS) -> list[str]:
     """The lines in which a plan differs from its base, as options of photonloom have them."""
     said: list[str] = field(read_toml(variants), variants, f"{kind}.{name}.set", list, "a list of strings")
+    if not all(isinstance(line, str) for line in said):
+        raise Failure(f"{variants}: {kind}.{name}.set is {said}, expected a list of strings")
     return said
 
 
@@ -98,7 +109,27 @@ def coarse_plan(name: str, work: Path, variants: Path = VARIANTS) -> HeadlinePla
 
 
 def known_names(variants: Path = VARIANTS) -> list[str]:
-    return [p.stem for p in sorted(FOLDER.glob("*.toml"))] + rejected_names(variants) + variant_names(variants) + coarse_names(variants)
+    """Every plan, by which its results are kept: each name stands once."""
+    known = headline_names()
+    for kind in ("rejected", "variant", "coarse"):
+        for name in names_of(kind, variants):
+            if name in known:
+                raise Failure(f"{variants}: {kind}.{name} is the name of another plan too, expected each name once")
+            known.append(name)
+    return known
+
+
+def check_variants(variants: Path = VARIANTS) -> None:
+    """That all of the file is as expected; writes no plan, so it can be asked before anything is built."""
+    for name in rejected_names(variants):
+        why_rejected(name, variants)
+    for name in variant_names(variants):
+        what_shows(name, variants)
+    for kind in ("rejected", "variant", "coarse"):
+        for name in names_of(kind, variants):
+            base_of(kind, name, variants)
+            changes_of(kind, name, variants)
+    clock_of("", variants)  # looks at all of them
 
 
 def check_plan_names(names: Sequence[str]) -> None:
@@ -122,20 +153,21 @@ def known_plan(name: str, work: Path) -> HeadlinePlan:
 
 
 def find_plan(name: str, work: Path) -> HeadlinePlan:
-    """A plan of the headline, a rejected one, a variant, each with the clock that its core is asked for, or one of a file of its own."""
+    """A plan of the headline, a rejected one, a variant, each with the clock that its core is asked for, or one of a file of its
+    own, which is judged as one of the headline."""
     path = Path(name)
     if path.is_file() and path.resolve().parent == FOLDER:
         name = path.stem
     if name in known_names():
         return replace(known_plan(name, work), clock=clock_of(name))
     check_plan_names([name])
-    return HeadlinePlan(path.stem, path, f"not in {FOLDER.relative_to(ROOT)}")
+    return HeadlinePlan(path.stem, path)
 
 
 def find_plans(names: Sequence[str], work: Path) -> list[HeadlinePlan]:
     """The named plans, or those of fpga/headline; each of a name of its own, under which results are kept."""
     check_plan_names(names)
-    plans = [find_plan(name, work) for name in names or [p.stem for p in sorted(FOLDER.glob("*.toml"))]]
+    plans = [find_plan(name, work) for name in names or headline_names()]
     if not plans:
         raise Failure("fpga/headline: has no plan")
     return plans

@@ -7,14 +7,14 @@ whether coefficients and page are those of the measurements, and plans those of 
 import argparse
 import os
 
-from flow.arguments import check_names, whole
+from flow.arguments import check_names, refuse_idle, whole
 from flow.jobs import each
 from flow.package import UNITS
 from flow.plans.catalogue import Catalogue, check_plans, read_catalogue, write_plans
 from flow.plans.fit import Fits, fit
-from flow.plans.measurements import DATA, WORK, Measurements, check_complete, jobs_of, measure, merge
+from flow.plans.measurements import DATA, WORK, Measurements, check_complete, jobs_of, measure, merge, read_data
 from flow.plans.pages import header, page
-from flow.shell import ROOT, Failure, read_json, read_text, say, write_json
+from flow.shell import ROOT, Failure, read_text, say, write_json
 from flow.tables import between, replace_between
 from flow.tools import find_tools
 
@@ -29,10 +29,11 @@ def options(catalogue: Catalogue) -> argparse.Namespace:
     p.add_argument("--update", action="store_true",
                    help="with plans: put what was measured in the place of what fpga/plans.json has of them, and fit again")
     p.add_argument("--no-route", action="store_true", help="synthesis alone")
-    p.add_argument("--plans-only", action="store_true", help="write the plans alone")
-    p.add_argument("--fit", action="store_true", help="fit the committed measurements again")
-    p.add_argument("--check", action="store_true", help="tell whether the fit is that of the committed measurements, and plans those of fpga/plans.toml")
-    p.add_argument("--jobs", type=whole(1), default=os.cpu_count())
+    only = p.add_mutually_exclusive_group()
+    only.add_argument("--plans-only", action="store_true", help="write the plans alone")
+    only.add_argument("--fit", action="store_true", help="fit the committed measurements again")
+    only.add_argument("--check", action="store_true", help="tell whether the fit is that of the committed measurements, and plans those of fpga/plans.toml")
+    p.add_argument("--jobs", type=whole(1), help="units at a time (default: one a core)")
     o = p.parse_args()
     if (o.units or o.update) and not o.plans:
         p.error(f"{'--units' if o.units else '--update'} goes with plans")
@@ -42,6 +43,9 @@ def options(catalogue: Catalogue) -> argparse.Namespace:
     check_names(p, o.units.split(",") if o.units is not None else [], UNITS, option="--units")
     if o.plans and (o.plans_only or o.fit or o.check):
         p.error("--plans-only, --fit and --check are of all plans, expected none by name")
+    if o.plans_only or o.fit or o.check:
+        refuse_idle(p, o, ("no_route", "jobs"), "--plans-only" if o.plans_only else "--fit" if o.fit else "--check", "measure")
+    o.jobs = o.jobs or os.cpu_count()
     return o
 
 
@@ -57,7 +61,7 @@ def measured_now(o: argparse.Namespace, catalogue: Catalogue) -> Measurements | 
         return None
     data: Measurements = {"board": catalogue.board.name, "versions": tools.versions, "measurements": measured}
     if o.update:
-        data = read_json(DATA)
+        data = read_data(catalogue)
         merge(data, measured, tools.versions)
     write_json(DATA, data)
     return data
@@ -68,7 +72,6 @@ def check(catalogue: Catalogue, data: Measurements, fitted: Fits) -> None:
     if read_text(HEADER) != header(fitted) or between(PAGE, "tables") != page(catalogue, data, fitted):
         raise Failure("golden/planner/resource_fit.hpp or docs/fpga-plans.md is not what fpga/plans.json gives; "
                       "scripts/fpga-plans --fit writes them")
-    check_complete(catalogue, data)
     check_plans(catalogue)
     say("coefficients and page are those of fpga/plans.json, plans those of fpga/plans.toml")
 
@@ -79,9 +82,11 @@ def main() -> int:
     if o.plans_only:
         write_plans(catalogue)
         return 0
-    data: Measurements | None = read_json(DATA) if o.fit or o.check else measured_now(o, catalogue)
+    data = read_data(catalogue) if o.fit or o.check else measured_now(o, catalogue)
     if data is None:
         return 0
+    if o.check:
+        check_complete(catalogue, data)
     fitted = fit(data["measurements"])
     if o.check:
         check(catalogue, data, fitted)

@@ -7,9 +7,10 @@ from typing import TypedDict
 from flow.package import digest, generate, lock_of
 from flow.plans.catalogue import Catalogue, facts_of, plan_file
 from flow.routing import place
-from flow.shell import ROOT, Failure, beside, locked, read_json, say, write_json
+from flow.shell import ROOT, Failure, beside, locked, say, write_json
 from flow.synthesis import Counts, synthesise
 from flow.tools import Tools
+from flow.typed_json import checked_json, require_fields
 
 DATA = ROOT / "fpga" / "plans.json"
 WORK = ROOT / "build" / "fpga-plans"
@@ -34,6 +35,15 @@ class Measurements(TypedDict):
     measurements: list[Measurement]
 
 
+class Kept(TypedDict, total=False):
+    """What build/fpga-plans has of a job. key: of the package and the tools that it was measured with."""
+    key: str
+    resources: Counts
+    fmax_mhz: float
+    constraint_mhz: float
+    placed_by: str
+
+
 class Job(TypedDict):
     plan: str
     unit: str
@@ -46,6 +56,18 @@ def jobs_of(catalogue: Catalogue, names: Sequence[str]) -> list[Job]:
                        for name in catalogue.scenes for unit in facts_of(name)["units"]]
     jobs += [{"plan": name, "unit": v.unit, "routed": False} for name, v in catalogue.variations.items()]
     return [job for job in jobs if not names or job["plan"] in names]
+
+
+def read_data(catalogue: Catalogue) -> Measurements:
+    data, family = checked_json(DATA, Measurements), catalogue.board.family
+    require_fields(data["versions"], family.tools.values(), str, DATA, "versions")
+    for n, m in enumerate(data["measurements"]):
+        require_fields(m["resources"], [*family.cells, *(counted for counted, _ in family.equivalents.values())], int, DATA,
+                       f"measurements[{n}].resources")
+        if "fmax_mhz" in m:
+            require_fields(m, ("constraint_mhz",), float, DATA, f"measurements[{n}]")
+            require_fields(m, ("placed_by",), str, DATA, f"measurements[{n}]")
+    return data
 
 
 def check_complete(catalogue: Catalogue, data: Measurements, path: Path = DATA) -> None:
@@ -70,7 +92,7 @@ def measure_in(folder: Path, job: Job, catalogue: Catalogue, tools: Tools, route
     kept = beside(folder, ".json")
     package = generate(plan_file(name), folder, board, unit, versions=tools.versions)
     key = digest(folder, tools.versions)
-    found = read_json(kept) if kept.is_file() else {}
+    found = checked_json(kept, Kept) if kept.is_file() else Kept()
     if found.get("key") != key:
         found = {"key": key}
     top = board.top(unit)
