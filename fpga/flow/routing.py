@@ -17,6 +17,7 @@ STATIC_ROUNDS = 900  # after which nextpnr's static placer is ended; a placement
 LEGALISING_LEAST, LEGALISING_SHARE = 300, 2  # it is ended too when it has legalised for so many s, and for so many times its rounds
 ROUTER_LEAST, ROUTER_MORE = 900, 10800  # s after which nextpnr's router is judged, and that it may need more at its pace
 SPARE_SEEDS = 2
+POLL = 2.0  # s between looks at the logs
 DEFAULT_PLACER = "heap"
 PART_SPEED = 6  # grade by whose delays the Makefile has the router search if not told
 Found = TypeVar("Found")
@@ -95,7 +96,7 @@ def watch(command: Sequence[str], log: Path, placer_log: Path | None, router_log
         said = ""
         with started(command, out) as running:
             while running.poll() is None:
-                time.sleep(2)
+                time.sleep(POLL)
                 if router_log.is_file() and routes_for_ever(read_text(router_log)):
                     return False
                 if not placer_log or not placer_log.is_file():

@@ -27,6 +27,7 @@ from flow.shell import ROOT, Failure, first_line, run
 from flow.tools import Tools
 
 
+@mock.patch("flow.routing.POLL", 0.05)
 class Placements(unittest.TestCase):
     def place(self, seeds: int, endless: Container[int], by_default: Container[int] = ()) -> list[tuple[int, str]]:
         """The (seed, placer) that are kept where nextpnr does not end with some seeds, by the static placer and by the default one."""
