@@ -456,9 +456,9 @@ TEST_CASE("what does not fit in memory is told") {
          "not enough memory for a frame of 16x16 pixels, 1048576 samples of each (frame.spp), "},
         {"render" + box() + "--integrator path --size 16384x16384 -o" + quoted(s / "x.exr"),
          "not enough memory for a frame of 16384x16384 pixels"}}) {
-    const std::string command = "ulimit -v 4000000; '" +
+    const std::string command = "ulimit -v 1200000; '" +
                                 photonloom::test::environment("PHOTONLOOM") + "' " + arguments +
-                                " 2>" + quoted(s / "err");
+                                " --threads 2 2>" + quoted(s / "err");
     INFO(command);
     CHECK(WEXITSTATUS(std::system(command.c_str())) == 1);
     CHECK_THAT(read_file(s / "err"), ContainsSubstring(what));
