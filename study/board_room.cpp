@@ -24,10 +24,17 @@ std::string board_list() {
 }
 
 // Of one of them, without block RAM.
-BoardNeeds unit_needs(const Plan& plan, const std::string& unit) {
+BoardNeeds predicted_needs(const Plan& plan, const std::string& unit) {
   const UnitResources r = estimate_resources(plan, unit);
-  return {r.lut * (1 + resource_error(unit, "lut")), r.ff * (1 + resource_error(unit, "ff")), r.dsp,
-          0};
+  return {r.lut, r.ff, r.dsp, 0};
+}
+
+// The same, larger by the largest error of the prediction.
+BoardNeeds unit_needs(const Plan& plan, const std::string& unit) {
+  BoardNeeds needs = predicted_needs(plan, unit);
+  needs.lut *= 1 + resource_error(unit, "lut");
+  needs.ff *= 1 + resource_error(unit, "ff");
+  return needs;
 }
 
 }  // namespace
@@ -90,16 +97,14 @@ std::vector<BoardShortage> board_shortages(const Plan& plan, const BoardDescript
     return found->second;
   };
   if (states(kBlockRam)) {
-    UnitResources sum;
-    for (const std::string& unit : units_on_board(plan)) {
-      if (!is_predicted(unit)) continue;
-      const UnitResources r = estimate_resources(plan, unit);
-      const int count = unit == unit_name<PhotonGatherer> ? plan.gatherers : 1;
-      sum.lut += count * r.lut, sum.ff += count * r.ff, sum.dsp += count * r.dsp;
-    }
-    compare("LUT-equivalents", sum.lut, states("LUT4"));
-    compare("flip-flops", sum.ff, states("FF"));
-    compare("multipliers", sum.dsp, states("MULT18X18D"));
+    BoardNeeds needs;
+    for (const std::string& unit : units_on_board(plan))
+      if (is_predicted(unit))
+        needs = needs + (unit == unit_name<PhotonGatherer> ? plan.gatherers : 1) *
+                            predicted_needs(plan, unit);
+    compare("LUT-equivalents", needs.lut, states("LUT4"));
+    compare("flip-flops", needs.ff, states("FF"));
+    compare("multipliers", needs.dsp, states("MULT18X18D"));
   }
   compare("block RAMs", board_memories(plan).total(), block_rams_of(board));
   return all;

@@ -906,16 +906,15 @@ class PlanSearch::Work {
 
   std::vector<std::string> numbers_or_words(const std::string& name,
                                             const LineValues& around) const {
+    const Plan plan = plan_of_point(*scene_, study_, around).plan;
     for (const ChosenLine& line :
          chosen_lines(photons_asked("photons"), photons_asked("caustic_photons")))
       if (line.name == name) {
         std::vector<std::string> values = line.values;
-        if (const std::optional<std::string> own =
-                own_value(name, plan_of_point(*scene_, study_, around).plan);
+        if (const std::optional<std::string> own = own_value(name, plan);
             own && std::find(values.begin(), values.end(), *own) == values.end()) {
           // Nor do those around it stand among the planner's.
-          const std::vector<std::string> near =
-              other_values(name, plan_of_point(*scene_, study_, around).plan);
+          const std::vector<std::string> near = other_values(name, plan);
           values.insert(values.end(), near.begin(), near.end());
         }
         const auto number = [](const std::string& text) {
@@ -927,7 +926,7 @@ class PlanSearch::Work {
         values.erase(std::unique(values.begin(), values.end()), values.end());
         return values;
       }
-    return other_values(name, plan_of_point(*scene_, study_, around).plan);
+    return other_values(name, plan);
   }
 
   PlanSearchRequest request_;

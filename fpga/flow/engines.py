@@ -7,11 +7,15 @@ import os
 import tempfile
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, TypedDict
 
+from flow.arguments import check_names
+from flow.headline.data import of_headline
+from flow.headline.data import read_data as read_headline
 from flow.package import PHOTONLOOM
-from flow.shell import ROOT, Failure, read_json, run, say, write_json
+from flow.shell import ROOT, Failure, run, say, write_json
 from flow.tables import between, markdown, replace_between
+from flow.typed_json import checked_json, typed
 
 DATA = ROOT / "fpga" / "engines.json"
 PAGE = ROOT / "docs" / "planner.md"
@@ -20,6 +24,38 @@ TESTS = {"frames": "predicted cycles of a frame's engine are within 15 % of simu
          "sdram": "predicted cycles of engines before an SDRAM are within 15 % of simulated ones",
          "headline": "predicted cycles of the headline's rows from an SDRAM are within 15 % of theirs"}
 Engine = dict[str, Any]
+
+
+class Predicted(TypedDict):
+    """Cycles a gather."""
+    table: str
+    predicted: float
+    simulated: float
+
+
+class OfFrame(Predicted):
+    scene: str
+    gatherers: int
+    nodes: int
+    contexts: int
+    cache_bytes: int
+    reordered: bool
+
+
+class OfSdram(Predicted):
+    scene: str
+    photons: int
+    k: int
+    gatherers: int
+    pool: int
+
+
+class OfHeadline(Predicted):
+    plan: str
+    within_mean: bool
+
+
+KINDS: dict[str, type] = {"frames": OfFrame, "sdram": OfSdram, "headline": OfHeadline}
 Columns = dict[str, Callable[[Engine], object]]
 CYCLES: Columns = {"cycles a gather, predicted": lambda e: f"{e['predicted']:.2f}", "simulated": lambda e: f"{e['simulated']:.2f}",
                    "off": lambda e: f"{100 * (e['predicted'] / e['simulated'] - 1):+.1f} %"}
@@ -35,6 +71,24 @@ COLUMNS: dict[str, Columns] = {
 def table(engines: list[Engine], name: str) -> str:
     columns = COLUMNS[name] | CYCLES
     return markdown([[cell(engine) for cell in columns.values()] for engine in engines if engine["table"] == name], list(columns))
+
+
+def read_data() -> list[Engine]:
+    engines = checked_json(DATA, list[dict[str, Any]])
+    for n, engine in enumerate(engines):
+        if (name := engine.get("table")) not in TESTS:
+            raise Failure(f"{DATA}: [{n}].table is {name}, expected one of {', '.join(TESTS)}")
+        typed(engine, KINDS[name], DATA, f"[{n}]")
+    return engines
+
+
+def check_rows(engines: list[Engine]) -> None:
+    """That the headline's rows are those that are there, which may have been measured again since."""
+    have = {(e["plan"], e["within_mean"]): e["simulated"] for e in engines if e["table"] == "headline"}
+    are = {(r["plan"], r["within_mean"]): r["cycles_per_gather"] for r in read_headline()["rows"] if of_headline(r) and r["memory"] == "sdram"}
+    if other := next((key for key in have.keys() | are.keys() if have.get(key) != are.get(key)), None):
+        raise Failure(f"{DATA}: has {have.get(other)} cycles simulated of {other[0]}, expected {are.get(other)} as fpga/headline.json has; "
+                      "scripts/engine-predictions headline predicts its rows again")
 
 
 def measured(name: str) -> list[Engine]:
@@ -56,16 +110,15 @@ def main() -> int:
     p.add_argument("tables", nargs="*", metavar="TABLE", help=f"of {', '.join(TESTS)}; the others stay as fpga/engines.json has them (default: all)")
     p.add_argument("--check", action="store_true", help="only tell whether docs/planner.md is that of fpga/engines.json")
     o = p.parse_args()
-    for name in o.tables:
-        if name not in TESTS:
-            p.error(f"there is no table {name}, expected some of {', '.join(TESTS)}")
+    check_names(p, o.tables, TESTS, "table")
     if o.check and o.tables:
         p.error("--check is of the whole page, expected no tables")
     marks = {name: f"engines: {name}" for name in TESTS}
     for mark in marks.values():
         between(PAGE, mark)
-    engines: list[Engine] = read_json(DATA) if DATA.is_file() else []
+    engines = read_data() if DATA.is_file() else []
     if o.check:
+        check_rows(engines)
         for name, mark in marks.items():
             if between(PAGE, mark) != table(engines, name):
                 raise Failure(f"{PAGE}: its table '{mark}' is not what {DATA} gives; scripts/engine-predictions writes it")

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from flow.headline.plans import headline_names
 from flow.shell import ROOT, Failure, field, read_toml
 
 GOALS = ROOT / "fpga" / "goals.toml"
+HEADLINE = ROOT / "fpga" / "headline"  # its plans
 MEMORIES = ("block_ram", "sdram")  # board.photon_memory of a plan
 
 
@@ -101,6 +101,11 @@ class PlannedGoals:
     board: str
     options: tuple[str, ...]
     scenes: tuple[Path, ...]
+
+
+def headline_names() -> list[str]:
+    """The plans of fpga/headline."""
+    return [path.stem for path in sorted(HEADLINE.glob("*.toml"))]
 
 
 def refuse_unknown(table: dict[str, Any], path: Path, name: str, known: Collection[str]) -> None:

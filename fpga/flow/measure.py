@@ -65,7 +65,7 @@ def measure_in(o: Options, where: Path, tools: Tools) -> Entry:
     say(f"{name}: synthesis")
     counts = synthesise(where, o.board, top, top if name == "board" else name, tools)
     entry: Entry = {"name": name, "digest": of_sources, "top": top, "constraint_mhz": said["clock_khz"] / 1000,
-                    "resources": counts, "binding": binding(counts, o.board), "seeds": [], "netlist": netlist_digest(where)}
+                    "resources": counts, "binding": binding(counts, o.board), "seeds": []}
     if o.board.family.estimated:
         entry["estimated"] = True
     if o.synthesis_only:
@@ -254,7 +254,8 @@ def main() -> int:
     print("\n" + text)
     print(f"wrote {os.path.relpath(path, ROOT)}")
     for page, mark in pages.items():
-        replace_between(page, mark, section(text, by, o.plan, {e["name"]: e["netlist"] for e in entries if "netlist" in e}))
+        # Each entry is of the package that is there.
+        replace_between(page, mark, section(text, by, o.plan, {e["name"]: netlist_digest(folder / e["name"]) for e in entries}))
     missed = [(e["name"], clock, c) for e in entries for clock, c in missed_clocks(e)]
     for name, clock, c in missed:
         warn(f"{name}: {clock} reaches {c['median']:.1f} MHz, constrained to {c['constraint']:.1f} MHz")

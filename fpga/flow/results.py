@@ -2,7 +2,7 @@
 """The report of scripts/fpga: build/fpga/BOARD-PLANHASH/report.json."""
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import NotRequired, TypedDict
+from typing import TypedDict
 
 from flow.boards import Board
 from flow.routing import Placement, constrained
@@ -25,7 +25,7 @@ class ClockSpread(Spread):
 
 
 class Measured(TypedDict):
-    """An entry without a placement: what was synthesized, of which package, and the digest of its netlist."""
+    """An entry without a placement: what was synthesized, and of which package."""
     name: str
     digest: str
     top: str
@@ -33,7 +33,6 @@ class Measured(TypedDict):
     resources: Counts
     binding: Binding
     seeds: list[Placement]
-    netlist: NotRequired[str]
 
 
 class Entry(Measured, total=False):

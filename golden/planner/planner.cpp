@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <limits>
 #include <vector>
 
@@ -293,13 +292,10 @@ MapsNeeded maps_needed(const World& world, int gather_rays) {
 void check_plan_makes_an_image(const Plan& plan, const std::string& name,
                                const std::vector<std::string>& assignments) {
   if (plan.k != 1 || !(plan.global.present || plan.caustic.present)) return;
-  const auto is_k = [](const std::string& one) { return one.starts_with("gather.k="); };
-  std::vector<std::string> of_k;
-  std::copy_if(assignments.begin(), assignments.end(), std::back_inserter(of_k), is_k);
   throw_problem(PlanProblem{"gather.k",
                             "is 1, and where it finds a photon its estimate is (k-1)/k = 0; "
                             "expected k of at least 2 for an image"},
-                name, of_k);
+                name, assignments);
 }
 
 std::string why_pixels_are_coarse(const Plan& plan, const World& world) {

@@ -15,14 +15,14 @@ from typing import Any
 from unittest import mock
 
 from flow.boards import LUT_EQ, read_board
-from flow.goals import GainGoals, Growth, ImageGoals, headline_goals
+from flow.goals import HEADLINE, GainGoals, Growth, ImageGoals, headline_goals
 from flow.headline import command, images, page, replay, tables, tops
 from flow.headline.command import check_predictions, digests_today, misses, processor
 from flow.headline.data import Cores, Data, ImageTime, Rate, Replay, Row, SdramLoad, merge, read_data
 from flow.headline.images import ON_A_BOARD, image_time, render_options, time_images
 from flow.headline.link import link_of
 from flow.headline.netlist import netlist_digest, plan_digest
-from flow.headline.plans import FOLDER, HeadlinePlan, find_plan, rejected_names, rejected_plan, variant_names, variant_plan, why_rejected
+from flow.headline.plans import HeadlinePlan, find_plan, rejected_names, rejected_plan, variant_names, variant_plan, why_rejected
 from flow.headline.rows import gatherers_that_fit, rows_of
 from flow.headline.simulation import Bench, Timed, simulate, time_core
 from flow.headline.tops import Routing, Top, prepare, route, route_seed
@@ -580,7 +580,7 @@ class Images(MadeUp):
 
     def test_the_frame_has_the_lines_of_its_plan(self) -> None:
         goals = headline_goals().images
-        options = render_options(FOLDER / f"{goals.plan}.toml", goals)
+        options = render_options(HEADLINE / f"{goals.plan}.toml", goals)
         self.assertEqual(options[:2], ["--size", f"{goals.width}x{goals.height}"])
         self.assertTrue(any(word.startswith("photon.position_bits=") for word in options))
 

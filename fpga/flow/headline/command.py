@@ -18,12 +18,12 @@ from pathlib import Path
 
 from flow.arguments import LAST_SEED, folder, made_folder, megahertz, refuse_idle, whole
 from flow.boards import read_board
-from flow.goals import HeadlineGoals, headline_goals
+from flow.goals import HEADLINE, HeadlineGoals, headline_goals
 from flow.headline.data import DATA, Data, ImageTime, Link, Replay, Row, merge, of_headline, read_data
 from flow.headline.images import time_images
 from flow.headline.netlist import SHORT, plan_digest
 from flow.headline.page import check_page, images_of, page_texts, report, stale_plans, summary, write_page
-from flow.headline.plans import FOLDER, HeadlinePlan, check_plan_names, check_variants, find_plan, find_plans, known_names
+from flow.headline.plans import HeadlinePlan, check_plan_names, check_variants, find_plan, find_plans, known_names
 from flow.headline.replay import replay
 from flow.headline.rows import coarse_of, gatherers_that_fit, rows_of
 from flow.headline.simulation import Bench, Simulated, sha256, simulate, time_core
@@ -91,7 +91,7 @@ def options() -> argparse.Namespace:
 
 def check_own_plan(p: argparse.ArgumentParser, path: Path, page: bool) -> None:
     """What would fail after hours of routing."""
-    if path.resolve().parent != FOLDER:
+    if path.resolve().parent != HEADLINE:
         if page:
             p.error(f"--page: {path} is a plan of its own, which --check would not find again, expected plans of fpga/headline or "
                     "fpga/headline.toml")

@@ -7,9 +7,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from flow.goals import ImageGoals
+from flow.goals import HEADLINE, ImageGoals
 from flow.headline.data import FrameTime, ImageTime, Seconds
-from flow.headline.plans import FOLDER
 from flow.package import PHOTONLOOM
 from flow.results import median
 from flow.shell import ROOT, Failure, field, read_toml, run, say
@@ -72,7 +71,7 @@ def image_time(scene: Path, goals: ImageGoals, one: Sequence[Mapping[str, Any]],
 def time_images(goals: ImageGoals, processor: str, runs: int = RUNS) -> list[ImageTime]:
     """Scenes and numbers of threads in turn."""
     threads = len(os.sched_getaffinity(0))
-    options = render_options(FOLDER / f"{goals.plan}.toml", goals)
+    options = render_options(HEADLINE / f"{goals.plan}.toml", goals)
     said: dict[tuple[Path, bool], list[dict[str, Any]]] = {}
     with tempfile.TemporaryDirectory() as folder:
         for turn in range(runs):

@@ -5,10 +5,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from flow.goals import HEADLINE, headline_names
 from flow.package import PHOTONLOOM, set_options
 from flow.shell import ROOT, Failure, UsageError, field, read_toml, run
 
-FOLDER = ROOT / "fpga" / "headline"
 VARIANTS = ROOT / "fpga" / "headline.toml"
 
 
@@ -36,11 +36,6 @@ def clock_of(name: str, variants: Path = VARIANTS) -> float | None:
         if not 1 <= clocks[plan] <= 400:
             raise Failure(f"{variants}: clock.{plan} is {clocks[plan]:g}, expected 1 to 400 MHz")
     return clocks.get(name)
-
-
-def headline_names() -> list[str]:
-    """The plans of fpga/headline."""
-    return [path.stem for path in sorted(FOLDER.glob("*.toml"))]
 
 
 def names_of(kind: str, variants: Path) -> list[str]:
@@ -92,7 +87,7 @@ def changed_plan(kind: str, name: str, work: Path, variants: Path) -> Path:
     settings = changes_of(kind, name, variants)
     path = work / "plans" / f"{name}.toml"
     path.parent.mkdir(parents=True, exist_ok=True)
-    run([PHOTONLOOM, "plan", str(FOLDER / f"{base}.toml"), "-o", str(path)] + set_options(settings))
+    run([PHOTONLOOM, "plan", str(HEADLINE / f"{base}.toml"), "-o", str(path)] + set_options(settings))
     return path
 
 
@@ -144,7 +139,7 @@ def check_plan_names(names: Sequence[str]) -> None:
 
 
 def known_plan(name: str, work: Path) -> HeadlinePlan:
-    path = FOLDER / f"{name}.toml"
+    path = HEADLINE / f"{name}.toml"
     if path.is_file():
         return HeadlinePlan(name, path)
     if name in rejected_names():
@@ -156,7 +151,7 @@ def find_plan(name: str, work: Path) -> HeadlinePlan:
     """A plan of the headline, a rejected one, a variant, each with the clock that its core is asked for, or one of a file of its
     own, which is judged as one of the headline."""
     path = Path(name)
-    if path.is_file() and path.resolve().parent == FOLDER:
+    if path.is_file() and path.resolve().parent == HEADLINE:
         name = path.stem
     if name in known_names():
         return replace(known_plan(name, work), clock=clock_of(name))
