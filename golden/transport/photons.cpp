@@ -97,10 +97,12 @@ void trace_path(const Walk& walk, uint64_t path, int rr_depth, const Emission& e
   }
 }
 
-constexpr uint64_t kBlock = 1024;          // paths a task traces
-constexpr uint64_t kBlocksPerRound = 64;   // traced before their photons are counted
-constexpr uint64_t kPathsPerPhoton = 100;  // a map still short after this many is used as it is
-constexpr uint64_t kCastPerPhoton = 32;    // the same for a caustic one, of paths towards a caster
+constexpr uint64_t kLeastBlock = 16;  // paths a task traces, at least and at most
+constexpr uint64_t kGreatestBlock = 1024;
+constexpr uint64_t kBlocksPerRound = 64;    // traced before their photons are counted
+constexpr uint64_t kPathsPerCheck = 65536;  // traced before those that were cast are
+constexpr uint64_t kPathsPerPhoton = 100;   // a map still short after this many is used as it is
+constexpr uint64_t kCastPerPhoton = 32;     // the same for a caustic one, of paths towards a caster
 
 PhotonPass traced(const World& world, const RayCaster& caster, uint64_t stored, uint64_t seed,
                   Progress* progress, bool caustic) {
@@ -121,12 +123,21 @@ PhotonPass traced(const World& world, const RayCaster& caster, uint64_t stored, 
   uint64_t cast = 0;
   std::vector<std::vector<Photon>> blocks(kBlocksPerRound);
   std::vector<uint64_t> cast_of(kBlocksPerRound);
-  for (uint64_t first = 0; first < limit && cast < most_cast && pass.photons.size() < stored;
-       first += kBlock * kBlocksPerRound) {
+  for (uint64_t first = 0; first < limit && pass.photons.size() < stored; first = pass.paths) {
+    if (first % kPathsPerCheck == 0 && cast >= most_cast) break;
+    // Few photons are asked for: a round of as many paths as they take, by those before, and some.
+    const double needed = static_cast<double>(stored - pass.photons.size()) *
+                          static_cast<double>(first + 1) /
+                          static_cast<double>(pass.photons.size() + 1);
+    const auto block = static_cast<uint64_t>(
+        std::clamp<double>(needed / kBlocksPerRound + 1, kLeastBlock, kGreatestBlock));
+    const uint64_t round_end = std::min(
+        {first + block * kBlocksPerRound, limit, first - first % kPathsPerCheck + kPathsPerCheck});
     tbb::parallel_for(uint64_t{0}, kBlocksPerRound, [&](uint64_t b) {
       blocks[b].clear();
       cast_of[b] = 0;
-      const uint64_t begin = first + b * kBlock, end = std::min(begin + kBlock, limit);
+      const uint64_t begin = std::min(first + b * block, round_end),
+                     end = std::min(begin + block, round_end);
       for (uint64_t i = begin; i < end; ++i) {
         const Walk walk{world, caster, Random(seed, phase, i), max_segments, caustic};
         uint32_t emitter;
@@ -141,7 +152,7 @@ PhotonPass traced(const World& world, const RayCaster& caster, uint64_t stored, 
     });
     cast = std::accumulate(cast_of.begin(), cast_of.end(), cast);
     const size_t before = pass.photons.size();
-    pass.paths = std::min(first + kBlock * kBlocksPerRound, limit);
+    pass.paths = round_end;
     for (const auto& block : blocks)
       pass.photons.insert(pass.photons.end(), block.begin(), block.end());
     progress_phase.advance(std::min<size_t>(pass.photons.size(), stored) - before);

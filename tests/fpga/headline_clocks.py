@@ -21,7 +21,7 @@ def clocks(throughput: Path, work: Path, *options: str) -> dict[str, tuple[float
     """MHz of core and SDRAM of each plan's row. Of few queries the goals may be missed, status 1."""
     out = work / "rows.json"
     out.unlink(missing_ok=True)
-    command = [throughput, *(find_plan(name, work).path for name in PLANS), *FEW, "--json", out, *options]
+    command = [str(throughput), *(str(find_plan(name, work).path) for name in PLANS), *FEW, "--json", str(out), *options]
     ran = subprocess.run(command, capture_output=True, text=True)
     if not out.is_file():
         raise Failure(f"{command}: status {ran.returncode}, wrote no rows: {ran.stderr}")

@@ -198,6 +198,40 @@ TEST_CASE("a caustic pass that finds nothing ends after 32 paths towards casters
   CHECK(pass.paths < 32 * kPhotons + 2 * kRound);
 }
 
+TEST_CASE("the photons of a map are the first of any larger one, whole paths of them") {
+  Scene s;
+  add_quad(s, add_diffuse(s, Rgb(0.6, 0.5, 0.4)), Vec3(-1.5, 0, 1.5), Vec3(3, 0, 0),
+           Vec3(0, 0, -3));
+  add_sphere(s, add_glass(s, 1.5), Vec3(0.6, 0.3, 0.2), 0.3);
+  s.lights = {even_sky(Rgb(1))};
+  const World world(s);
+  const auto caster = make_double_bvh(world);
+  for (const bool caustic : {false, true}) {
+    const auto trace = [&](uint64_t photons) {
+      return caustic ? trace_caustic_photons(world, *caster, photons, 5)
+                     : trace_global_photons(world, *caster, photons, 5);
+    };
+    constexpr uint64_t kMost = 70000;  // more than one round of paths has
+    const PhotonPass all = trace(kMost);
+    REQUIRE(all.photons.size() >= kMost);
+    for (const uint64_t few : {1, 2, 63, 1000, 5000, 65000}) {
+      CAPTURE(caustic, few);
+      const PhotonPass pass = trace(few);
+      REQUIRE(pass.photons.size() >= few);
+      CHECK(pass.photons[few - 1].path == pass.photons.back().path);
+      CHECK(pass.photons.back().path != all.photons[pass.photons.size()].path);
+      CHECK(pass.paths == pass.photons.back().path + 1);
+      uint64_t others = 0;
+      for (size_t i = 0; i < pass.photons.size(); ++i) {
+        const Photon &a = pass.photons[i], &b = all.photons[i];
+        others += a.position != b.position || a.direction != b.direction || a.path != b.path ||
+                  a.bounce != b.bounce || a.flight != b.flight;
+      }
+      CHECK(others == 0);
+    }
+  }
+}
+
 TEST_CASE("layers agree: a small plastic under a wide sky and sun, caustic within 3 %", "[slow]") {
   Scene s;
   add_quad(s, add_diffuse(s, Rgb(0.6, 0.5, 0.4)), Vec3(-1.5, 0, 1.5), Vec3(3, 0, 0),

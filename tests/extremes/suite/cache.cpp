@@ -13,7 +13,7 @@ namespace {
 using In = std::vector<CacheLookup>;
 using Out = std::vector<CacheResult>;
 
-Plan usual() {
+Plan usual_cache() {
   Plan plan;
   plan.cache_present = true;
   plan.cache_records = 32;
@@ -21,8 +21,8 @@ Plan usual() {
   return plan;
 }
 
-Plan least() {
-  Plan plan = usual();
+Plan least_cache() {
+  Plan plan = usual_cache();
   plan.position_bits = 4;
   plan.normal_bits = 2;
   plan.cache_records = plan.cache_hits = 1;
@@ -31,8 +31,8 @@ Plan least() {
   return plan;
 }
 
-Plan greatest() {
-  Plan plan = usual();
+Plan greatest_cache() {
+  Plan plan = usual_cache();
   plan.position_bits = 24;
   plan.normal_bits = 14;
   plan.photon_bytes = 32;
@@ -75,7 +75,8 @@ Group cache_cases() {
   std::vector<Case> cases{
       {"an empty tile", Known::kDefinition, "no record, no weight; the point becomes record 0",
        [](Run& run) {
-         const Out out = run.process<IrradianceCache>(usual(), {lookup(usual(), at(5), 10)});
+         const Out out =
+             run.process<IrradianceCache>(usual_cache(), {lookup(usual_cache(), at(5), 10)});
          run.exact("count", 0, out.at(0).count);
          run.exact("inserted", 1, out.at(0).inserted);
          run.exact("number", 0, out.at(0).number);
@@ -83,21 +84,22 @@ Group cache_cases() {
       {"a look without insert", Known::kDefinition, "nothing is found and nothing is kept",
        [](Run& run) {
          const Out out = run.process<IrradianceCache>(
-             usual(), {lookup(usual(), at(5), 10, false), lookup(usual(), at(5), 10, false)});
+             usual_cache(),
+             {lookup(usual_cache(), at(5), 10, false), lookup(usual_cache(), at(5), 10, false)});
          run.exact("count", 0, out.at(1).count);
          run.exact("inserted", 0, out.at(1).inserted);
        }},
       {"a point on its record", Known::kClosedForm, "d = 0, n = 0: the whole weight 2^8",
        [](Run& run) {
          const Out out = run.process<IrradianceCache>(
-             usual(), {lookup(usual(), at(5), 10), lookup(usual(), at(5), 10)});
+             usual_cache(), {lookup(usual_cache(), at(5), 10), lookup(usual_cache(), at(5), 10)});
          run.exact("weight", 256, out.at(1).weight[0]);
          run.exact("inserted", 0, out.at(1).inserted);
        }},
       {"a point at the reach", Known::kClosedForm, "d = reach = 8: the weight is 0, a new record",
        [](Run& run) {
          const Out out = run.process<IrradianceCache>(
-             usual(), {lookup(usual(), at(5), 8), lookup(usual(), at(13), 8)});
+             usual_cache(), {lookup(usual_cache(), at(5), 8), lookup(usual_cache(), at(13), 8)});
          run.exact("count", 0, out.at(1).count);
          run.exact("number", 1, out.at(1).number);
        }},
@@ -105,7 +107,7 @@ Group cache_cases() {
        "256 (1 - 49/64) = 60, rounded up by less than three units",
        [](Run& run) {
          const Out out = run.process<IrradianceCache>(
-             usual(), {lookup(usual(), at(5), 8), lookup(usual(), at(12), 8)});
+             usual_cache(), {lookup(usual_cache(), at(5), 8), lookup(usual_cache(), at(12), 8)});
          run.near("weight", 60 + 1.5, out.at(1).weight[0], 1.5);
        }},
       {"a reach below one position unit", Known::kSaturation,
@@ -114,11 +116,11 @@ Group cache_cases() {
        [](Run& run) {
          ClampCounts counts;
          const auto tiny = [&](uint32_t x) {
-           return lookup(usual(), at(x), 1e-9, true, Vec3(0, 0, 1), &counts);
+           return lookup(usual_cache(), at(x), 1e-9, true, Vec3(0, 0, 1), &counts);
          };
-         const Out out = run.process<IrradianceCache>(usual(), {tiny(5), tiny(5), tiny(6)});
+         const Out out = run.process<IrradianceCache>(usual_cache(), {tiny(5), tiny(5), tiny(6)});
          run.counted("clamped reaches", 3, counts.reaches);
-         lookup(usual(), at(5), 1, true, Vec3(0, 0, 1), &counts);
+         lookup(usual_cache(), at(5), 1, true, Vec3(0, 0, 1), &counts);
          run.counted("and of a reach of 1", 3, counts.reaches);
          run.exact("weight", 256, out.at(1).weight[0]);
          run.exact("count", 0, out.at(2).count);
@@ -126,7 +128,7 @@ Group cache_cases() {
       {"a radius of zero and an endless one", Known::kSaturation,
        "they are kept within radius_min and radius_max of the plan, counted in `clamped_radii`",
        [](Run& run) {
-         Plan plan = usual();
+         Plan plan = usual_cache();
          plan.cache_radius_min = 0.01;
          plan.cache_radius_max = 0.02;
          ClampCounts counts;
@@ -143,7 +145,7 @@ Group cache_cases() {
        "its square is at most 2^33 - 1 of 34 bits, counted in `clamped_reaches`: a point in the "
        "opposite corner, 3 (2^16 - 1)^2, is not covered, one at half of the edges is",
        [](Run& run) {
-         const Plan plan = usual();
+         const Plan plan = usual_cache();
          ClampCounts counts;
          const CacheLookup record = lookup(plan, {0, 0, 0}, 1e9, true, Vec3(0, 0, 1), &counts);
          run.counted("clamped reaches", 1, counts.reaches);
@@ -158,14 +160,14 @@ Group cache_cases() {
       {"opposite normals", Known::kClosedForm, "n^2 = 2^(2 * 8 - 0) and more: no weight",
        [](Run& run) {
          const Out out = run.process<IrradianceCache>(
-             usual(),
-             {lookup(usual(), at(5), 100), lookup(usual(), at(5), 100, false, Vec3(0, 0, -1))});
+             usual_cache(), {lookup(usual_cache(), at(5), 100),
+                             lookup(usual_cache(), at(5), 100, false, Vec3(0, 0, -1))});
          run.exact("count", 0, out.at(1).count);
        }},
       {"normals on the axes and a hair beside", Known::kClosedForm,
        "2^8 (1 - n^2 / 2^11) of the quantised normals, rounded up by less than three units",
        [](Run& run) {
-         const Plan plan = usual();
+         const Plan plan = usual_cache();
          for (int axis = 0; axis < 3; ++axis)
            for (const double sign : {-1.0, 1.0}) {
              Vec3 n(0);
@@ -185,7 +187,7 @@ Group cache_cases() {
       {"a full tile", Known::kSaturation,
        "record number 33 of 32 does not become one: flag `full`, and the answer stays empty",
        [](Run& run) {
-         const Plan plan = usual();
+         const Plan plan = usual_cache();
          In in;
          for (uint32_t i = 0; i < 34; ++i) in.push_back(lookup(plan, at(10 * i), 2));
          const Out out = run.process<IrradianceCache>(plan, in);
@@ -197,7 +199,7 @@ Group cache_cases() {
       {"more records than places in an answer", Known::kDefinition,
        "8 records cover the point: the 4 heaviest, heaviest first",
        [](Run& run) {
-         const Plan plan = usual();
+         const Plan plan = usual_cache();
          In in;
          // 100 apart so that none covers another, with reaches that all cover the middle.
          for (uint32_t i = 0; i < 8; ++i) in.push_back(lookup(plan, at(1000 + 100 * i), 99));
@@ -220,7 +222,7 @@ Group cache_cases() {
        }},
       {"records of equal weight", Known::kDefinition, "the earlier ones, in their order",
        [](Run& run) {
-         const Plan plan = usual();
+         const Plan plan = usual_cache();
          const In in{lookup(plan, at(10), 12), lookup(plan, at(30), 12),
                      lookup(plan, at(20, 19), 12), lookup(plan, at(20, 9, 19), 12),
                      lookup(plan, at(20), 1, false)};
@@ -231,7 +233,7 @@ Group cache_cases() {
       {"clear on every lookup", Known::kDefinition,
        "each is the first of its tile: record 0 each time",
        [](Run& run) {
-         const Plan plan = usual();
+         const Plan plan = usual_cache();
          In in(50, lookup(plan, at(5), 10));
          for (CacheLookup& l : in) l.clear = 1;
          for (const CacheResult& r : run.process<IrradianceCache>(plan, in)) {
@@ -241,7 +243,7 @@ Group cache_cases() {
        }},
       {"100,000 lookups of one point", Known::kClosedForm, "one record, 99,999 whole weights",
        [](Run& run) {
-         const Plan plan = usual();
+         const Plan plan = usual_cache();
          const Out out = run.process<IrradianceCache>(plan, In(100000, lookup(plan, at(5), 10)));
          uint64_t whole = 0;
          for (const CacheResult& r : out) whole += r.count == 1 && r.weight[0] == 256;
@@ -251,7 +253,7 @@ Group cache_cases() {
        Known::kClosedForm,
        "any turn of the normal ends a record; 2^4 on it; the second finds it full",
        [](Run& run) {
-         const Plan plan = least();
+         const Plan plan = least_cache();
          const Out out = run.process<IrradianceCache>(
              plan, {lookup(plan, at(5), 3), lookup(plan, at(5), 3),
                     lookup(plan, at(5), 3, true, Vec3(1, 0, 0)), lookup(plan, at(15, 0, 0), 3)});
@@ -265,7 +267,7 @@ Group cache_cases() {
        "2^12 (1 - d^2 / reach^2 - n^2 / 2^30) over the whole cube, rounded up by less than three "
        "units",
        [](Run& run) {
-         const Plan plan = greatest();
+         const Plan plan = greatest_cache();
          const uint32_t reach = 12000000;
          In in{lookup(plan, {0, 0, 0}, reach)};
          std::vector<double> due;
@@ -285,7 +287,7 @@ Group cache_cases() {
       {"4,096 records in a tile", Known::kClosedForm,
        "none covers another: all become records, then `full`",
        [](Run& run) {
-         const Plan plan = greatest();
+         const Plan plan = greatest_cache();
          In in;
          for (uint32_t i = 0; i < 4100; ++i) in.push_back(lookup(plan, at(4000 * i), 5));
          const Out out = run.process<IrradianceCache>(plan, in);
@@ -295,13 +297,13 @@ Group cache_cases() {
       {"angle_bits beyond the normals", Known::kRefusal,
        "squared distances of normals end below 2^18",
        [](Run& run) {
-         Plan plan = usual();
+         Plan plan = usual_cache();
          plan.cache_angle_bits = 19;
          run.refused("cache.angle_bits is 19", [&] { run.process<IrradianceCache>(plan, {}); });
        }},
       {"a least radius above the greatest", Known::kRefusal, "no radius lies between them",
        [](Run& run) {
-         Plan plan = usual();
+         Plan plan = usual_cache();
          plan.cache_radius_min = 0.3;
          run.refused("cache.radius_min is 0.3", [&] { run.process<IrradianceCache>(plan, {}); });
        }},

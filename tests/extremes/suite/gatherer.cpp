@@ -14,7 +14,7 @@ using Photons = std::vector<PackedPhoton>;
 using Queries = std::vector<GatherQuery>;
 
 // The formats of most frames, with room for a million photons.
-Plan usual() {
+Plan usual_gatherer() {
   Plan plan;
   plan.k = 16;
   plan.global = {.present = true, .photons = 1000000};
@@ -23,7 +23,7 @@ Plan usual() {
 }
 
 // Every width and count at its least; the floor of r^2 at its greatest.
-Plan least() {
+Plan least_gatherer() {
   Plan plan;
   plan.position_bits = 4;
   plan.direction_bits = plan.normal_bits = plan.mantissa_bits = 2;
@@ -44,7 +44,7 @@ Plan least() {
 }
 
 // Every width of a format at its greatest, k and the bucket too.
-Plan greatest() {
+Plan greatest_gatherer() {
   Plan plan;
   plan.position_bits = 24;
   plan.direction_bits = plan.normal_bits = 14;
@@ -194,7 +194,7 @@ Case row_of_photons(const char* name, const UVec3& step, const char* where) {
               ": of k = 16 one is at 0, 14 in pairs up to 7 steps, and of the pair at 8 steps one: "
               "r2 = (8 steps)^2",
           [step](Run& run) {
-            const Plan plan = usual();
+            const Plan plan = usual_gatherer();
             Photons photons;
             for (uint32_t i = 0; i < 81; ++i)
               photons.push_back(
@@ -212,7 +212,7 @@ Case row_of_photons(const char* name, const UVec3& step, const char* where) {
 // A lattice around the query: the k-th distance follows from how many points lie on each sphere.
 Case lattice(const char* name, int dimensions, uint32_t k_step2, const char* why) {
   return {name, Known::kClosedForm, why, [dimensions, k_step2](Run& run) {
-            const Plan plan = usual();
+            const Plan plan = usual_gatherer();
             const uint32_t step = 100;
             Photons photons;
             for (uint32_t x = 0; x < 9; ++x)
@@ -234,7 +234,7 @@ Case axis_case(int axis, bool negative) {
   return {"normal " + normal, Known::kClosedForm,
           "light along " + normal + " counts, light from the other side does not",
           [axis, negative](Run& run) {
-            const Plan plan = usual();
+            const Plan plan = usual_gatherer();
             Vec3 n(0);
             n[axis] = negative ? -1 : 1;
             const Photons photons{photon(plan, middle(plan), 5, 0, n),
@@ -302,16 +302,17 @@ Group gatherer_cases() {
   std::vector<Case> cases{
       {"no photon", Known::kDefinition, "an empty map answers n = 0, flux 0, r2 = r2_max, not full",
        [](Run& run) {
-         const One one = ask(run, usual(), {}, query(usual(), middle(usual())));
+         const One one =
+             ask(run, usual_gatherer(), {}, query(usual_gatherer(), middle(usual_gatherer())));
          run.exact("count", 0, one.result.count);
          run.exact("flux", 0, one.result.flux[0]);
-         run.exact("r2", usual().r2_limit(), one.result.r2);
+         run.exact("r2", usual_gatherer().r2_limit(), one.result.r2);
          run.exact("full", 0, one.result.full);
        }},
       {"one photon, at the query", Known::kClosedForm,
        "n = 1 of k = 16: its power is the flux, r2 stays r2_max",
        [](Run& run) {
-         const Plan plan = usual();
+         const Plan plan = usual_gatherer();
          const One one =
              ask(run, plan, {photon(plan, middle(plan), 300, 9)}, query(plan, middle(plan)));
          run.exact("flux", 300u << 9, one.result.flux[0]);
@@ -321,7 +322,7 @@ Group gatherer_cases() {
       {"one photon, in the opposite corner", Known::kClosedForm,
        "without a radius it is found from each of the 8 corners, d2 = 3 (2^16 - 1)^2",
        [](Run& run) {
-         const Plan plan = usual();
+         const Plan plan = usual_gatherer();
          for (unsigned c = 0; c < 8; ++c) {
            const One one =
                ask(run, plan, {photon(plan, corner(plan, 7 - c))}, query(plan, corner(plan, c)));
@@ -333,7 +334,7 @@ Group gatherer_cases() {
        "for 20 queries the k photons, their order and their sum are those of a look at all in "
        "double",
        [](Run& run) {
-         const Plan plan = usual();
+         const Plan plan = usual_gatherer();
          const Queries queries = anywhere(plan, 20);
          check_all(run, plan, run.gather(plan, uniform(plan, 1000000), queries), queries);
        },
@@ -342,7 +343,7 @@ Group gatherer_cases() {
        "all tie at d2 = 0: the indices 0 to 15 win, r2 = 0 is below the floor and flagged "
        "`clamped`",
        [](Run& run) {
-         const Plan plan = usual();
+         const Plan plan = usual_gatherer();
          const One one = ask(run, plan, Photons(1000000, photon(plan, middle(plan), 3)),
                              query(plan, middle(plan)));
          std::vector<uint32_t> first(16);
@@ -355,7 +356,7 @@ Group gatherer_cases() {
        true},
       {"1,000,000 equal powers", Known::kClosedForm, "16 times one power, exactly, wherever asked",
        [](Run& run) {
-         const Plan plan = usual();
+         const Plan plan = usual_gatherer();
          Photons photons = uniform(plan, 1000000);
          for (PackedPhoton& p : photons) p.power = {{511, 256, 1}, 31};
          for (const GatherResult& r : run.gather(plan, photons, anywhere(plan, 10)).results) {
@@ -367,7 +368,7 @@ Group gatherer_cases() {
       {"coincident photons, query on them", Known::kSaturation,
        "r2 = 0 < r2_floor = 1: flag `clamped`, the reciprocal is that of the floor, 2^W * 2^-W",
        [](Run& run) {
-         const Plan plan = usual();
+         const Plan plan = usual_gatherer();
          const One one =
              ask(run, plan, Photons(40, photon(plan, middle(plan))), query(plan, middle(plan)));
          run.counted("clamped", 1, one.result.clamped);
@@ -377,7 +378,7 @@ Group gatherer_cases() {
       {"coincident photons, query one unit away", Known::kClosedForm,
        "r2 = 1 is the floor and not below it: not clamped",
        [](Run& run) {
-         const Plan plan = usual();
+         const Plan plan = usual_gatherer();
          const One one = ask(run, plan, Photons(40, photon(plan, middle(plan))),
                              query(plan, plus(middle(plan), 1, 1)));
          run.exact("r2", 1, one.result.r2);
@@ -386,7 +387,7 @@ Group gatherer_cases() {
       {"k above the number of photons", Known::kClosedForm,
        "15 photons for k = 16: all of them, r2 = r2_max, not full",
        [](Run& run) {
-         const Plan plan = usual();
+         const Plan plan = usual_gatherer();
          Photons photons;
          for (uint32_t i = 0; i < 15; ++i) photons.push_back(photon(plan, {i, i, i}, 1 + i));
          const One one = ask(run, plan, photons, query(plan, corner(plan, 7)));
@@ -398,7 +399,7 @@ Group gatherer_cases() {
       {"k equal to the number of photons", Known::kClosedForm,
        "16 photons in a row from the query: full, r2 = 15^2",
        [](Run& run) {
-         const Plan plan = usual();
+         const Plan plan = usual_gatherer();
          Photons photons;
          for (uint32_t i = 0; i < 16; ++i) photons.push_back(photon(plan, {i, 0, 0}));
          const One one = ask(run, plan, photons, query(plan, {0, 0, 0}));
@@ -408,7 +409,7 @@ Group gatherer_cases() {
       {"k one below the number of photons", Known::kClosedForm,
        "of 17 photons in a row the farthest is left out: r2 = 15^2, flux 16",
        [](Run& run) {
-         const Plan plan = usual();
+         const Plan plan = usual_gatherer();
          Photons photons;
          for (uint32_t i = 0; i < 17; ++i) photons.push_back(photon(plan, {0, 0, i}));
          const One one = ask(run, plan, photons, query(plan, {0, 0, 0}));
@@ -418,7 +419,7 @@ Group gatherer_cases() {
       {"r2_max = 0", Known::kClosedForm,
        "only what stands in the query's own unit counts: 3 of the 30 photons",
        [](Run& run) {
-         Plan plan = usual();
+         Plan plan = usual_gatherer();
          plan.global.r2_max = 0;
          Photons photons(3, photon(plan, middle(plan)));
          for (uint32_t i = 1; i < 28; ++i)
@@ -431,7 +432,7 @@ Group gatherer_cases() {
       {"r2_max = 0 with k photons in the unit", Known::kClosedForm,
        "a bound of 0 prunes all that is apart, and 20 ties keep the 16 lowest indices",
        [](Run& run) {
-         Plan plan = usual();
+         Plan plan = usual_gatherer();
          plan.global.r2_max = 0;
          Photons photons = uniform(plan, 500);
          for (size_t i = 0; i < 20; ++i) photons[i * 7].position = middle(plan);
@@ -443,7 +444,7 @@ Group gatherer_cases() {
        "same "
        "unit count",
        [](Run& run) {
-         Plan plan = usual();
+         Plan plan = usual_gatherer();
          plan.global.r2_max = radius_to_r2_max(plan, 0.999 * plan.position_unit());
          run.exact("r2_max", 0, plan.global.r2_max);
          const One one =
@@ -454,7 +455,7 @@ Group gatherer_cases() {
       {"r2_max at its greatest", Known::kClosedForm,
        "2^34 - 1 lies above every d2: all 1,000 photons are candidates, 16 are kept",
        [](Run& run) {
-         const Plan plan = usual();
+         const Plan plan = usual_gatherer();
          run.exact("r2_max", ones(34), plan.global.r2_max);
          const Queries queries{query(plan, corner(plan, 0)), query(plan, corner(plan, 7))};
          check_all(run, plan, run.gather(plan, uniform(plan, 1000), queries), queries);
@@ -462,7 +463,7 @@ Group gatherer_cases() {
       {"photons at r2_max and one beyond", Known::kClosedForm,
        "d2 = 25 counts with r2_max = 25, d2 = 26 does not",
        [](Run& run) {
-         Plan plan = usual();
+         Plan plan = usual_gatherer();
          plan.global.r2_max = 25;
          const UVec3 m = middle(plan);
          const One one = ask(
@@ -487,7 +488,7 @@ Group gatherer_cases() {
       {"all photons at the same distance", Known::kClosedForm,
        "48 photons at d2 = 1 + 4 + 9 (all signs and orders): the 16 lowest indices",
        [](Run& run) {
-         const Plan plan = usual();
+         const Plan plan = usual_gatherer();
          Photons photons;
          const int orders[6][3] = {{1, 2, 3}, {1, 3, 2}, {2, 1, 3},
                                    {2, 3, 1}, {3, 1, 2}, {3, 2, 1}};
@@ -507,7 +508,7 @@ Group gatherer_cases() {
       {"coplanar photons, queries on and off the plane", Known::kReference,
        "as a look at all finds them, also 1 and 30,000 units above",
        [](Run& run) {
-         const Plan plan = usual();
+         const Plan plan = usual_gatherer();
          Photons photons = uniform(plan, 3000);
          for (PackedPhoton& p : photons) p.position[2] = 777;
          Queries queries = anywhere(plan, 30);
@@ -518,7 +519,7 @@ Group gatherer_cases() {
       {"photons in two far clumps", Known::kReference,
        "a query between them finds those of the nearer one, in the order of (d2, index)",
        [](Run& run) {
-         const Plan plan = usual();
+         const Plan plan = usual_gatherer();
          Photons photons = uniform(plan, 400);
          for (size_t i = 0; i < photons.size(); ++i)
            for (uint32_t& x : photons[i].position) x = (i % 2 ? 65000 : 100) + x % 50;
@@ -528,7 +529,7 @@ Group gatherer_cases() {
       {"one photon 2^20 times all others", Known::kClosedForm,
        "the sum is exact: 2^20 + 15, no small power is lost beside the large one",
        [](Run& run) {
-         const Plan plan = usual();
+         const Plan plan = usual_gatherer();
          Photons photons(16, photon(plan, middle(plan)));
          photons[7] = photon(plan, middle(plan), 256, 12);
          const One one = ask(run, plan, photons, query(plan, middle(plan)));
@@ -537,7 +538,7 @@ Group gatherer_cases() {
       {"powers 2^0 to 2^31 in one sum", Known::kClosedForm,
        "16 photons of 1 * 2^(2i): their sum is (4^16 - 1) / 3, exactly",
        [](Run& run) {
-         const Plan plan = usual();
+         const Plan plan = usual_gatherer();
          Photons photons;
          for (uint32_t i = 0; i < 16; ++i)
            photons.push_back(i < 4 ? photon(plan, middle(plan), 1u << (2 * i), 0)
@@ -548,7 +549,7 @@ Group gatherer_cases() {
       {"largest powers", Known::kClosedForm,
        "16 * 511 * 2^31 takes the top bit of the 44: no channel wraps",
        [](Run& run) {
-         const Plan plan = usual();
+         const Plan plan = usual_gatherer();
          const One one = ask(run, plan, Photons(16, photon(plan, middle(plan), 511, 31)),
                              query(plan, middle(plan)));
          for (size_t c = 0; c < 3; ++c)
@@ -557,7 +558,7 @@ Group gatherer_cases() {
       {"powers of zero", Known::kClosedForm,
        "photons without power are photons: they count, take the radius and add 0",
        [](Run& run) {
-         const Plan plan = usual();
+         const Plan plan = usual_gatherer();
          const One one = ask(run, plan, Photons(20, photon(plan, middle(plan), 0)),
                              query(plan, plus(middle(plan), 2, 2)));
          run.exact("count", 16, one.result.count);
@@ -572,14 +573,14 @@ Group gatherer_cases() {
       axis_case(2, true),
       {"directions on the octahedron's outer edges", Known::kDefinition,
        "codes with u or v at 0 and 2^b - 1, where -z folds: o . o > 0 counts, nothing else",
-       [](Run& run) { facing(run, usual(), edge_codes(8), edge_codes(8)); }},
+       [](Run& run) { facing(run, usual_gatherer(), edge_codes(8), edge_codes(8)); }},
       {"directions on the octahedral seams", Known::kDefinition,
        "codes along |x| + |y| = 1 and both middles: o . o > 0 counts, nothing else",
-       [](Run& run) { facing(run, usual(), seam_codes(8), seam_codes(8)); }},
+       [](Run& run) { facing(run, usual_gatherer(), seam_codes(8), seam_codes(8)); }},
       {"grazing light", Known::kDefinition,
        "of directions along a surface, o . o = 0 is rejected and the least positive one counts",
        [](Run& run) {
-         const Plan plan = usual();
+         const Plan plan = usual_gatherer();
          const OctCode normal{200, 99};
          const IVec3 n = oct_decode(normal, 8);
          std::vector<OctCode> zero, least_positive;
@@ -613,7 +614,7 @@ Group gatherer_cases() {
       {"all photons from behind", Known::kClosedForm,
        "none counts and none shrinks the radius: n = 0, r2 = r2_max, every leaf is visited",
        [](Run& run) {
-         const Plan plan = usual();
+         const Plan plan = usual_gatherer();
          Photons photons = uniform(plan, 300);
          for (PackedPhoton& p : photons) p.direction = oct_encode(Vec3(0, 0, -1), 8);
          const One one = ask(run, plan, photons, query(plan, middle(plan)));
@@ -625,7 +626,7 @@ Group gatherer_cases() {
       {"a wall of no thickness", Known::kClosedForm,
        "photons of both sides in one plane: each side finds its own 16 only, though they tie",
        [](Run& run) {
-         const Plan plan = usual();
+         const Plan plan = usual_gatherer();
          Photons photons;
          for (int i = 0; i < 32; ++i)
            photons.push_back(
@@ -639,14 +640,14 @@ Group gatherer_cases() {
       {"a partial last line", Known::kDefinition,
        "N = 8 lines + 1: the 7 unused slots hold no photon, whatever lies near",
        [](Run& run) {
-         const Plan plan = usual();
+         const Plan plan = usual_gatherer();
          const Queries queries{query(plan, {0, 0, 0}), query(plan, corner(plan, 7))};
          check_all(run, plan, run.gather(plan, uniform(plan, 65), queries), queries);
        }},
       {"flushes only", Known::kDefinition,
        "each is answered by a flush with every number 0, in its place",
        [](Run& run) {
-         const Plan plan = usual();
+         const Plan plan = usual_gatherer();
          Queries queries = anywhere(plan, 5);
          for (GatherQuery& q : queries) q.flush = 1;
          const Run::Gathered found = run.gather(plan, uniform(plan, 40), queries);
@@ -659,13 +660,14 @@ Group gatherer_cases() {
        }},
       {"no query", Known::kDefinition, "nothing goes in, nothing comes out",
        [](Run& run) {
-         const Run::Gathered found = run.gather(usual(), uniform(usual(), 40), {});
+         const Run::Gathered found =
+             run.gather(usual_gatherer(), uniform(usual_gatherer(), 40), {});
          run.exact("results", 0, found.results.size());
        }},
       {"reciprocal of powers of two", Known::kClosedForm,
        "r2 = 4^j is inverted exactly: mantissa 2^18, exponent 2j",
        [](Run& run) {
-         const Plan plan = usual();
+         const Plan plan = usual_gatherer();
          for (uint32_t j = 0; j < 16; j += 3) {
            Photons photons(16, photon(plan, {0, 0, 0}));
            const One one = ask(run, plan, photons, query(plan, {1u << j, 0, 0}));
@@ -676,7 +678,7 @@ Group gatherer_cases() {
       {"reciprocal with a carry", Known::kClosedForm,
        "r2 = r2_max = 2^34 - 1 rounds up to 2^34: mantissa 2^18, exponent 34",
        [](Run& run) {
-         const Plan plan = usual();
+         const Plan plan = usual_gatherer();
          const One one = ask(run, plan, {photon(plan, {0, 0, 0})}, query(plan, {9, 9, 9}));
          run.exact("mantissa", 1u << 18, one.result.reciprocal);
          run.exact("exponent", 34, one.result.reciprocal_exponent);
@@ -684,7 +686,7 @@ Group gatherer_cases() {
       {"position_bits = 4, photon_bytes = 8, bucket = 2", Known::kClosedForm,
        "corner to corner d2 = 3 * 15^2; the answer is the nearest of 64 photons, k = 1",
        [](Run& run) {
-         const Plan plan = least();
+         const Plan plan = least_gatherer();
          Photons photons;
          for (uint32_t i = 0; i < 64; ++i)
            photons.push_back(photon(plan, {i % 4 * 5, i / 4 % 4 * 5, i / 16 * 5}));
@@ -699,12 +701,12 @@ Group gatherer_cases() {
        [](Run& run) {
          std::vector<OctCode> codes;
          for (uint32_t i = 0; i < 16; ++i) codes.push_back({i % 4, i / 4});
-         facing(run, least(), codes, codes);
+         facing(run, least_gatherer(), codes, codes);
        }},
       {"mantissa_bits = 2, exponent_bits = 1", Known::kClosedForm,
        "the largest power is 3 * 2^1 and the flux has just its 3 bits",
        [](Run& run) {
-         const Plan plan = least();
+         const Plan plan = least_gatherer();
          run.exact("flux bits", 3, plan.flux_bits());
          const One one =
              ask(run, plan, {photon(plan, middle(plan), 3, 1)}, query(plan, middle(plan)));
@@ -713,7 +715,7 @@ Group gatherer_cases() {
       {"r2_floor at its greatest", Known::kSaturation,
        "every r2 lies below 2^10 - 1 or is it: `clamped` for d2 = 3, not for r2 = r2_max",
        [](Run& run) {
-         const Plan plan = least();
+         const Plan plan = least_gatherer();
          const One near = ask(run, plan, {photon(plan, {8, 8, 8})}, query(plan, {9, 9, 9}));
          run.counted("clamped", 1, near.result.clamped);
          run.exact("reciprocal", 1u << 8, near.result.reciprocal);
@@ -724,7 +726,7 @@ Group gatherer_cases() {
       {"position_bits = 24", Known::kClosedForm,
        "corner to corner d2 = 3 (2^24 - 1)^2 in 50 bits, and a neighbour at d2 = 1 is told apart",
        [](Run& run) {
-         const Plan plan = greatest();
+         const Plan plan = greatest_gatherer();
          const One one = ask(run, plan, {photon(plan, corner(plan, 7)), photon(plan, {1, 0, 0})},
                              query(plan, {0, 0, 0}));
          run.exact("d2", 1, one.photons.at(0).d2);
@@ -733,13 +735,13 @@ Group gatherer_cases() {
       {"direction_bits = 14, normal_bits = 14", Known::kDefinition,
        "codes on edges and seams of 2^14 cells: o . o > 0 counts, nothing else",
        [](Run& run) {
-         facing(run, greatest(), edge_codes(14), edge_codes(14));
-         facing(run, greatest(), seam_codes(14), edge_codes(14));
+         facing(run, greatest_gatherer(), edge_codes(14), edge_codes(14));
+         facing(run, greatest_gatherer(), seam_codes(14), edge_codes(14));
        }},
       {"mantissa_bits = 16, exponent_bits = 5, k = 256", Known::kClosedForm,
        "256 * 65535 * 2^31 takes all but the last of 55 bits, in three channels",
        [](Run& run) {
-         const Plan plan = greatest();
+         const Plan plan = greatest_gatherer();
          run.exact("flux bits", 55, plan.flux_bits());
          const One one = ask(run, plan, Photons(256, photon(plan, middle(plan), 65535, 31)),
                              query(plan, middle(plan)));
@@ -750,14 +752,14 @@ Group gatherer_cases() {
       {"k = 256 of 4,096 photons in lines of 16", Known::kReference,
        "photons, order and sum are those of a look at all",
        [](Run& run) {
-         const Plan plan = greatest();
+         const Plan plan = greatest_gatherer();
          const Queries queries = anywhere(plan, 12);
          check_all(run, plan, run.gather(plan, uniform(plan, 4096), queries), queries);
        }},
       {"reciprocal_bits = 24", Known::kClosedForm,
        "r2 = 2^50 - 1 rounds up to 2^50; r2 = 3 gives floor(2^48 / (1.5 * 2^24))",
        [](Run& run) {
-         const Plan plan = greatest();
+         const Plan plan = greatest_gatherer();
          const One far = ask(run, plan, {photon(plan, {0, 0, 0})}, query(plan, {9, 9, 9}));
          run.exact("mantissa", 1u << 24, far.result.reciprocal);
          run.exact("exponent", 50, far.result.reciprocal_exponent);

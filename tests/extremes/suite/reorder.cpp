@@ -25,12 +25,14 @@ Plan plan_of(ReorderKey key, ReorderDrain drain, int packets, int bins, int cell
   return plan;
 }
 
-Plan usual() { return plan_of(ReorderKey::kHilbert, ReorderDrain::kSweep, 512, 512, 3); }
+Plan usual_reorder() { return plan_of(ReorderKey::kHilbert, ReorderDrain::kSweep, 512, 512, 3); }
 Plan fullest() { return plan_of(ReorderKey::kHilbert, ReorderDrain::kFullest, 64, 8, 1); }
 Plan hashed() { return plan_of(ReorderKey::kHash, ReorderDrain::kSweep, 37, 128, 4); }
 Plan one_place() { return plan_of(ReorderKey::kHilbert, ReorderDrain::kFullest, 1, 1, 1); }
-Plan least() { return plan_of(ReorderKey::kHash, ReorderDrain::kSweep, 3, 2, 1, 4); }
-Plan greatest() { return plan_of(ReorderKey::kHilbert, ReorderDrain::kSweep, 65536, 4096, 7, 24); }
+Plan least_reorder() { return plan_of(ReorderKey::kHash, ReorderDrain::kSweep, 3, 2, 1, 4); }
+Plan greatest_reorder() {
+  return plan_of(ReorderKey::kHilbert, ReorderDrain::kSweep, 65536, 4096, 7, 24);
+}
 Plan pass_through() { return plan_of(ReorderKey::kNone, ReorderDrain::kSweep, 1, 1, 1); }
 
 GatherQuery packet(const Plan& plan, uint64_t i, const UVec3& position) {
@@ -121,28 +123,30 @@ void check_order(Run& run, const Packets& due, const Packets& out) { run.same("o
 Group reorder_cases() {
   std::vector<Case> cases{
       {"no packet", Known::kDefinition, "nothing goes in, nothing comes out",
-       [](Run& run) { run.exact("packets", 0, run.process<ReorderBuffer>(usual(), {}).size()); }},
+       [](Run& run) {
+         run.exact("packets", 0, run.process<ReorderBuffer>(usual_reorder(), {}).size());
+       }},
       {"flushes only", Known::kDefinition, "on an empty buffer each passes alone, in order",
        [](Run& run) {
          Packets in;
-         for (uint64_t i = 0; i < 20; ++i) in.push_back(flush(usual(), i));
-         check_order(run, in, run.process<ReorderBuffer>(usual(), in));
+         for (uint64_t i = 0; i < 20; ++i) in.push_back(flush(usual_reorder(), i));
+         check_order(run, in, run.process<ReorderBuffer>(usual_reorder(), in));
        }},
       {"P - 1 packets, no flush", Known::kDefinition, "nothing leaves before P are held",
        [](Run& run) {
-         Packets in = many(usual(), 511);
+         Packets in = many(usual_reorder(), 511);
          in.pop_back();
-         run.exact("packets", 0, run.process<ReorderBuffer>(usual(), in).size());
+         run.exact("packets", 0, run.process<ReorderBuffer>(usual_reorder(), in).size());
        }},
       {"P packets, no flush", Known::kDefinition, "the P-th lets exactly one leave",
        [](Run& run) {
-         Packets in = many(usual(), 512);
+         Packets in = many(usual_reorder(), 512);
          in.pop_back();
-         run.exact("packets", 1, run.process<ReorderBuffer>(usual(), in).size());
+         run.exact("packets", 1, run.process<ReorderBuffer>(usual_reorder(), in).size());
        }},
       {"all packets in one place", Known::kClosedForm, "one bin is a queue: out as in",
        [](Run& run) {
-         const Plan plan = usual();
+         const Plan plan = usual_reorder();
          Packets in;
          for (uint64_t i = 0; i < 3000; ++i) in.push_back(packet(plan, i, {65535, 65535, 65535}));
          in.push_back(flush(plan, 0));
@@ -151,7 +155,7 @@ Group reorder_cases() {
       {"one packet in each of 512 bins, backwards", Known::kClosedForm,
        "a sweep from bin 0 gives them along the Hilbert curve: each cell next to the one before",
        [](Run& run) {
-         const Plan plan = usual();
+         const Plan plan = usual_reorder();
          Packets in;
          for (uint32_t c = 512; c-- > 1;)  // 511, so that nothing leaves before the flush
            in.push_back(packet(plan, c, {(c & 7) << 13, (c >> 3 & 7) << 13, (c >> 6) << 13}));
@@ -263,7 +267,7 @@ Group reorder_cases() {
       {"position_bits = 4, cell_bits = 1, 2 bins", Known::kDefinition,
        "the least key there is; the order is that of lists by the page",
        [](Run& run) {
-         const Plan plan = least();
+         const Plan plan = least_reorder();
          const Packets in = many(plan, 300);
          check_order(run,
                      by_the_page(plan, in, [&](const GatherQuery& q) { return hash_bin(plan, q); }),
@@ -272,7 +276,7 @@ Group reorder_cases() {
       {"65,536 packets, 4,096 bins, cell_bits = 7, position_bits = 24", Known::kClosedForm,
        "140,000 packets: out come those that went in, each once, the flush last",
        [](Run& run) {
-         const Plan plan = greatest();
+         const Plan plan = greatest_reorder();
          const Packets in = many(plan, 140000);
          const Packets out = run.process<ReorderBuffer>(plan, in);
          const auto numbers = [](const Packets& list) {
@@ -295,7 +299,7 @@ Group reorder_cases() {
        true},
       {"a flush after each packet", Known::kClosedForm, "nothing can be reordered: out as in",
        [](Run& run) {
-         const Plan plan = usual();
+         const Plan plan = usual_reorder();
          Packets in;
          for (uint64_t i = 0; i < 300; ++i) {
            in.push_back(packet(plan, i, anywhere(plan, i)));
@@ -305,7 +309,7 @@ Group reorder_cases() {
        }},
       {"every field all ones", Known::kDefinition, "packets leave with every bit that they brought",
        [](Run& run) {
-         const Plan plan = usual();
+         const Plan plan = usual_reorder();
          GatherQuery q{};
          const PacketLayout layout = PacketLayout::of<GatherQuery>(plan);
          for (const FieldPlace& f : layout.fields())
@@ -317,14 +321,14 @@ Group reorder_cases() {
        }},
       {"bins = 3", Known::kRefusal, "a number of bins that is no power of two has no key",
        [](Run& run) {
-         Plan plan = usual();
+         Plan plan = usual_reorder();
          plan.reorder_bins = 3;
          run.refused("reorder.bins is 3, expected a power of two",
                      [&] { run.process<ReorderBuffer>(plan, {}); });
        }},
       {"packets = 65,537", Known::kRefusal, "more than the pool's greatest size is refused",
        [](Run& run) {
-         Plan plan = usual();
+         Plan plan = usual_reorder();
          plan.reorder_packets = 65537;
          run.refused("reorder.packets is 65537", [&] { run.process<ReorderBuffer>(plan, {}); });
        }},

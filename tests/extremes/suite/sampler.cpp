@@ -13,10 +13,10 @@ namespace {
 using In = std::vector<SamplerInput>;
 using Out = std::vector<Sample>;
 
-Plan usual() { return Plan{}; }
+Plan usual_sampler() { return Plan{}; }
 
 // Every width at its least; 16 bits of u can all be tried.
-Plan least() {
+Plan least_sampler() {
   Plan plan;
   plan.cell_bits = 1;
   plan.direction_bits = plan.normal_bits = 2;
@@ -31,7 +31,7 @@ Plan least() {
   return plan;
 }
 
-Plan greatest() {
+Plan greatest_sampler() {
   Plan plan;
   plan.cell_bits = 6;
   plan.direction_bits = plan.normal_bits = 14;
@@ -248,7 +248,7 @@ Case normal_case(const char* name, const Vec3& normal) {
       "cells with a corner above the surface have weight 1 and more, the others none: by the page, "
       "cell by cell",
       [normal](Run& run) {
-        const Plan plan = usual();
+        const Plan plan = usual_sampler();
         In in = table_of(plan, normal, 50);
         add_requests(in, plan, 600);
         check_table(run, plan, in);
@@ -263,14 +263,14 @@ Group sampler_cases() {
        "the cosine alone: by the page; with the normal near +z the sum of the probabilities in the "
        "upper half is 1",
        [](Run& run) {
-         const Plan plan = usual();
+         const Plan plan = usual_sampler();
          In in{header(plan, Vec3(0, 0, 1))};
          add_requests(in, plan, 500);
          check_table(run, plan, in);
        }},
       {"photons without power", Known::kClosedForm, "as no photons: the same samples, bit by bit",
        [](Run& run) {
-         const Plan plan = usual();
+         const Plan plan = usual_sampler();
          In none{header(plan, Vec3(0, 0, 1))}, dark = none;
          for (int i = 0; i < 50; ++i) dark.push_back(photon(plan, Vec3(i, 3, 4), 0));
          add_requests(none, plan, 300);
@@ -281,7 +281,7 @@ Group sampler_cases() {
        "photons and cosine have half of the probability each: that cell's is 1/2 plus its cosine's "
        "half",
        [](Run& run) {
-         const Plan plan = usual();
+         const Plan plan = usual_sampler();
          In in{header(plan, Vec3(0, 0, 1))};
          for (int i = 0; i < 50; ++i) in.push_back(photon(plan, Vec3(0.5, 0.4, 0.8), 511, 31));
          add_requests(in, plan, 1000);
@@ -301,7 +301,7 @@ Group sampler_cases() {
       {"one photon 2^31 times all others", Known::kClosedForm,
        "the others' cells keep the cosine and the floor: no cell above the surface is lost",
        [](Run& run) {
-         const Plan plan = usual();
+         const Plan plan = usual_sampler();
          In in{header(plan, Vec3(0, 0, 1))};
          in.push_back(photon(plan, Vec3(0.5, 0.4, 0.8), 256, 31));
          for (int i = 1; i < 50; ++i) in.push_back(photon(plan, Vec3(i - 25, 10, 30), 1, 0));
@@ -324,7 +324,7 @@ Group sampler_cases() {
        "50 * 3 * 511 * 2^31 in one cell and one unit in another: by the page in 128 bits, no sum "
        "wraps",
        [](Run& run) {
-         const Plan plan = usual();
+         const Plan plan = usual_sampler();
          In in{header(plan, Vec3(0, 0, 1))};
          for (int i = 0; i < 49; ++i) in.push_back(photon(plan, Vec3(1, 0.2, 0.8), 511, 31));
          in.push_back(photon(plan, Vec3(-1, 0.2, 0.8), 1, 0));
@@ -334,7 +334,7 @@ Group sampler_cases() {
       {"u = 0 and u all ones", Known::kClosedForm,
        "the first and the last cell with a weight, whatever the table",
        [](Run& run) {
-         const Plan plan = usual();
+         const Plan plan = usual_sampler();
          for (const Vec3& n : {Vec3(0, 0, 1), Vec3(1, 0, 0), Vec3(0, -1, 0), Vec3(0, 0, -1)}) {
            In in = table_of(plan, n, 20);
            in.push_back(request(0));
@@ -351,7 +351,7 @@ Group sampler_cases() {
       {"v = 0 and v all ones", Known::kClosedForm,
        "the direction is the cell's first and last code: cell << 8 and cell << 8 | 255",
        [](Run& run) {
-         const Plan plan = usual();
+         const Plan plan = usual_sampler();
          In in = table_of(plan, Vec3(0, 0, 1), 20);
          in.push_back(request(ones(31), {0, 0}));
          in.push_back(request(ones(31), {255, 255}));
@@ -377,7 +377,7 @@ Group sampler_cases() {
       normal_case("normal at a face's centre", Vec3(1, 1, -1)),
       {"more photons than k", Known::kDefinition, "those beyond the k-th are ignored",
        [](Run& run) {
-         const Plan plan = usual();
+         const Plan plan = usual_sampler();
          In in = table_of(plan, Vec3(0, 0, 1), 50), more = in;
          for (int i = 0; i < 9; ++i) more.push_back(photon(plan, Vec3(1, 0, 1), 511, 31));
          add_requests(in, plan, 100);
@@ -387,7 +387,7 @@ Group sampler_cases() {
        }},
       {"a photon after a request", Known::kDefinition, "it belongs to no table any more",
        [](Run& run) {
-         const Plan plan = usual();
+         const Plan plan = usual_sampler();
          In in = table_of(plan, Vec3(0, 0, 1), 5);
          in.push_back(request(1u << 30));
          In late = in;
@@ -398,14 +398,14 @@ Group sampler_cases() {
        }},
       {"packets before the first header", Known::kDefinition, "they are ignored",
        [](Run& run) {
-         const Plan plan = usual();
+         const Plan plan = usual_sampler();
          In in{photon(plan, Vec3(0, 0, 1), 9), request(5)};
          run.exact("samples", 0, run.process<CdfSampler>(plan, in).size());
        }},
       {"tables without requests", Known::kDefinition,
        "20 headers in a row: the last one's samples only",
        [](Run& run) {
-         const Plan plan = usual();
+         const Plan plan = usual_sampler();
          In in;
          for (int i = 0; i < 20; ++i) {
            const In table = table_of(plan, Vec3(i - 10, 3, 5), i);
@@ -416,7 +416,7 @@ Group sampler_cases() {
        }},
       {"10,000 requests to one table", Known::kClosedForm, "by the page, in order",
        [](Run& run) {
-         const Plan plan = usual();
+         const Plan plan = usual_sampler();
          In in = table_of(plan, Vec3(0.2, 0.1, 1), 50);
          add_requests(in, plan, 10000);
          check_table(run, plan, in);
@@ -425,7 +425,7 @@ Group sampler_cases() {
        "1",
        Known::kClosedForm, "4 cells, every code of u: by the page",
        [](Run& run) {
-         const Plan plan = least();
+         const Plan plan = least_sampler();
          for (uint32_t n = 0; n < 16; n += 5) {
            In in{header(plan, Vec3(0, 0, 1)), photon(plan, Vec3(1, 1, 1), 3, 1)};
            in[0].normal = {n % 4, n / 4};
@@ -438,7 +438,7 @@ Group sampler_cases() {
        "u_bits = 48",
        Known::kClosedForm, "4,096 cells of 24 bits, powers of 16 + 5 bits: by the page in 128 bits",
        [](Run& run) {
-         const Plan plan = greatest();
+         const Plan plan = greatest_sampler();
          In in = table_of(plan, Vec3(0.1, -0.7, 0.2), 256);
          add_requests(in, plan, 2000);
          check_table(run, plan, in);
@@ -446,7 +446,7 @@ Group sampler_cases() {
       {"greatest widths, all power in one direction", Known::kClosedForm,
        "256 * 3 * 65535 * 2^31 in a cell: the weights narrowed once, by the page",
        [](Run& run) {
-         const Plan plan = greatest();
+         const Plan plan = greatest_sampler();
          In in{header(plan, Vec3(0, 0, 1))};
          for (int i = 0; i < 256; ++i) in.push_back(photon(plan, Vec3(0.1, 0.2, 0.9), 65535, 31));
          add_requests(in, plan, 500);
@@ -455,7 +455,7 @@ Group sampler_cases() {
       {"u_bits too few", Known::kRefusal,
        "u with less than 8 bits more than the total would make cells of least weight unlikely",
        [](Run& run) {
-         Plan plan = usual();
+         Plan plan = usual_sampler();
          plan.u_bits = plan.total_bits() + 7;
          run.refused("sampler.u_bits is 31, expected at least 8 bits more",
                      [&] { run.process<CdfSampler>(plan, {}); });
@@ -463,13 +463,13 @@ Group sampler_cases() {
       {"more cells than directions", Known::kRefusal,
        "a photon's cell is the top bits of its direction",
        [](Run& run) {
-         Plan plan = usual();
+         Plan plan = usual_sampler();
          plan.direction_bits = 3;
          run.refused("sampler.cell_bits is 4", [&] { run.process<CdfSampler>(plan, {}); });
        }},
       {"levels beyond the cells", Known::kRefusal, "2 x 2 cells have two block sizes",
        [](Run& run) {
-         Plan plan = usual();
+         Plan plan = usual_sampler();
          plan.cell_bits = 1;
          plan.levels = 3;
          run.refused("sampler.levels is 3", [&] { run.process<CdfSampler>(plan, {}); });

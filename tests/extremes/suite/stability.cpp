@@ -23,8 +23,8 @@
 namespace photonloom::extremes {
 namespace {
 
-double unit(uint64_t i, uint64_t d) { return to_unit(hash_bits(78, i, 0, d)); }
-Vec3 direction(uint64_t i, uint64_t d) { return sample_sphere({unit(i, d), unit(i, d + 1)}); }
+double uniform(uint64_t i, uint64_t d) { return to_unit(hash_bits(78, i, 0, d)); }
+Vec3 direction(uint64_t i, uint64_t d) { return sample_sphere({uniform(i, d), uniform(i, d + 1)}); }
 
 template <class F>
 double mean(uint64_t n, F&& f) {
@@ -47,7 +47,7 @@ double power_error(int exponent_bits) {
   plan.exponent_bits = exponent_bits;
   std::vector<Photon> photons;
   for (uint64_t i = 0; i < 6000; ++i) {
-    const double power = std::exp2(-60 * (static_cast<double>(i) + unit(i, 0)) / 6000);
+    const double power = std::exp2(-60 * (static_cast<double>(i) + uniform(i, 0)) / 6000);
     photons.push_back({Vec3(0.5), Vec3(0, 0, 1), Rgb(power), 0, 0, 0});
   }
   plan.global.power_exponent = choose_power_exponent(photons, plan);
@@ -68,7 +68,7 @@ double pixel_error(int integer_bits, int fraction_bits, double from, double to) 
   ShaderCounts counts;
   return mean(6000, [&](uint64_t i) {
     const double light =
-        std::exp2(from + (to - from) * (static_cast<double>(i) + unit(i, 1)) / 6000);
+        std::exp2(from + (to - from) * (static_cast<double>(i) + uniform(i, 1)) / 6000);
     return std::fabs(shader.radiance(shader.pixel(Rgb(light), counts)[0]) / light - 1);
   });
 }
@@ -76,7 +76,7 @@ double pixel_error(int integer_bits, int fraction_bits, double from, double to) 
 std::vector<SamplerPhoton> photons_of(const Plan& plan, uint64_t table) {
   std::vector<SamplerPhoton> photons(12);
   for (uint64_t i = 0; i < photons.size(); ++i)
-    photons[i] = {{{static_cast<uint32_t>(256 + 255 * unit(i, 100 + table)), 20, 30},
+    photons[i] = {{{static_cast<uint32_t>(256 + 255 * uniform(i, 100 + table)), 20, 30},
                    static_cast<uint32_t>(i % 4)},
                   oct_encode(direction(i, 200 + 2 * table), plan.direction_bits)};
   return photons;
@@ -120,7 +120,7 @@ double code_error(int v_bits) {
   plan.v_bits = v_bits;
   const double codes = std::ldexp(1.0, plan.sample_direction_bits());
   return mean(4000, [&](uint64_t i) {
-    const double u = codes * unit(i, 20), v = codes * unit(i, 21);
+    const double u = codes * uniform(i, 20), v = codes * uniform(i, 21);
     const SampledCode code{1, {static_cast<uint32_t>(u), static_cast<uint32_t>(v)}};
     const Vec3 exact = sample_direction(plan, code, u - std::floor(u), v - std::floor(v));
     const Vec3 centre = sample_direction(plan, code, 0.5, 0.5);
@@ -161,10 +161,11 @@ double turn_error(int angle_bits) {
   const double units = std::ldexp(0.5, plan.normal_bits);
   return std::sqrt(mean(20000, [&](uint64_t i) {
     // Normals whose tips are `apart` units away from each other.
-    const double apart = std::min(2 * units, std::sqrt(unit(i, 40)) * std::exp2(angle_bits / 2.0));
+    const double apart =
+        std::min(2 * units, std::sqrt(uniform(i, 40)) * std::exp2(angle_bits / 2.0));
     const Vec3 n = direction(i, 41);
     const double half = std::asin(apart / units / 2);
-    const Vec2 around = cos_sin_turns(unit(i, 43));
+    const Vec2 around = cos_sin_turns(uniform(i, 43));
     const Vec3 turned = Frame(n).to_world(
         Vec3(std::sin(2 * half) * around.x, std::sin(2 * half) * around.y, std::cos(2 * half)));
     const CacheRecord record{
