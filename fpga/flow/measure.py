@@ -14,7 +14,7 @@ from flow.headline.netlist import netlist_digest
 from flow.measured_pages import README, README_BOARD, render, section
 from flow.package import UNITS, PackageFacts, describe, digest, generate, lock_of
 from flow.results import Entry, Report, add_placements, entries_of, missed_clocks, report_folder
-from flow.routing import place, placements
+from flow.routing import DEFAULT_PLACER, place, placements
 from flow.shell import ROOT, Failure, UsageError, locked, read_toml, say, warn, write_json
 from flow.synthesis import binding, synthesise
 from flow.tables import around, markdown, replace_between
@@ -117,11 +117,15 @@ def table(entries: Sequence[Entry]) -> str:
         missed = f" (MISSED: {missed})" if missed else ""
         rows.append([f"`{e['name']}`"] + [f"{e['resources'][r]:,}" for r in resources] + fmax +
                     [f"{e['constraint_mhz']:g}" + missed, f"{full['resource']} {full['used']:,} of {full['of']:,}"])
+    placers = sorted({seed["placer"] for e in entries for seed in e["seeds"]} - {DEFAULT_PLACER})
+    by_others = "".join(f"\nPlaced by nextpnr's {placer} placer: "
+                        f"{', '.join('`' + e['name'] + '`' for e in entries if placer in {seed['placer'] for seed in e['seeds']})}.\n"
+                        for placer in placers)
     if not any(e.get("estimated") for e in entries):
-        return markdown(rows, [""] + resources + ["Fmax, MHz", "range", "seeds", "constraint", "fullest"])
+        return markdown(rows, [""] + resources + ["Fmax, MHz", "range", "seeds", "constraint", "fullest"]) + by_others
     return (markdown(rows, [""] + resources + ["tool's estimate, MHz", "range", "seeds", "asked for", "fullest"]) +
             "\nMHz are what nextpnr estimates. Its delays of this family have not been shown to be those of the part, so no "
-            "frequency is claimed; nor is there a bitstream.\n")
+            "frequency is claimed; nor is there a bitstream.\n" + by_others)
 
 
 def has_core(board: Board) -> bool:

@@ -75,6 +75,7 @@ class Scripts(unittest.TestCase):
             self.refused(f"--seed is of what is routed, and {option} routes nothing; expected none of --", "plan-boards", option, "--seed", "1")
         self.refused("--placer is of what is routed, and --predict routes nothing; expected none of --", "plan-boards", "cornell", "--predict", "--placer", "heap")
         self.refused("--check, --render and --cycles are of the whole table, expected no plans$", "fpga-fast", "k8", "--cycles")
+        self.refused("--no-route takes no Fmax, which fpga/plans.json has of scenes' plans; expected plans with it$", "fpga-plans", "--no-route")
         self.refused("--plans-only, --fit and --check are of all plans, expected none by name$", "fpga-plans", "small", "--check")
 
     def test_what_would_fail_after_hours(self) -> None:

@@ -144,6 +144,12 @@ class Seeds(unittest.TestCase):
         self.assertEqual([name for name, _ in missed_clocks(entry)], ["sdram"])
         self.assertIn("| 50 (MISSED: 99.0 of 100) |", table([entry]))
 
+    def test_another_placer_is_named(self) -> None:
+        entry = self.entry((60, 120), (52, 101))
+        self.assertNotIn("placer", table([entry]))
+        entry["seeds"][1]["placer"] = "static"
+        self.assertIn("\nPlaced by nextpnr's static placer: `board`.\n", table([entry]))
+
     def test_a_period_of_whole_picoseconds(self) -> None:
         for asked, said in ((100.0, 100.0), (87.5, 87.5043716430664), (93.75, 93.75586), (110.0, 110.01100158691406)):
             entry = self.entry((60, asked + 0.003))

@@ -688,6 +688,10 @@ class Page(MadeUp):
             path.write_text(text)
             with self.subTest(text), self.assertRaisesRegex(Failure, f"headline.json: {said}"):
                 read_data(path)
+        for cores, has in (({}, "nothing"), ({"photonloom": self.data["rows"][0]["cores"]["photonloom"]}, "photonloom")):
+            path.write_text(json.dumps({**self.data, "rows": [{**self.data["rows"][0], "cores": cores}]}))
+            with self.subTest(cores), self.assertRaisesRegex(Failure, rf"rows\[0\].cores has {has}, expected photonloom and a library"):
+                read_data(path)
         self.data["rows"] = [self.row(plan="sdram_k8"), self.row(plan="README.md")]
         with self.assertRaisesRegex(Failure, r"fpga/headline.json: rows\[1\].plan is README.md, expected one of block_ram_k16, "):
             digests_today(self.data, self.path.parent)

@@ -64,24 +64,32 @@ done
 commands=$("$program" --help | sed -n '/^Subcommands/,/^$/s/^  \([a-z]*\) .*/\1/p')
 [ -n "$commands" ] || fail "--help lists no command"
 . "$prefix/share/bash-completion/completions/photonloom"
-complete_line() {
+complete_line() {  # into COMPREPLY
   COMP_WORDS=("$@")
   COMP_CWORD=$(($# - 1))
-  _photonloom
-  echo "${COMPREPLY[*]}"
+  _photonloom || true
 }
+completed() { [[ " ${COMPREPLY[*]} " == *" $1 "* ]]; }
+manual=$(<"$prefix/share/man/man1/photonloom.1")
+zsh=$(<"$prefix/share/zsh/site-functions/_photonloom")
+fish=$(<"$prefix/share/fish/vendor_completions.d/photonloom.fish")
+newline=$'\n'
 for command in $commands; do
-  grep -q "^\.SS $command\$" "$prefix/share/man/man1/photonloom.1" || fail "the manual page has no $command"
-  grep -q "^_photonloom_$command() {" "$prefix/share/zsh/site-functions/_photonloom" || fail "zsh has no $command"
-  grep -q -- " -a $command -d" "$prefix/share/fish/vendor_completions.d/photonloom.fish" || fail "fish has no $command"
-  complete_line photonloom "${command%?}" | tr ' ' '\n' | grep -qx "$command" || fail "bash does not complete $command"
+  [[ $newline$manual$newline == *"$newline.SS $command$newline"* ]] || fail "the manual page has no $command"
+  [[ $newline$zsh == *"${newline}_photonloom_$command() {"* ]] || fail "zsh has no $command"
+  [[ $fish == *" -a $command -d"* ]] || fail "fish has no $command"
+  complete_line photonloom "${command%?}"
+  completed "$command" || fail "bash does not complete $command"
   for option in $("$program" "$command" --help | sed -n 's/^  \(-[A-Za-z],\)*\(--[a-z-]*\).*/\2/p'); do
-    complete_line photonloom "$command" "$option" | tr ' ' '\n' | grep -qx -- "$option" || fail "bash has no $command $option"
-    grep -qF -- "$(printf '%s' "$option" | sed 's/-/\\-/g')" "$prefix/share/man/man1/photonloom.1" || fail "the manual page has no $option"
+    complete_line photonloom "$command" "$option"
+    completed "$option" || fail "bash has no $command $option"
+    [[ $manual == *"${option//-/\\-}"* ]] || fail "the manual page has no $option"
   done
 done
-[ "$(complete_line photonloom render --integrator '')" = "photonmap path bdpt" ] || fail "bash offers no values of --integrator"
-[ "$(complete_line photonloom board re)" = replay ] || fail "bash does not complete board replay"
+complete_line photonloom render --integrator ''
+[ "${COMPREPLY[*]}" = "photonmap path bdpt" ] || fail "bash offers no values of --integrator"
+complete_line photonloom board re
+[ "${COMPREPLY[*]}" = replay ] || fail "bash does not complete board replay"
 ! command -v zsh >/dev/null || zsh -n "$prefix/share/zsh/site-functions/_photonloom"
 ! command -v fish >/dev/null || fish -n "$prefix/share/fish/vendor_completions.d/photonloom.fish"
 echo "moved_away: as from the source tree"

@@ -10,7 +10,7 @@ cp "$source/golden/plan/units.hpp" "$tree/golden/plan/"
 cp "$source/README.md" "$source/Makefile" "$tree/"
 cp -R "$source/scripts" "$source/docs" "$source/fpga" "$source/studies" "$source/study" "$tree/"
 cd "$tree" || exit 1
-state() { find . ! -name '*.pyc' ! -name __pycache__ -exec ls -ld --time-style=full-iso {} +; }
+state() { find . ! -name '*.pyc' ! -name __pycache__ -printf '%p %y %m %s %T@\n'; }
 before=$(state)
 failed=0
 tell() { printf '%s\n' "$*"; failed=1; }

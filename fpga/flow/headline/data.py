@@ -6,11 +6,12 @@ from pathlib import Path
 from typing import Any, NotRequired, TypedDict
 
 from flow.results import ClockSpread, Spread
-from flow.shell import ROOT
+from flow.shell import ROOT, Failure
 from flow.synthesis import Binding
 from flow.typed_json import checked_json, typed
 
 DATA = ROOT / "fpga" / "headline.json"
+GOLDEN = "photonloom"
 
 
 class Rate(TypedDict):
@@ -174,7 +175,11 @@ NO_FILE: dict[str, Any] = {"replay": None, "images": []}
 
 def read_data(path: Path = DATA) -> Data:
     said = checked_json(path, Rows)
-    return typed({**NO_FILE, **said, "rows": [{**NO_ROW, **row} for row in said["rows"]]}, Data, path)
+    data = typed({**NO_FILE, **said, "rows": [{**NO_ROW, **row} for row in said["rows"]]}, Data, path)
+    for n, row in enumerate(data["rows"]):
+        if GOLDEN not in row["cores"] or len(row["cores"]) < 2:
+            raise Failure(f"{path}: rows[{n}].cores has {', '.join(row['cores']) or 'nothing'}, expected {GOLDEN} and a library")
+    return data
 
 
 def merge(rows: Sequence[Row], new: Sequence[Row]) -> list[Row]:

@@ -4,10 +4,10 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from flow.goals import CoarseGoals, GainGoals
-from flow.headline.data import FrameTime, ImageTime, Rate, Row, Seconds
+from flow.headline.data import GOLDEN, FrameTime, ImageTime, Rate, Row, Seconds
 from flow.headline.netlist import SHORT
-from flow.headline.verdict import (GOLDEN, Verdict, board_for_size, cycles_without_row_changes, finer_row, judge_coarse,
-                                   judge_gain, rate)
+from flow.headline.verdict import (Verdict, board_for_size, cycles_without_row_changes, finer_row, judge_coarse, judge_gain,
+                                   rate)
 from flow.results import Spread, clock_name, core_clocks
 from flow.shell import ROOT, field, read_toml
 from flow.tables import markdown

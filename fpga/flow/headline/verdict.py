@@ -4,10 +4,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from flow.goals import CoarseGoals, GainGoals, HeadlineGoals
-from flow.headline.data import Row, SdramLoad
+from flow.headline.data import GOLDEN, Row, SdramLoad
 from flow.results import clock_name
-
-GOLDEN = "photonloom"
 
 
 @dataclass(frozen=True)

@@ -45,6 +45,8 @@ def options(catalogue: Catalogue) -> argparse.Namespace:
         p.error("--plans-only, --fit and --check are of all plans, expected none by name")
     if o.plans_only or o.fit or o.check:
         refuse_idle(p, o, ("no_route", "jobs"), "--plans-only" if o.plans_only else "--fit" if o.fit else "--check", "measure")
+    if o.no_route and not o.plans:
+        p.error("--no-route takes no Fmax, which fpga/plans.json has of scenes' plans; expected plans with it")
     o.jobs = o.jobs or os.cpu_count()
     return o
 
