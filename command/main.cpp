@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/core.h>
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
 #include <tbb/global_control.h>
 #include <tbb/info.h>
 
@@ -97,10 +100,21 @@ int run(int argc, char** argv) {
   return 0;
 }
 
+// glibc maps a large block for itself and unmaps it when it is freed, and takes such blocks from
+// its heap only after it has freed some. A frame takes and frees many, and the system would clear
+// their pages each time: the thresholds are from the start those at which glibc's own end.
+void keep_freed_blocks() {
+#ifdef __GLIBC__
+  mallopt(M_MMAP_THRESHOLD, 32 << 20);
+  mallopt(M_TRIM_THRESHOLD, 64 << 20);
+#endif
+}
+
 }  // namespace
 }  // namespace photonloom
 
 int main(int argc, char** argv) {
+  photonloom::keep_freed_blocks();
   photonloom::handle_interrupts();
   const auto output_lost = [](int reason) {
     fmt::print(stderr, "photonloom: standard output: cannot be written: {}\n",

@@ -545,21 +545,13 @@ class Renderer {
   }
 
   void cast_final_gathers(std::span<const Ray> rays) {
-    struct Gather {
-      bool below = false, asks = false;
-      Value glossy{};
-      Value estimate{};  // where no unit gives it
-      QueryWeight weight{};
-      GatherQuery query{};
-      DiffuseHit y;
-    };
     const auto tag_of = [&](const Ray& ray) {
       return first_tag_ + ray.place - ray_begins_[ray.entry];
     };
-    std::vector<Gather> gathers(rays.size());
+    ray_gathers_.resize(rays.size());
     SharedCounts shared;
-    parallel(gathers.size(), [&](size_t i) {
-      Gather& g = gathers[i];
+    parallel(ray_gathers_.size(), [&](size_t i) {
+      Gather& g = ray_gathers_[i] = {};
       const size_t entry = rays[i].entry, ray = tag_of(rays[i]);
       const WaitingSample& e = entries_[entry];
       const SampledCode& sampled = directions_[rays[i].place];
@@ -613,8 +605,8 @@ class Renderer {
     shared.give(counts_);
 
     queries_.clear();
-    for (size_t i = 0; i < gathers.size(); ++i) {
-      const Gather& g = gathers[i];
+    for (size_t i = 0; i < ray_gathers_.size(); ++i) {
+      const Gather& g = ray_gathers_[i];
       counts_.below_horizon += g.below;
       counts_.final_gathers += g.asks;
       add_ray(rays[i].entry, tag_of(rays[i]), g.glossy, false);
@@ -668,7 +660,8 @@ class Renderer {
       photons_.clear();
       units_.photon_gatherer->process(reordered_, results_, photons_);
       counts_.unmatched += photons_.size();
-      std::vector<uint32_t> entries(results_.size(), kNone), slots(results_.size(), kNone);
+      result_entries_.assign(results_.size(), kNone);
+      result_slots_.assign(results_.size(), kNone);
       for (size_t i = 0; i < results_.size(); ++i) {
         const GatherResult& r = results_[i];
         if (r.flush) continue;
@@ -680,19 +673,20 @@ class Renderer {
           ++counts_.unmatched;
           continue;
         }
-        entries[i] = entry;
-        slots[i] = *slot;
+        result_entries_[i] = entry;
+        result_slots_[i] = *slot;
         *slot = kNone;
         count(r);
       }
-      std::vector<PixelValue> values(results_.size());
+      values_.resize(results_.size());
       parallel(results_.size(), [&](size_t i) {
-        if (slots[i] != kNone) values[i] = shader_.contribution(results_[i], slots_[slots[i]]);
+        if (const uint32_t slot = result_slots_[i]; slot != kNone)
+          values_[i] = shader_.contribution(results_[i], slots_[slot]);
       });
       for (size_t i = 0; i < results_.size(); ++i) {
-        if (slots[i] == kNone) continue;
-        add_ray(entries[i], results_[i].tag, values[i], true);
-        free_slots_.push_back(slots[i]);
+        if (result_slots_[i] == kNone) continue;
+        add_ray(result_entries_[i], results_[i].tag, values_[i], true);
+        free_slots_.push_back(result_slots_[i]);
       }
     } else {
       (void)queries;
@@ -842,9 +836,19 @@ class Renderer {
   std::vector<QueryWeight> slots_;
   std::vector<uint32_t> free_slots_;
 
-  // Of the call.
+  // Of the call; they keep their memory from call to call.
+  struct Gather {
+    bool below = false, asks = false;
+    Value glossy{};
+    Value estimate{};  // where no unit gives it
+    QueryWeight weight{};
+    GatherQuery query{};
+  };
+  std::vector<Gather> ray_gathers_;
   std::vector<GatherQuery> queries_, reordered_;
   std::vector<GatherResult> results_;
+  std::vector<uint32_t> result_entries_, result_slots_;
+  std::vector<PixelValue> values_;
   std::vector<GatherPhoton> photons_;
   std::vector<SamplerInput> inputs_;
   std::vector<Sample> samples_;
