@@ -344,7 +344,7 @@ TEST_CASE("plan --explain: the plan's own value and those around it are among a 
   }
 }
 
-TEST_CASE("plan --points: no more plans are measured in a search, each told once") {
+TEST_CASE("plan --points: no more plans are measured in a search, each told once", "[slow]") {
   const Scratch s;
   const std::string options = small(s);
   const size_t at = options.find("--points 12 ");
@@ -589,7 +589,8 @@ TEST_CASE("plan --error: a frame without gathers has none to make cheaper") {
   CHECK_FALSE(std::filesystem::exists(s / "p.toml"));
 }
 
-TEST_CASE("plan --error: where nothing meets it, more rays than a plan can have are no advice") {
+TEST_CASE("plan --error: where nothing meets it, more rays than a plan can have are no advice",
+          "[slow]") {
   const Scratch s;
   const auto o =
       run(tiny(s, "--gather-rays 40000 --points 1 --error 1e-9 -o '" + s / "p.toml" + "'"));
