@@ -18,7 +18,7 @@ from flow.headline.netlist import digest_now, netlist_digest
 from flow.package import describe, generate, lock_of
 from flow.plans.catalogue import read_catalogue
 from flow.results import median, report_folder
-from flow.routing import DEFAULT_PLACER, SPARE_SEEDS, Clock, clocks_of, place, placements, routed_name
+from flow.routing import DEFAULT_PLACER, PLACERS, SPARE_SEEDS, Clock, clocks_of, place, placements, routed_name
 from flow.shell import ROOT, Failure, field, locked, read_toml, say, write_json
 from flow.synthesis import Counts, synthesise
 from flow.tables import between, markdown, replace_between
@@ -233,7 +233,7 @@ def main() -> int:
     p = argparse.ArgumentParser(prog="fpga-fast", description=__doc__)
     p.add_argument("plans", nargs="*", help="measure these again; the others stay as fpga/fast.json has them")
     p.add_argument("--seeds", type=whole(1), help="placements of each (default: those of fpga/goals.toml)")
-    p.add_argument("--placer", choices=("heap", "static"), help="as of scripts/fpga (default: static)")
+    p.add_argument("--placer", choices=PLACERS, help="as of scripts/fpga (default: static)")
     p.add_argument("--no-route", action="store_true", help="take the placements that are there, and make none")
     only = p.add_mutually_exclusive_group()
     only.add_argument("--cycles", action="store_true", help="take the cycles of build/bench anew, and what was measured of each netlist as it is")

@@ -14,7 +14,7 @@ from flow.headline.netlist import netlist_digest
 from flow.measured_pages import README, README_BOARD, render, section
 from flow.package import UNITS, PackageFacts, describe, digest, generate, lock_of
 from flow.results import Entry, Report, add_placements, entries_of, missed_clocks, report_folder
-from flow.routing import DEFAULT_PLACER, place, placements
+from flow.routing import DEFAULT_PLACER, PLACERS, place, placements
 from flow.shell import ROOT, Failure, UsageError, locked, read_toml, say, warn, write_json
 from flow.synthesis import binding, synthesise
 from flow.tables import around, markdown, replace_between
@@ -25,13 +25,13 @@ PARTS = UNITS + ["board"]
 
 @dataclass(frozen=True)
 class Options:
-    """How each part is measured."""
+    """How each part is measured. placers: of nextpnr; of several the one by which a part is faster."""
     plan: Path
     board: Board
     seeds: Sequence[int]
     clock: float | None
     route_speed: int | None
-    placer: str
+    placers: Sequence[str]
     synthesis_only: bool
     tools_only: bool
     dry_run: bool
@@ -72,14 +72,28 @@ def measure_in(o: Options, where: Path, tools: Tools) -> Entry:
         return entry
     if o.route_speed:
         entry["route_speed"] = o.route_speed
-    if o.placer != "heap":
-        entry["placer"] = o.placer
     full = entry["binding"]
     if full["used"] > full["of"]:  # nextpnr would look for places without end
         raise Failure(f"{o.plan}: its {name} needs {full['used']} {full['resource']}, the part has {full['of']}")
-    placed = placements(name, o.seeds, o.placer, lambda seed, placer: place(where, top, seed, tools, o.route_speed, placer))
+    return fastest([routed(entry, o, where, tools, placer) for placer in o.placers])
+
+
+def routed(unplaced: Entry, o: Options, where: Path, tools: Tools, placer: str) -> Entry:
+    """The entry with what the seeds give by one placer."""
+    entry = unplaced.copy()
+    if placer != DEFAULT_PLACER:
+        entry["placer"] = placer
+    placed = placements(entry["name"], o.seeds, placer, lambda seed, by: place(where, entry["top"], seed, tools, o.route_speed, by))
     add_placements(entry, placed, where)
     return entry
+
+
+def fastest(entries: Sequence[Entry]) -> Entry:
+    """Of one part by several placers: the entry that misses no clock, then the one of the faster core, with what the others reach beside it."""
+    best = max(entries, key=lambda e: (not missed_clocks(e), e["fmax_mhz"]["median"]))
+    if others := {e.get("placer", DEFAULT_PLACER): e["fmax_mhz"]["median"] for e in entries if e is not best}:
+        best["other_placers"] = others
+    return best
 
 
 def merged(old: Sequence[Entry], new: Sequence[Entry], today: Mapping[str, str] | None) -> list[Entry]:
@@ -121,11 +135,21 @@ def table(entries: Sequence[Entry]) -> str:
     by_others = "".join(f"\nPlaced by nextpnr's {placer} placer: "
                         f"{', '.join('`' + e['name'] + '`' for e in entries if placer in {seed['placer'] for seed in e['seeds']})}.\n"
                         for placer in placers)
+    by_others += "".join(f"\nBy the {placer} placer {', '.join(reached)} MHz.\n" for placer, reached in slower(entries).items())
     if not any(e.get("estimated") for e in entries):
         return markdown(rows, [""] + resources + ["Fmax, MHz", "range", "seeds", "constraint", "fullest"]) + by_others
     return (markdown(rows, [""] + resources + ["tool's estimate, MHz", "range", "seeds", "asked for", "fullest"]) +
             "\nMHz are what nextpnr estimates. Its delays of this family have not been shown to be those of the part, so no "
             "frequency is claimed; nor is there a bitstream.\n" + by_others)
+
+
+def slower(entries: Sequence[Entry]) -> dict[str, list[str]]:
+    """What parts reach by placers that were tried and are not those of the table, by the placer."""
+    found: dict[str, list[str]] = {}
+    for e in entries:
+        for placer, mhz in e.get("other_placers", {}).items():
+            found.setdefault(placer, []).append(f"`{e['name']}` reaches {mhz:.1f}")
+    return found
 
 
 def has_core(board: Board) -> bool:
@@ -146,8 +170,9 @@ def parser() -> argparse.ArgumentParser:
     p.add_argument("--route-speed", type=int, choices=(6, 7, 8),
                    help="speed grade of an ECP5 by whose delays the router searches (default: 6, the part's); 8 routes tops "
                         "that 6 does not finish. The result is always analysed at grade 6")
-    p.add_argument("--placer", choices=("heap", "static"),
-                   help="of nextpnr (default: heap on an ECP5, static on an Artix-7); static leaves shorter wires in wide tops")
+    p.add_argument("--placer", choices=(*PLACERS, "best"),
+                   help="of nextpnr (default: heap on an ECP5, static on an Artix-7); static leaves shorter wires in wide tops; best places by "
+                        "both, and of each part the one of the faster median stands, with what the other reaches")
     p.add_argument("--synthesis-only", action="store_true", help="counts alone")
     only = p.add_mutually_exclusive_group()
     only.add_argument("--tools", action="store_true", help="only say which tools there are, or what is missing")
@@ -221,7 +246,7 @@ def options() -> tuple[Options, list[str] | None, dict[Path, str]]:
     plan = board.plan if o.plan is None else Path(o.plan)
     check_plan(p, plan)
     return Options(plan, board, range(first_seed, first_seed + seeds), o.clock, o.route_speed,
-                   o.placer or board.family.placer or "heap",
+                   PLACERS if o.placer == "best" else (o.placer or board.family.placer or DEFAULT_PLACER,),
                    o.synthesis_only, o.tools, o.dry_run, "check" if o.check else "render" if o.render else None), asked, pages
 
 

@@ -23,7 +23,7 @@ from flow.headline.tops import Routing, Top, prepare, route_seed, synthesized
 from flow.jobs import each
 from flow.package import PHOTONLOOM, describe
 from flow.results import clock_name
-from flow.routing import Placement, constrained
+from flow.routing import PLACERS, Placement, constrained
 from flow.shell import ROOT, Failure, field, read_toml, run, say, write_json
 from flow.synthesis import Counts
 from flow.tables import between, markdown, replace_between
@@ -184,7 +184,7 @@ def main() -> int:
     p.add_argument("scenes", nargs="*", help="names of [planned] scenes to route; the others stay as fpga/planned.json has them (default: all)")
     p.add_argument("--seed", type=whole(1, LAST_SEED), help="of the placement (default: 1)")
     p.add_argument("--jobs", type=whole(1), help="tops routed at a time (default: one a core; 2 GB each)")
-    p.add_argument("--placer", choices=("heap", "static"), help="as of scripts/fpga (default: static, but heap with nextpnr 0.7)")
+    p.add_argument("--placer", choices=PLACERS, help="as of scripts/fpga (default: static, but heap with nextpnr 0.7)")
     p.add_argument("--results", type=folder, help="where netlists and routed seeds are kept (default: build/planned)")
     p.add_argument("--render", action="store_true", help="write the table from fpga/planned.json again, nothing else")
     p.add_argument("--predict", action="store_true", help="plan the scenes again, and write what is predicted of the same plans today; nothing is routed")

@@ -37,9 +37,11 @@ class Measured(TypedDict):
 
 class Entry(Measured, total=False):
     """A unit, or the board. fmax_mhz: of the core's clock; met: no clock's median misses its constraint; estimated: the tool's
-    estimate, which neither meets nor misses anything; unrouted: seeds with which nextpnr did not come to an end."""
+    estimate, which neither meets nor misses anything; unrouted: seeds with which nextpnr did not come to an end; other_placers: of the
+    core's clock by placers that were tried too."""
     route_speed: int
     placer: str
+    other_placers: dict[str, float]
     clocks: dict[str, ClockSpread]
     fmax_mhz: Spread
     met: bool

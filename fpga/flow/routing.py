@@ -18,7 +18,8 @@ LEGALISING_LEAST, LEGALISING_SHARE = 300, 2  # it is ended too when it has legal
 ROUTER_LEAST, ROUTER_MORE = 900, 10800  # s after which nextpnr's router is judged, and that it may need more at its pace
 SPARE_SEEDS = 2
 POLL = 2.0  # s between looks at the logs
-DEFAULT_PLACER = "heap"
+PLACERS = ("heap", "static")  # of nextpnr, the default one first
+DEFAULT_PLACER = PLACERS[0]
 PART_SPEED = 6  # grade by whose delays the Makefile has the router search if not told
 Found = TypeVar("Found")
 

@@ -125,10 +125,34 @@ class Reports(Commands):
     def test_what_did_not_route_says_nothing_of_routing(self) -> None:
         board = read_board("arty-a7-100t")
         counts = {**{name: 1 for name in board.family.cells}, "LUT-eq": 1, "RAMB18-eq": 1}
-        o = measure.Options(Path("p.toml"), board, range(1, 2), None, None, "static", True, False, False)
+        o = measure.Options(Path("p.toml"), board, range(1, 2), None, None, ("static",), True, False, False)
         with mock.patch.object(measure, "package", return_value=({"clock_khz": 1000}, "d")), mock.patch.object(measure, "synthesise", return_value=counts):
             found = measure.measure_in(o, self.folder / "board", TOOLS)
         self.assertNotIn("placer", found)
+
+    def test_the_placer_by_which_a_part_is_faster(self) -> None:
+        board = read_board("ulx3s-85f")
+        core, sdram = {"heap": 70.0, "static": 80.0}, {"heap": 110.0, "static": 105.0}
+
+        def place(_: Path, __: str, seed: int, ___: Tools, ____: int | None, placer: str) -> Placement:
+            return {"seed": seed, "placer": placer, "utilization": {}, "clocks": {"$glbnet$clk": {"achieved": core[placer] + seed, "constraint": 50.0},
+                                                                                  "clk_sdram": {"achieved": sdram[placer], "constraint": 100.0}}}
+
+        def found(*placers: str) -> Entry:
+            o = measure.Options(Path("p.toml"), board, range(1, 4), None, None, placers, False, False, False)
+            with mock.patch.object(measure, "package", return_value=({"clock_khz": 50000}, "d")), mock.patch.object(measure, "place", place), \
+                    mock.patch.object(measure, "synthesise", return_value={**{name: 1 for name in board.family.cells}, "LUT-eq": 1}):
+                return measure.measure_in(o, self.folder / "board", TOOLS)
+
+        alone = found("heap")
+        self.assertEqual((alone["fmax_mhz"]["median"], "placer" in alone, "other_placers" in alone), (72, False, False))
+        both = found("heap", "static")
+        self.assertEqual((both["fmax_mhz"]["median"], both["placer"], both["other_placers"]), (82, "static", {"heap": 72}))
+        self.assertIn("\nPlaced by nextpnr's static placer: `board`.\n\nBy the heap placer `board` reaches 72.0 MHz.\n", measure.table([both]))
+        sdram["static"] = 99  # a clock that is missed weighs more than a faster core
+        both = found("heap", "static")
+        self.assertEqual((both["fmax_mhz"]["median"], "placer" in both, both["other_placers"]), (72, False, {"static": 82}))
+        self.assertTrue(both["met"])
 
     def test_a_report_that_is_none(self) -> None:
         report = self.folder / "report.json"

@@ -33,6 +33,7 @@ from flow.headline.verdict import judge, judge_coarse, judge_gain
 from flow.jobs import each
 from flow.package import describe
 from flow.results import Entry
+from flow.routing import PLACERS
 from flow.shell import ROOT, Failure, field, read_json, read_text, read_toml, say, warn, write_json
 from flow.tools import find_tools, nextpnr_is_slow
 
@@ -55,7 +56,7 @@ def options() -> argparse.Namespace:
     p.add_argument("--clock", type=megahertz, help="MHz of the core to route to, if not what fpga/headline.toml has for the plan, or the board's default; not with --page")
     p.add_argument("--route-speed", type=int, choices=(6, 7, 8),
                    help="as of scripts/fpga (default: 6, but 8 with nextpnr 0.7, which did not end at 6)")
-    p.add_argument("--placer", choices=("heap", "static"), help="as of scripts/fpga (default: static, but heap with nextpnr 0.7)")
+    p.add_argument("--placer", choices=PLACERS, help="as of scripts/fpga (default: static, but heap with nextpnr 0.7)")
     p.add_argument("--route-again", action="store_true", help="route even what is kept")
     p.add_argument("--results", type=folder,
                    help="where results are kept (default: build/headline); such folders can be copied together")
