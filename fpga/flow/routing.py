@@ -149,7 +149,7 @@ def placements(name: str, seeds: Sequence[int], placer: str, place_one: Callable
     there have been SPARE_SEEDS of these, the default placer, and where that does not end either, the others have to do."""
     placed, waiting, spare = [], list(seeds), SPARE_SEEDS
     for seed in waiting:  # which grow meanwhile
-        say(f"{name}: seed {seed}")
+        say(f"{name}: seed {seed}" + (f", {placer} placer" if placer != DEFAULT_PLACER else ""))
         found = place_one(seed, placer)
         if found is None and spare:
             say(f"{name}: seed {seed}: nextpnr does not end; takes seed {waiting[-1] + 1} for it")
