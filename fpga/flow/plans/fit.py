@@ -2,6 +2,7 @@
 """Coefficients that predict resources from the terms of a plan, and how far off they are."""
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from operator import mul
 
 from flow.package import UNITS
 from flow.plans.catalogue import facts_of
@@ -42,15 +43,16 @@ def least_squares(rows: Sequence[Terms], targets: Sequence[int]) -> dict[str, fl
     wanted = [1 if t > 0 else 0 for t in targets]
     norms = [sum(r[j] ** 2 for r in scaled) ** 0.5 or 1 for j in range(len(names))]
     scaled = [[x / n for x, n in zip(r, norms)] for r in scaled]
-    gram = [[sum(r[i] * r[j] for r in scaled) for j in range(len(names))] for i in range(len(names))]
-    right = [sum(r[i] * w for r, w in zip(scaled, wanted)) for i in range(len(names))]
+    columns = list(zip(*scaled))
+    gram = [[sum(map(mul, one, other)) for other in columns] for one in columns]
+    right = [sum(map(mul, column, wanted)) for column in columns]
     x = [0.0] * len(names)
     for _ in range(20000):
         moved = 0.0
         for i in range(len(names)):
             if gram[i][i] == 0:
                 continue
-            slope = right[i] - sum(gram[i][j] * x[j] for j in range(len(names)))
+            slope = right[i] - sum(map(mul, gram[i], x))
             new = max(0.0, x[i] + slope / (gram[i][i] + 1e-6))
             moved = max(moved, abs(new - x[i]))
             x[i] = new
