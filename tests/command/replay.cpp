@@ -151,6 +151,19 @@ TEST_CASE("a CXXRTL model leaves the same packets as golden", "[slow]") {
                                             "backend netlist"));
 }
 
+TEST_CASE("a model that Clang compiled leaves the same packets as golden", "[slow]") {
+  Files f;
+  REQUIRE(f.replay("photon_gatherer", "queries.jsonl", "--backend golden").status == 0);
+  const std::string golden = read_file(f.scratch / "out.jsonl");
+  setenv("CXX", "clang++", 1);
+  const Outcome o = f.replay("photon_gatherer", "queries.jsonl",
+                             "--backend rtl --stall bursts --wave " + (f.scratch / "y.fst"));
+  unsetenv("CXX");
+  INFO(o.err);
+  REQUIRE(o.status == 0);
+  CHECK(read_file(f.scratch / "out.jsonl") == golden);
+}
+
 TEST_CASE("a waveform that cannot be written is an error, not silence") {
   Files f;
   const std::string wave = f.scratch / "y.fst";
