@@ -13,8 +13,8 @@ from flow.boards import BOARDS, FAMILIES, Board, UnknownBoard, board_names, read
 from flow.headline.netlist import netlist_digest
 from flow.measured_pages import README, README_BOARD, render, section
 from flow.package import UNITS, PackageFacts, describe, digest, generate, lock_of
-from flow.results import Entry, Report, add_placements, entries_of, missed_clocks, report_folder
-from flow.routing import DEFAULT_PLACER, PLACERS, place, placements
+from flow.results import Entry, Report, add_placements, clock_name, core_clock, entries_of, missed, missed_clocks, report_folder
+from flow.routing import DEFAULT_PLACER, PLACERS, NoEnd, place, placements
 from flow.shell import ROOT, Failure, UsageError, locked, read_toml, say, warn, write_json
 from flow.synthesis import binding, synthesise
 from flow.tables import around, markdown, replace_between
@@ -75,24 +75,34 @@ def measure_in(o: Options, where: Path, tools: Tools) -> Entry:
     full = entry["binding"]
     if full["used"] > full["of"]:  # nextpnr would look for places without end
         raise Failure(f"{o.plan}: its {name} needs {full['used']} {full['resource']}, the part has {full['of']}")
-    return fastest([routed(entry, o, where, tools, placer) for placer in o.placers])
+    placed: dict[str, Entry | None] = {placer: routed(entry, o, where, tools, placer) for placer in o.placers}
+    return fastest(placed, name)
 
 
-def routed(unplaced: Entry, o: Options, where: Path, tools: Tools, placer: str) -> Entry:
-    """The entry with what the seeds give by one placer."""
+def routed(unplaced: Entry, o: Options, where: Path, tools: Tools, placer: str) -> Entry | None:
+    """The entry with what the seeds give by one placer. None where nextpnr does not end by it and there are others."""
     entry = unplaced.copy()
     if placer != DEFAULT_PLACER:
         entry["placer"] = placer
-    placed = placements(entry["name"], o.seeds, placer, lambda seed, by: place(where, entry["top"], seed, tools, o.route_speed, by))
+    alone = len(o.placers) == 1
+    try:
+        placed = placements(entry["name"], o.seeds, placer, lambda seed, by: place(where, entry["top"], seed, tools, o.route_speed, by), alone)
+    except NoEnd as failure:
+        if alone:
+            raise
+        warn(f"{failure}, by the {placer} placer")
+        return None
     add_placements(entry, placed, where)
     return entry
 
 
-def fastest(entries: Sequence[Entry]) -> Entry:
-    """Of one part by several placers: the entry that misses no clock, then the one of the faster core, with what the others reach beside it."""
-    best = max(entries, key=lambda e: (not missed_clocks(e), e["fmax_mhz"]["median"]))
-    if others := {e.get("placer", DEFAULT_PLACER): e["fmax_mhz"]["median"] for e in entries if e is not best}:
-        best["other_placers"] = others
+def fastest(placed: Mapping[str, Entry | None], name: str) -> Entry:
+    """Of one part by several placers: the entry that misses no clock, then the one of the faster core, with the clocks by the others beside it."""
+    best = max((e for e in placed.values() if e), key=lambda e: (not missed_clocks(e), e["fmax_mhz"]["median"]), default=None)
+    if best is None:
+        raise NoEnd(f"{name}: nextpnr does not end by any placer")
+    if len(placed) > 1:
+        best["other_placers"] = {placer: e["clocks"] if e else {} for placer, e in placed.items() if e is not best}
     return best
 
 
@@ -127,15 +137,15 @@ def table(entries: Sequence[Entry]) -> str:
         fmax = ["–", "–", "–"]
         if f := e.get("fmax_mhz"):
             fmax = [f"{f['median']:.1f}", f"{f['low']:.1f} – {f['high']:.1f}", str(len(e["seeds"]))]
-        missed = ", ".join(f"{c['median']:.1f} of {c['constraint']:g}" for _, c in missed_clocks(e))
-        missed = f" (MISSED: {missed})" if missed else ""
+        short = ", ".join(f"{c['median']:.1f} of {c['constraint']:g}" for _, c in missed_clocks(e))
+        short = f" (MISSED: {short})" if short else ""
         rows.append([f"`{e['name']}`"] + [f"{e['resources'][r]:,}" for r in resources] + fmax +
-                    [f"{e['constraint_mhz']:g}" + missed, f"{full['resource']} {full['used']:,} of {full['of']:,}"])
+                    [f"{e['constraint_mhz']:g}" + short, f"{full['resource']} {full['used']:,} of {full['of']:,}"])
     placers = sorted({seed["placer"] for e in entries for seed in e["seeds"]} - {DEFAULT_PLACER})
     by_others = "".join(f"\nPlaced by nextpnr's {placer} placer: "
                         f"{', '.join('`' + e['name'] + '`' for e in entries if placer in {seed['placer'] for seed in e['seeds']})}.\n"
                         for placer in placers)
-    by_others += "".join(f"\nBy the {placer} placer {', '.join(reached)} MHz.\n" for placer, reached in slower(entries).items())
+    by_others += "".join(f"\nBy the {placer} placer: {', '.join(reached)}.\n" for placer, reached in slower(entries).items())
     if not any(e.get("estimated") for e in entries):
         return markdown(rows, [""] + resources + ["Fmax, MHz", "range", "seeds", "constraint", "fullest"]) + by_others
     return (markdown(rows, [""] + resources + ["tool's estimate, MHz", "range", "seeds", "asked for", "fullest"]) +
@@ -147,8 +157,11 @@ def slower(entries: Sequence[Entry]) -> dict[str, list[str]]:
     """What parts reach by placers that were tried and are not those of the table, by the placer."""
     found: dict[str, list[str]] = {}
     for e in entries:
-        for placer, mhz in e.get("other_placers", {}).items():
-            found.setdefault(placer, []).append(f"`{e['name']}` reaches {mhz:.1f}")
+        for placer, clocks in e.get("other_placers", {}).items():
+            core = core_clock(clocks, e["constraint_mhz"])
+            short = [f"{clock_name(net)} {c['median']:.1f} of {c['constraint']:g}" for net, c in missed(clocks) if c is not core]
+            found.setdefault(placer, []).append(f"`{e['name']}` " + ("does not end" if core is None else f"{core['median']:.1f} MHz") +
+                                                (f" (MISSED: {', '.join(short)})" if short else ""))
     return found
 
 
@@ -172,7 +185,7 @@ def parser() -> argparse.ArgumentParser:
                         "that 6 does not finish. The result is always analysed at grade 6")
     p.add_argument("--placer", choices=(*PLACERS, "best"),
                    help="of nextpnr (default: heap on an ECP5, static on an Artix-7); static leaves shorter wires in wide tops; best places by "
-                        "both, and of each part the one of the faster median stands, with what the other reaches")
+                        "both, and of each part the one stands that misses no clock, then the one of the faster median, beside what the other reaches")
     p.add_argument("--synthesis-only", action="store_true", help="counts alone")
     only = p.add_mutually_exclusive_group()
     only.add_argument("--tools", action="store_true", help="only say which tools there are, or what is missing")
@@ -221,6 +234,8 @@ def options() -> tuple[Options, list[str] | None, dict[Path, str]]:
         p.error("--route-speed is the ulx3s-85f's")
     if o.placer and not board.family.placer:
         p.error(f"--placer: {board.name} has no choice of one")
+    if o.placer == "best" and board.family.estimated:
+        p.error(f"--placer best: clocks of {board.name} are the tool's estimate, by which no placer is better; expected {' or '.join(PLACERS)}")
     if first_seed + seeds - 1 > LAST_SEED:
         p.error(f"--seeds: the last one is {first_seed + seeds - 1}, expected at most {LAST_SEED}")
     asked = o.units.split(",") if o.units is not None else None
@@ -285,7 +300,7 @@ def main() -> int:
     for page, mark in pages.items():
         # Each entry is of the package that is there.
         replace_between(page, mark, section(text, by, o.plan, {e["name"]: netlist_digest(folder / e["name"]) for e in entries}))
-    missed = [(e["name"], clock, c) for e in entries for clock, c in missed_clocks(e)]
-    for name, clock, c in missed:
+    short = [(e["name"], clock, c) for e in entries for clock, c in missed_clocks(e)]
+    for name, clock, c in short:
         warn(f"{name}: {clock} reaches {c['median']:.1f} MHz, constrained to {c['constraint']:.1f} MHz")
-    return 1 if missed else 0
+    return 1 if short else 0

@@ -37,11 +37,11 @@ class Measured(TypedDict):
 
 class Entry(Measured, total=False):
     """A unit, or the board. fmax_mhz: of the core's clock; met: no clock's median misses its constraint; estimated: the tool's
-    estimate, which neither meets nor misses anything; unrouted: seeds with which nextpnr did not come to an end; other_placers: of the
-    core's clock by placers that were tried too."""
+    estimate, which neither meets nor misses anything; unrouted: seeds with which nextpnr did not come to an end; other_placers: the
+    clocks by placers that were tried too, none where nextpnr did not end."""
     route_speed: int
     placer: str
-    other_placers: dict[str, float]
+    other_placers: dict[str, dict[str, ClockSpread]]
     clocks: dict[str, ClockSpread]
     fmax_mhz: Spread
     met: bool
@@ -83,6 +83,12 @@ def core_clocks(clocks: Mapping[str, ClockSpread], mhz: float) -> set[str]:
     return {net for net in same if clock_name(net) == BOARD_CORE} or same
 
 
+def core_clock(clocks: Mapping[str, ClockSpread], mhz: float) -> ClockSpread | None:
+    """The slowest of a core's clocks."""
+    core = [clocks[net] for net in core_clocks(clocks, mhz)]
+    return min(core, key=lambda c: c["median"]) if core else None
+
+
 def add_placements(entry: Entry, placed: list[Placement], where: Path) -> None:
     """Puts what the seeds gave into an entry. Beside a board's core there may be a clock of the SDRAM, made by the same PLL."""
     entry["seeds"], entry["clocks"] = placed, {}
@@ -90,17 +96,19 @@ def add_placements(entry: Entry, placed: list[Placement], where: Path) -> None:
         achieved = [p["clocks"][clock]["achieved"] for p in placed]
         entry["clocks"][clock] = {"constraint": constrained(first), "median": median(achieved), "low": min(achieved),
                                   "high": max(achieved)}
-    core = [entry["clocks"][net] for net in core_clocks(entry["clocks"], entry["constraint_mhz"])]
-    if not core:
+    slowest = core_clock(entry["clocks"], entry["constraint_mhz"])
+    if slowest is None:
         raise Failure(f"{where}: no clock is constrained to {entry['constraint_mhz']} MHz")
-    slowest = min(core, key=lambda c: c["median"])
     entry["fmax_mhz"] = {"median": slowest["median"], "low": slowest["low"], "high": slowest["high"]}
     if not entry.get("estimated"):
         entry["met"] = not missed_clocks(entry)
 
 
+def missed(clocks: Mapping[str, ClockSpread]) -> list[tuple[str, ClockSpread]]:
+    """The clocks whose median misses what they are constrained to."""
+    return [(name, c) for name, c in clocks.items() if c["median"] < c["constraint"]]
+
+
 def missed_clocks(entry: Entry) -> list[tuple[str, ClockSpread]]:
-    """The clocks whose median misses what they are constrained to; an estimate does not."""
-    if entry.get("estimated"):
-        return []
-    return [(name, c) for name, c in entry.get("clocks", {}).items() if c["median"] < c["constraint"]]
+    """The clocks of an entry that are missed; an estimate misses nothing."""
+    return [] if entry.get("estimated") else missed(entry.get("clocks", {}))

@@ -144,9 +144,14 @@ def place(folder: Path, top: str, seed: int, tools: Tools, route_speed: int | No
     return placed
 
 
-def placements(name: str, seeds: Sequence[int], placer: str, place_one: Callable[[int, str], Found | None]) -> list[Found]:
+class NoEnd(Failure):
+    """nextpnr does not come to an end with any seed."""
+
+
+def placements(name: str, seeds: Sequence[int], placer: str, place_one: Callable[[int, str], Found | None],
+               else_default: bool = True) -> list[Found]:
     """What place_one(seed, placer) gives for each seed, None where nextpnr does not come to an end: a further seed is taken for it, when
-    there have been SPARE_SEEDS of these, the default placer, and where that does not end either, the others have to do."""
+    there have been SPARE_SEEDS of these, the default placer if it may be, and where that does not end either, the others have to do."""
     placed, waiting, spare = [], list(seeds), SPARE_SEEDS
     for seed in waiting:  # which grow meanwhile
         say(f"{name}: seed {seed}" + (f", {placer} placer" if placer != DEFAULT_PLACER else ""))
@@ -156,7 +161,7 @@ def placements(name: str, seeds: Sequence[int], placer: str, place_one: Callable
             waiting.append(waiting[-1] + 1)
             spare -= 1
             continue
-        if found is None and placer != DEFAULT_PLACER:
+        if found is None and else_default and placer != DEFAULT_PLACER:
             say(f"{name}: seed {seed}: nextpnr does not end; takes the default placer")
             found = place_one(seed, DEFAULT_PLACER)
         if found is None:
@@ -164,5 +169,5 @@ def placements(name: str, seeds: Sequence[int], placer: str, place_one: Callable
             continue
         placed.append(found)
     if not placed:
-        raise Failure(f"{name}: nextpnr does not end with any seed of {', '.join(map(str, waiting))}")
+        raise NoEnd(f"{name}: nextpnr does not end with any seed of {', '.join(map(str, waiting))}")
     return placed

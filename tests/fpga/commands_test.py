@@ -132,9 +132,11 @@ class Reports(Commands):
 
     def test_the_placer_by_which_a_part_is_faster(self) -> None:
         board = read_board("ulx3s-85f")
-        core, sdram = {"heap": 70.0, "static": 80.0}, {"heap": 110.0, "static": 105.0}
+        core, sdram, endless = {"heap": 70.0, "static": 80.0}, {"heap": 110.0, "static": 105.0}, set[str]()
 
-        def place(_: Path, __: str, seed: int, ___: Tools, ____: int | None, placer: str) -> Placement:
+        def place(_: Path, __: str, seed: int, ___: Tools, ____: int | None, placer: str) -> Placement | None:
+            if placer in endless:
+                return None
             return {"seed": seed, "placer": placer, "utilization": {}, "clocks": {"$glbnet$clk": {"achieved": core[placer] + seed, "constraint": 50.0},
                                                                                   "clk_sdram": {"achieved": sdram[placer], "constraint": 100.0}}}
 
@@ -144,15 +146,37 @@ class Reports(Commands):
                     mock.patch.object(measure, "synthesise", return_value={**{name: 1 for name in board.family.cells}, "LUT-eq": 1}):
                 return measure.measure_in(o, self.folder / "board", TOOLS)
 
+        def placed(entry: Entry) -> tuple[float, str, set[str]]:
+            return entry["fmax_mhz"]["median"], entry.get("placer", "heap"), {seed["placer"] for seed in entry["seeds"]}
+
         alone = found("heap")
-        self.assertEqual((alone["fmax_mhz"]["median"], "placer" in alone, "other_placers" in alone), (72, False, False))
+        self.assertEqual(placed(alone), (72, "heap", {"heap"}))
+        self.assertNotIn("other_placers", alone)
+        self.assertNotIn("placer", measure.table([alone]))
         both = found("heap", "static")
-        self.assertEqual((both["fmax_mhz"]["median"], both["placer"], both["other_placers"]), (82, "static", {"heap": 72}))
-        self.assertIn("\nPlaced by nextpnr's static placer: `board`.\n\nBy the heap placer `board` reaches 72.0 MHz.\n", measure.table([both]))
+        self.assertEqual(placed(both), (82, "static", {"static"}))
+        self.assertEqual(both["other_placers"]["heap"]["$glbnet$clk"], {"constraint": 50, "median": 72, "low": 71, "high": 73})
+        self.assertIn("\nPlaced by nextpnr's static placer: `board`.\n\nBy the heap placer: `board` 72.0 MHz.\n", measure.table([both]))
+        report = self.folder / "report.json"
+        write_json(report, {"board": "b", "plan": "0", "versions": {}, "entries": [both]})
+        self.assertEqual(measure.read_entries(report), [both])
         sdram["static"] = 99  # a clock that is missed weighs more than a faster core
         both = found("heap", "static")
-        self.assertEqual((both["fmax_mhz"]["median"], "placer" in both, both["other_placers"]), (72, False, {"static": 82}))
+        self.assertEqual(placed(both), (72, "heap", {"heap"}))
         self.assertTrue(both["met"])
+        self.assertIn("\nBy the static placer: `board` 82.0 MHz (MISSED: clk_sdram 99.0 of 100).\n", measure.table([both]))
+        endless.add("heap")  # no seed of the one placer stands for the other
+        self.assertEqual(placed(found("heap", "static")), (82, "static", {"static"}))
+        self.assertIn("\nBy the heap placer: `board` does not end.\n", measure.table([found("heap", "static")]))
+        endless.symmetric_difference_update({"heap", "static"})
+        both = found("heap", "static")
+        self.assertEqual((placed(both), both["other_placers"]), ((72, "heap", {"heap"}), {"static": {}}))
+        self.assertEqual(placed(found("static")), (74, "static", {"heap"}))  # alone, seeds 3 to 5 by the default placer
+        endless.add("heap")
+        with self.assertRaisesRegex(Failure, "^board: nextpnr does not end by any placer$"):
+            found("heap", "static")
+        with self.assertRaisesRegex(Failure, "^board: nextpnr does not end with any seed of 1, 2, 3, 4, 5$"):
+            found("heap")
 
     def test_a_report_that_is_none(self) -> None:
         report = self.folder / "report.json"
