@@ -159,7 +159,7 @@ def slower(entries: Sequence[Entry]) -> dict[str, list[str]]:
     for e in entries:
         for placer, clocks in e.get("other_placers", {}).items():
             core = core_clock(clocks, e["constraint_mhz"])
-            short = [f"{clock_name(net)} {c['median']:.1f} of {c['constraint']:g}" for net, c in missed(clocks) if c is not core]
+            short = [("" if c is core else f"{clock_name(net)} ") + f"{c['median']:.1f} of {c['constraint']:g}" for net, c in missed(clocks)]
             found.setdefault(placer, []).append(f"`{e['name']}` " + ("does not end" if core is None else f"{core['median']:.1f} MHz") +
                                                 (f" (MISSED: {', '.join(short)})" if short else ""))
     return found

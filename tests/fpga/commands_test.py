@@ -165,6 +165,9 @@ class Reports(Commands):
         self.assertEqual(placed(both), (72, "heap", {"heap"}))
         self.assertTrue(both["met"])
         self.assertIn("\nBy the static placer: `board` 82.0 MHz (MISSED: clk_sdram 99.0 of 100).\n", measure.table([both]))
+        core["static"] = 40
+        self.assertIn("`board` 42.0 MHz (MISSED: 42.0 of 50, clk_sdram 99.0 of 100).\n", measure.table([found("heap", "static")]))
+        core["static"] = 80
         endless.add("heap")  # no seed of the one placer stands for the other
         self.assertEqual(placed(found("heap", "static")), (82, "static", {"static"}))
         self.assertIn("\nBy the heap placer: `board` does not end.\n", measure.table([found("heap", "static")]))
