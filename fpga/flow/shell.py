@@ -41,12 +41,16 @@ def warn(text: str) -> None:
 
 def exit_with(main: Callable[[], int]) -> NoReturn:
     """Runs a command's main; a Failure is told in its sentence and ends it with status 1, a UsageError with 2. A signal that ends it ends
-    what it started too."""
+    what it started too, also that nobody reads what it says any more."""
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         if signal.getsignal(number) is not signal.SIG_IGN:  # as nohup has it of SIGHUP
             signal.signal(number, end_programs)
     try:
-        sys.exit(main())
+        status = main()
+        sys.stdout.flush()
+        sys.exit(status)
+    except BrokenPipeError:
+        end_programs(signal.SIGPIPE)
     except Failure as failure:
         warn(str(failure))
         sys.exit(2 if isinstance(failure, UsageError) else 1)
@@ -59,8 +63,10 @@ class Programs:
     guard = threading.RLock()  # not to be left out where it is started as the signal comes
 
 
-def end_programs(number: int, _: FrameType | None) -> NoReturn:
-    """Of a signal: ends all that runs, such as hours of routing that nothing would wait for any more, and the command."""
+def end_programs(number: int, _: FrameType | None = None) -> NoReturn:
+    """Of a signal, or as of one: ends all that runs, such as hours of routing that nothing would wait for any more, and the command."""
+    if number == signal.SIGPIPE:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # for what is not written yet
     with Programs.guard:
         Programs.ended = True
         for running in Programs.running:

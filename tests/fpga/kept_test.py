@@ -41,6 +41,27 @@ def main():
     return 0
 exit_with(main)
 """
+TALKS = """import sys
+sys.path.insert(0, sys.argv[1])
+import time
+from pathlib import Path
+from flow.jobs import each
+from flow.shell import exit_with, run, say
+def work(name):
+    if name == "works":
+        run(["sh", "-c", f"echo $$ >{sys.argv[2]}/works; sleep 600; true"])
+    while not Path(sys.argv[2], "read").is_file():
+        time.sleep(0.02)
+    say("to nobody")
+def main():
+    say("begins")
+    if sys.argv[3] == "alone":
+        work("talks")
+    else:
+        each(2, work, ["works", "talks"])
+    return 0
+exit_with(main)
+"""
 # Writes all that nextpnr would, and misses a clock.
 MISSES = """#!/bin/sh
 while [ $# -gt 0 ]; do
@@ -153,6 +174,27 @@ class Ended(InFolder):
                 self.wait_for("the end of the program and its children", lambda: not alive(leader))
                 self.assertFalse(second.exists(), "the next job is not begun")
                 first.unlink()
+
+    def test_a_command_that_nobody_hears_ends(self) -> None:
+        for workers in ("alone", "two"):
+            with self.subTest(workers):
+                works, read = self.folder / "works", self.folder / "read"
+                running = subprocess.Popen([sys.executable, "-B", "-c", TALKS, str(ROOT / "fpga"), str(self.folder), workers],
+                                           stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+                assert running.stdout and running.stderr
+                self.addCleanup(running.stderr.close)
+                self.addCleanup(running.kill)
+                self.assertRegex(running.stdout.readline(), ": begins$")
+                if workers == "two":
+                    self.wait_for("a program", lambda: works.is_file() and works.read_text().endswith("\n"))
+                running.stdout.close()
+                read.touch()
+                self.assertEqual(running.wait(WAITED), 128 + signal.SIGPIPE)
+                self.assertEqual(running.stderr.read(), "")
+                if workers == "two":
+                    leader = int(works.read_text())
+                    self.wait_for("the end of the program and its children", lambda: not alive(leader))
+                read.unlink()
 
     def test_one_at_a_time(self) -> None:
         lock, done = self.folder / "lock", threading.Event()
