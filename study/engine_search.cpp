@@ -49,7 +49,7 @@ constexpr size_t kEvenedOut = 128;
 // waste none of them.
 constexpr int kSharedLines[] = {512, 1024}, kPools[] = {2032, 4080, 8176, 12272};
 // Of a gatherer's own cache. None before block RAM alone: each leaf of all gatherers would pass the
-// one port of the cache before an SDRAM, and no such engine was routed.
+// one port of the cache before an SDRAM; two gatherers of k = 50 bear it, which is not searched.
 constexpr int kLeafCacheLines[] = {0, 16, 32, 64, 128};
 
 using Order = std::vector<uint32_t>;

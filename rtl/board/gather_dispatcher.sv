@@ -6,7 +6,7 @@
 // The order of deal waits in a FIFO; results are fetched by it into a FIFO of 16. Where a query wants photons and its
 // result says that it has some, the gatherer's number goes on into the order of photons. That FIFO holds every query that
 // can have photons waiting, so photons never hold up results; results that nobody takes hold up photons of queries 16
-// results on. Each gatherer gives both streams in the order of its queries, and the query that is next in either order is
+// results on, from far 14. Each gatherer gives both streams in the order of its queries, and the query that is next in either order is
 // the oldest of its gatherer: so there is always one that can go on (docs/gather_cluster.md).
 //
 // Each stream from and to a gatherer passes a skid buffer here, so no path leads from one gatherer through the dispatcher

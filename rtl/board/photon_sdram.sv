@@ -4,7 +4,7 @@
 // the power of two not under a line's bytes.
 //
 // Line ports are those of photon_gatherer, side by side, gatherer 0 lowest; a beat holds whole photons. A line from the cache
-// comes 10 cycles after its request where nobody else asks, a beat a cycle. The SDRAM and its clock are behind sdram_lines.
+// comes 8 cycles after its request where nobody else asks, a beat a cycle. The SDRAM and its clock are behind sdram_lines.
 //
 // With photonloom_pkg::Parity the cache has parity, and a beat of a reply one bit more, the highest: it is not right, or the
 // line asked for is beyond its map.

@@ -3,7 +3,7 @@
 // asks for that and there is room. Golden: golden/unit/irradiance_cache.cpp; definition: docs/irradiance_cache.md.
 //
 // A lookup goes through the tile's records, one a cycle, then takes one cycle more: n + 1 cycles with n records, and no
-// fewer than 16, since a lookup ends only when the one before has been decided. Latency 15 cycles from its last record.
+// fewer than 15, or 16 behind one that made a record, since a lookup ends only when the one before has been decided. Latency 15 cycles from its last record.
 module irradiance_cache #(
     parameter int unsigned Records = photonloom_pkg::CacheRecords,
     parameter int unsigned Hits = photonloom_pkg::CacheHits,

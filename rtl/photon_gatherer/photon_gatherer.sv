@@ -2,7 +2,7 @@
 // The photon gatherer: for each query the K photons of its map nearest to it in (d2, index) among those within r2_max
 // and on the side of its normal, their exact sum of power, and on request the photons themselves. Results leave in the
 // order of the queries, photons in the order of the queries that want them; neither stream ever waits for the other.
-// Mirrors search() of golden/unit/photon_gatherer.cpp, with equal counts of nodes, leaves and insertions.
+// Mirrors search_gather of golden/unit/photon_gatherer.cpp, with equal counts of nodes, leaves and insertions.
 //
 // Wires: a query starts, its tree gives its leaves one by one, each is searched, and when the tree has no more its
 // answers are made. Up to Contexts queries are in flight. Each is at any time in one place: descending through inner
@@ -11,7 +11,7 @@
 // that takes one a cycle, of two Levels two nodes of one descent. Of trees, lists and sums there may be several: number n of
 // N has the contexts c with c % N = n. docs/photon_gatherer.md has the drawing, the modules, the address map of cfg_*, and the figures.
 //
-// Latency: about 3 cycles an inner node, 3 for one or two stack entries, 40 a leaf in the cache, 1 a candidate.
+// Latency: about 3 cycles an inner node, 3 for one or two stack entries, about 27 a leaf in the cache, 1 a candidate.
 // Throughput: cycles per query near max(inner nodes / Trees, of two Levels two thirds of them, Bucket / Lanes * leaves,
 // insertions / Lists, (K + 1) / Sums).
 module photon_gatherer #(

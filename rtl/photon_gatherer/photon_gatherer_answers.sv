@@ -7,8 +7,8 @@
 //
 // The slot store of a list is read by its sum, else by the photons. What belongs to the context is read when the sum
 // takes it, since the context may start anew before the sum is out. A query takes count + 1 cycles of its sum, and
-// where there are several up to Sums - 1 more; latency count + 8 from its turn to the end of its sum, where there are several
-// or where they are many and far (ManyContexts) count + 9. Mirrors the end of search_gather in golden/unit/photon_gatherer.cpp.
+// where there are several up to Sums - 1 more; latency count + 6 from its turn to the end of its sum, where there are several
+// or where they are many and far (ManyContexts) count + 7. Mirrors the end of search_gather in golden/unit/photon_gatherer.cpp.
 module photon_gatherer_answers #(
     parameter int unsigned Contexts = 16,
     parameter int unsigned Trees = 1,

@@ -209,7 +209,7 @@ module photon_gatherer_leaves #(
   logic [2*Lists*Lanes*DirectionBits-1:0] directions;
   logic [Lists*Lanes*LoadBits-1:0] loads;
 
-  // Of far gatherers with a leaf cache, those before an SDRAM, it is late whether a beat waits and whether it is kept.
+  // Of far gatherers with a leaf cache, as most before an SDRAM have, it is late whether a beat waits and whether it is kept.
   localparam bit ReadAlways = Wide || (photonloom_pkg::FarGatherers != 0 && Sets != 0);
 
   photon_gatherer_beats #(

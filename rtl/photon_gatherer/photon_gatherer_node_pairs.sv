@@ -10,7 +10,7 @@
 //   behind it, without stall: offsets | squares | two sums | (factor E) | stack write, for each bank of the stack; what leaves is
 //   registered
 //
-// Entries are in the stack 7 cycles after their nodes' stage 2. With Parity each node of a word has a parity bit, the highest; one
+// Entries are in the stack 6 cycles after their nodes' stage 2. With Parity each node of a word has a parity bit, the highest; one
 // that was used and is not right is told a cycle after stage 2.
 module photon_gatherer_node_pairs #(
     parameter int unsigned PositionBits = 16,

@@ -7,7 +7,7 @@
 //   stage 0  node memory address     1  its output; query and offsets     2  compare, choose, near child back to 0
 //   behind it, without stall: offsets | squares | two sums | (factor E) | stack write; what leaves is registered
 //
-// An entry is in the stack 7 cycles after its node's stage 2; its query takes longer to come back from the leaf. With Parity
+// An entry is in the stack 6 cycles after its node's stage 2; its query takes longer to come back from the leaf. With Parity
 // a word of the node memory has a parity bit, the highest; one that is not right is told a cycle after stage 2.
 module photon_gatherer_nodes #(
     parameter int unsigned PositionBits = 16,

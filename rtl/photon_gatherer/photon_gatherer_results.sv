@@ -12,7 +12,7 @@
 // Of one sum and far from block RAM (Far) what a query finished with is kept in halves (block_ram_halves): sums end at least two
 // cycles apart, and the head slot stands longer than it takes.
 //
-// Latency from finish to output 4 cycles, with a reciprocal 5 more than that takes; one result each 3 cycles at best, of several
+// Latency from finish to output 3 cycles, with a reciprocal 3 more than that takes; one result each 3 cycles at best, of several
 // sums, Wide and where results come from far a cycle more of each, in halves two.
 module photon_gatherer_results #(
     parameter int unsigned Slots = 64,

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Exact flux of finished queries: reads the n loads of a context from the slot store, one a cycle, decodes
 // mantissa * 2^exponent (a multiplier by a power of two, then one step of 16) and adds. Queries follow each other
-// without a gap but the cycle in which the next is taken, in which the sum is cleared too. Latency n + 8. What
+// without a gap but the cycle in which the next is taken, in which the sum is cleared too. Latency n + 6, of none 7. What
 // else is to go with the sum rides along, so the query's context is free when its last load is read.
 //
 // Of Sums such modules each ends its queries in cycles of its own, every Sums-th: it waits with the last load, or with the
