@@ -341,3 +341,25 @@ TEST_CASE("a bad policy and RTL that does not elaborate are clear errors") {
   CHECK_THROWS_WITH(make_rtl_reorder_buffer(plan(), o),
                     ContainsSubstring("is no folder, expected the RTL sources"));
 }
+
+TEST_CASE("a report's command shows its cycle, also where a waveform missed it") {
+  CompareContext context;
+  context.unit = "reorder_buffer";
+  context.rerun = "bench";
+  CHECK(again_text(context, 5000) ==
+        "  again, with a waveform of the window around it:\n    bench --wave reorder_buffer.fst "
+        "--wave-unit reorder_buffer --wave-cycles 4000:5050\n    gtkwave reorder_buffer.fst");
+  RunOptions options;
+  options.waveform = "a.fst";
+  options.waveform_from = 4000;
+  options.waveform_to = 5050;
+  context.writes(options);
+  for (const uint64_t cycle : {4000, 5050})
+    CHECK(again_text(context, cycle) == "  in the waveform that is written:\n    gtkwave a.fst");
+  for (const uint64_t cycle : {3999, 5051}) {
+    const std::string text = again_text(context, cycle);
+    CHECK(text.starts_with("  not in the waveform, which has cycles 4000 to 5050: "));
+    CHECK(text.ends_with(" --wave-cycles " + std::to_string(cycle - 1000) + ":" +
+                         std::to_string(cycle + 50) + "\n    gtkwave reorder_buffer.fst"));
+  }
+}

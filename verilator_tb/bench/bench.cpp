@@ -42,6 +42,7 @@ struct BenchCommand {
   bool one_policy = false, list = false, soak = false;
   RigFlags rig;
   bool own_policy = false;
+  std::string given;  // options as they were, that every case has
 };
 
 // How many cycles after its first packet a run is reset: any of 400.
@@ -102,6 +103,8 @@ void run_cases(const std::string& program, const Bench& bench, const BenchPlan& 
         context.rerun += " --yosys " + model_tools::shell_word(options.yosys);
       if (!options.netlist.empty())
         context.rerun += " --netlist " + model_tools::shell_word(options.netlist);
+      context.rerun += command.given;
+      context.writes(options);
       options.seed = command.seed;
       BenchRandom random(command.seed, unit + "/" + c.name);
       const uint64_t cycles_before = totals.cycles;
@@ -239,6 +242,10 @@ int bench_main(int argc, char** argv, const Bench& bench) {
   }
   for (const char* flag : {"--stall", "--stall-in", "--stall-out", "--stall-memory", "--latency"})
     command.own_policy |= app.count(flag) > 0;
+  for (const char* flag : {"--banks", "--bank-cycles", "--watchdog", "--work"})
+    if (app.count(flag) > 0)
+      command.given += fmt::format(
+          " {} {}", flag, model_tools::shell_word(app.get_option(flag)->as<std::string>()));
   if (command.list) {
     for (const BenchPlan& p : bench.plans) fmt::print("plan {}\n", p.name);
     for (const BenchCase& c : bench.cases) fmt::print("case {}\n", c.name);

@@ -8,12 +8,29 @@
 
 namespace photonloom {
 
+void CompareContext::writes(const RunOptions& options) {
+  written = options.waveform;
+  written_from = options.waveform_from;
+  written_to = options.waveform_to;
+}
+
 std::string again_text(const CompareContext& context, std::optional<uint64_t> cycle) {
   if (context.rerun.empty()) return "";
   if (context.waveform.empty()) return "  again:\n    " + context.rerun;
+  std::string begin = "  again, with a waveform";
+  if (!context.written.empty() && cycle) {
+    if (context.written_from <= *cycle && *cycle <= context.written_to)
+      return "  in the waveform that is written:\n    gtkwave " + context.written;
+    // Registers that no reset sets begin with values drawn in the order that a model has them, and
+    // one that writes waveforms has more.
+    begin = fmt::format(
+        "  not in the waveform, which has cycles {} to {}: a model that writes one "
+        "begins with other values of what no reset sets; again, with a waveform",
+        context.written_from, context.written_to);
+  }
   const std::string file = context.unit + "." + context.waveform;
   std::string text =
-      fmt::format("  again, with a waveform{}:\n    {} --wave {} --wave-unit {}",
+      fmt::format("{}{}:\n    {} --wave {} --wave-unit {}", begin,
                   cycle ? " of the window around it" : "", context.rerun, file, context.unit);
   if (cycle)
     text += fmt::format(" --wave-cycles {}:{}", *cycle > 1000 ? *cycle - 1000 : 0, *cycle + 50);

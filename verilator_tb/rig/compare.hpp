@@ -16,6 +16,8 @@
 
 namespace photonloom {
 
+struct RunOptions;
+
 // The first wrong packet; what() is the whole report.
 struct Divergence : std::runtime_error {
   Divergence(const std::string& report, uint64_t at_cycle)
@@ -31,15 +33,18 @@ struct CompareContext {
   // and no seed.
   std::string waveform = "fst";
   uint64_t seed = 1;
-  std::string plan;   // name or hash
-  std::string rerun;  // command line that repeats the run, without waveform options
+  std::string plan;     // name or hash
+  std::string rerun;    // command line that repeats the run, without waveform options
+  std::string written;  // file of the waveform that this run writes; empty: none
+  uint64_t written_from = 0, written_to = 0;  // its cycles
+  void writes(const RunOptions& options);     // sets these
   bool keep_going = false;
   Timeline* timeline = nullptr;  // filled where there is one
 };
 
 // The end of a report: the command that repeats the run, with a waveform where the backend writes
-// one, of the cycles around `cycle` where that is known, and the one that shows it. Empty where the
-// context has no command.
+// one, of the cycles around `cycle` where that is known, and the one that shows it; the latter
+// alone where the run wrote it. Empty where the context has no command.
 std::string again_text(const CompareContext& context, std::optional<uint64_t> cycle);
 
 // Compares one output stream. Packets are handed over as arrays of C++ structs.
