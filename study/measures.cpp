@@ -104,10 +104,9 @@ void PointRun::prepare() {
     auto& pass = passes_[is_caustic];
     pass = std::make_shared<const PhotonPass>();
     if (map.present) {
-      // The path that fills a map is stored whole, and another seed's may be longer than the plan's
-      // addresses reach.
-      const uint64_t room =
-          (uint64_t{1} << plan_.line_bits()) * static_cast<uint64_t>(plan_.bucket);
+      // The path that fills a map is stored whole, and of another seed there may be more photons
+      // than the plan's lines hold.
+      const uint64_t room = plan_.room(map);
       for (uint64_t stored = map.photons;;) {
         pass = scene_.photons(is_caustic, stored, seed_);
         if (pass->photons.size() <= room) break;

@@ -12,6 +12,8 @@
 #include "golden/pipeline/prepare.hpp"
 #include "golden/planner/plan_fit.hpp"
 #include "golden/planner/planner.hpp"
+#include "golden/unit/pack_photons.hpp"
+#include "golden/unit/photon_lines.hpp"
 #include "verilator_tb/model/tools.hpp"
 
 namespace photonloom {
@@ -113,6 +115,17 @@ PointPlan plan_of_point(StudyScene& scene, const Study& study, const LineValues&
                                           passes[1] ? *passes[1] : none);
       !why.empty())
     throw PlanError("plan: " + why);
+  if (planned.plan.compressed())  // whether the lines have room shows with the map alone
+    for (const bool is_caustic : {false, true})
+      if (passes[is_caustic]) {
+        PackCounts counts;
+        const MapPlan& map = planned.plan.map(is_caustic);
+        photon_lines(
+            planned.plan,
+            build_photon_map(pack_photons(passes[is_caustic]->photons, planned.plan, map, &counts),
+                             planned.plan),
+            is_caustic);
+      }
   PointPlan result{std::move(planned.plan), std::move(planned.reasons), {}};
   result.command = fmt::format(
       "photonloom plan {} -o plan.toml --size {}x{} --seed {} --spp {} --gather-rays {} --photons "

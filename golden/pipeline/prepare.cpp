@@ -68,12 +68,12 @@ void check_plan_fits(const PreparedFrame& frame, const std::string& file) {
     throw PlanError(fmt::format("{}: {}", file, why));
   for (const bool is_caustic : {false, true}) {
     const PhotonPass& pass = is_caustic ? frame.caustic_pass : frame.global_pass;
-    const uint64_t room = (uint64_t{1} << plan.line_bits()) * static_cast<uint64_t>(plan.bucket);
+    const uint64_t room = plan.room(plan.map(is_caustic));
     if (pass.photons.size() > room)
       throw PlanError(
           fmt::format("{}: {}.photons is {}, expected at least {}: so many are stored of this "
                       "scene and seed, the path that fills the map whole, and the plan's "
-                      "addresses reach {}",
+                      "lines hold {}",
                       file, is_caustic ? "caustic" : "global", plan.map(is_caustic).photons,
                       pass.photons.size(), room));
   }
@@ -208,7 +208,12 @@ PreparedFrame prepare_frame(std::unique_ptr<World> world, const FrameRequest& re
     PhotonMap& map = is_caustic ? frame.caustic : frame.global;
     map = build_photon_map(packed, frame.plan);
     // A map for which the plan has no room is told here, not when hardware is to hold it.
-    if (frame.plan.compressed()) photon_lines(frame.plan, map, is_caustic);
+    if (frame.plan.compressed()) try {
+        photon_lines(frame.plan, map, is_caustic);
+      } catch (const PlanError& error) {
+        throw PlanError(
+            fmt::format("{}: {}", from_file ? request.plan_file : "plan", error.what()));
+      }
     if (counts.zeroed > 0 || counts.saturated > 0)
       frame.warnings.push_back(fmt::format(
           "{} map: the power format makes {} photons zero and clips {} of {}",

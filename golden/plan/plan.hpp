@@ -154,6 +154,8 @@ struct Plan {
   uint64_t lines(const MapPlan& m) const {
     return (m.photons + static_cast<uint64_t>(bucket) - 1) / static_cast<uint64_t>(bucket);
   }
+  // Photons that they hold.
+  uint64_t room(const MapPlan& m) const { return lines(m) * static_cast<uint64_t>(bucket); }
   uint64_t max_photons() const { return std::max(global.photons, caustic.photons); }
   uint64_t max_lines() const { return std::max(lines(global), lines(caustic)); }
   int line_bits() const { return std::max(1, clog2(max_lines())); }
@@ -258,8 +260,8 @@ struct Plan {
     return candidates_per_cycle > 1 && list_code_bits() != 0 && bucket == 4 * lanes ? 20 : 16;
   }
   // Reciprocals that a gatherer makes at a time (rtl/photon_gatherer/photon_gatherer_results.sv), 0
-  // where results have none; else as many as sums, or more. One takes (W + 2) / 2 + 10 cycles at
-  // most, and of few photons a sum is done earlier, in k + 1. So of several trees and lists there
+  // where results have none; else as many as sums, or more. One takes some (W + 2) / 2 + 10
+  // cycles, and of few photons a sum is done earlier, in k + 1. So of several trees and lists there
   // are as many as keep up with a sum, at most as many as lists, in which queries take longest; and
   // without a leaf cache, where queries of three photons or fewer, or of four leaves or fewer, are
   // done as soon as one, two a sum.

@@ -666,6 +666,19 @@ TEST_CASE("the command beside a point writes its plan") {
   CHECK(o.out.find("(hash " + text_after("plan") + ")") != std::string::npos);
 }
 
+TEST_CASE("seeds that store more photons than a plan's lines hold take fewer paths") {
+  const Scratch s;
+  write_file(s / "study.toml",
+             "[study]\nname = \"few\"\nscenes = [\"" + source("scenes/cornell_balls.xml") +
+                 "\"]\nseeds = [1, 2, 3, 4, 5, 6, 7, 8]\nsize = \"8x8\"\n"
+                 "measure = [\"layouts\"]\n[gather]\ncycles = \"model\"\nqueries = 20\n"
+                 "[base]\nphotons = 45\ncaustic_photons = 200\nframe.spp = 1\n"
+                 "frame.gather_rays = 4\ngather.k = 8\n");
+  const auto o = run(command(s / "study.toml", s / "a"));
+  INFO(o.out << o.err);
+  CHECK(o.status == 0);
+}
+
 TEST_CASE("the command beside a point is a shell's") {
   const Scratch s;
   std::filesystem::create_directory_symlink(photonloom::test::source("scenes/meshes"),

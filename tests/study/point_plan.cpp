@@ -40,8 +40,18 @@ TEST_CASE("photons without padding have beats that fit them in either memory of 
 }
 
 TEST_CASE("compressed photons have no padding to take away") {
-  const Plan plan = plan_with({{"photon.lines", "compressed"}});
-  const Plan packed = plan_with({{"photon.lines", "compressed"}, {"packed", "true"}});
+  const LineValues lines{{"photon.lines", "compressed"}, {"photon.further_percent", "600"}};
+  const Plan plan = plan_with(lines);
+  LineValues without = lines;
+  without.emplace_back("packed", "true");
+  const Plan packed = plan_with(without);
   CHECK(plan_text(packed) == plan_text(plan));
   CHECK(smallest_stride(plan) > plan.photon_bytes);
+}
+
+TEST_CASE("compressed lines without room for the map are no plan") {
+  CHECK_THROWS_WITH(
+      plan_with(
+          {{"photon.lines", "compressed"}, {"photon.further_percent", "0"}, {"photons", "300"}}),
+      ContainsSubstring("expected photon.further_percent of at least"));
 }
