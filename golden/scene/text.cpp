@@ -2,19 +2,33 @@
 #include "golden/scene/text.hpp"
 
 #include <fmt/core.h>
+#include <locale.h>
+#include <stdlib.h>
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 
 namespace photonloom {
 namespace {
+
+// from_chars leaves a double alone that is nearer to 0 than any, as it does one that is too large.
+std::optional<double> nearly_zero(std::string_view text) {
+  static const locale_t c = newlocale(LC_ALL_MASK, "C", nullptr);
+  const double value = strtod_l(std::string(text).c_str(), nullptr, c);
+  if (std::fabs(value) > 1) return std::nullopt;
+  return value;
+}
 
 template <class Number>
 std::optional<Number> parse(std::string_view text) {
   if (text.size() > 1 && text[0] == '+' && text[1] != '-' && text[1] != '+') text.remove_prefix(1);
   Number value{};
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
+  if (end != text.data() + text.size()) return std::nullopt;
+  if constexpr (std::is_floating_point_v<Number>)
+    if (error == std::errc::result_out_of_range) return nearly_zero(text);
+  if (error != std::errc{}) return std::nullopt;
   return value;
 }
 

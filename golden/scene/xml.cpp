@@ -222,14 +222,25 @@ class Builder {
       if (included) return;
       fail(scene, "<scene> has no version, expected version=\"0.6.0\" or \"3.0.0\", say");
     }
-    const auto words = split(*version, ".");
-    const int64_t major = words.empty() ? -1 : parse_integer(words[0]).value_or(-1);
-    const int64_t minor = words.size() < 2 ? 0 : parse_integer(words[1]).value_or(-1);
-    const bool old = major == 0 && minor >= 3;
-    if (minor < 0 || (!old && major != 2 && major != 3))
+    std::vector<int64_t> numbers;
+    for (const std::string_view word : split(*version, "."))
+      numbers.push_back(parse_integer(word).value_or(-1));
+    const bool written_so = version->find_first_not_of("0123456789.") == std::string::npos &&
+                            std::count(version->begin(), version->end(), '.') + 1 ==
+                                static_cast<std::ptrdiff_t>(numbers.size());
+    const int64_t major = numbers.empty() ? -1 : numbers[0];
+    const int64_t minor = numbers.size() < 2 ? 0 : numbers[1];
+    const bool old = major == 0 && minor >= 3 && minor <= 6;
+    if (!written_so || (!old && major != 2 && major != 3))
       fail(scene,
            fmt::format("version '{}' is not supported, expected 0.3 to 0.6, 2.x or 3.x", *version));
-    if (included) return;
+    if (included) {
+      if (document_.new_dialect == old)
+        fail(scene, fmt::format("version '{}' has other rules than the scene that includes this "
+                                "file, expected {}",
+                                *version, old ? "2.x or 3.x" : "0.3 to 0.6"));
+      return;
+    }
     document_.new_dialect = !old;
     if (old) minor_ = minor;
   }
@@ -264,6 +275,7 @@ class Builder {
         while (end < text.size() &&
                (std::isalnum(static_cast<unsigned char>(text[end])) || text[end] == '_'))
           ++end;
+        if (end == i + 1) fail(element, "'$' stands before no name of a parameter");
         fail(element,
              fmt::format("parameter '{}' is not defined, expected a <default> before it or "
                          "-D {}=VALUE",

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "golden/numeric/elementary.hpp"
+#include "golden/scene/text.hpp"
 #include "golden/transport/emitters.hpp"
 #include "golden/transport/world.hpp"
 #include "tests/catch.hpp"
@@ -257,6 +258,46 @@ TEST_CASE("parameters: defaults, -D, substitution everywhere") {
              ContainsSubstring("'$x' is not defined"));
   CHECK_THAT(load_error(scene_text(body + kSensor + kLamp), {{"r", "3"}, {"r", "4"}}),
              ContainsSubstring("given twice"));
+}
+
+TEST_CASE("versions that are read are 0.3 to 0.6, 2.x and 3.x") {
+  for (const char* version : {"0.3", "0.4.0", "0.6.0", "2.1.0", "3.0.0", "3.6"}) {
+    INFO(version);
+    CHECK(load_error(scene_text(std::string(kSensor) + kLamp, version)) == "");
+  }
+  for (const char* version : {"", "0.2", "0.7", "0.9.1", "0.10", "0.60", "-0.6", "0.-6", "0..6",
+                              "0.6.", "1.0", "4.0", "0.6.0.junk", "3.0.0a", "3.x"}) {
+    INFO(version);
+    CHECK_THAT(load_error(scene_text(std::string(kSensor) + kLamp, version)),
+               ContainsSubstring("expected 0.3 to 0.6, 2.x or 3.x"));
+  }
+}
+
+TEST_CASE("an included file has the rules of the scene, or is refused") {
+  const TestFolder folder;
+  const std::string whole = std::string("<include filename=\"more.xml\"/>") + kSensor + kLamp;
+  folder.write("more.xml", scene_text("<bsdf type=\"diffuse\" id=\"b\"/>", "3.0.0"));
+  CHECK_THROWS_WITH(load_scene(folder.write("old.xml", scene_text(whole, "0.6.0"))),
+                    ContainsSubstring("more.xml:1: ") &&
+                        ContainsSubstring("version '3.0.0' has other rules") &&
+                        ContainsSubstring("expected 0.3 to 0.6"));
+  CHECK_NOTHROW(load_scene(folder.write("new.xml", scene_text(whole, "2.2.1"))));
+  folder.write("more.xml", "<scene><bsdf type=\"diffuse\" id=\"b\"/></scene>");
+  CHECK_NOTHROW(load_scene(folder.write("old.xml", scene_text(whole, "0.6.0"))));
+}
+
+TEST_CASE("numbers nearer to 0 than any double are 0, those beyond the largest no numbers") {
+  for (const char* tiny : {"1e-400", "-1e-400", "0.000e-999", "1e-320"}) {
+    INFO(tiny);
+    const auto value = parse_double(tiny);
+    REQUIRE(value);
+    CHECK(std::fabs(*value) < 1e-300);
+    CHECK(std::signbit(*value) == (tiny[0] == '-'));
+  }
+  for (const char* other : {"1e400", "-1e400", "1e-400x", "1e"}) {
+    INFO(other);
+    CHECK_FALSE(parse_double(other));
+  }
 }
 
 TEST_CASE("files are found from the scene file, includes too") {
