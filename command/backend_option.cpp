@@ -3,6 +3,8 @@
 
 #include <fmt/core.h>
 
+#include "command/tell.hpp"
+
 namespace photonloom {
 
 std::vector<BackendKind> backend_kinds() {
@@ -82,7 +84,7 @@ std::unique_ptr<PhotonGatherer> BoardFlags::make(std::type_identity<PhotonGather
   options.wait = wait_;
   options.work_dir = work_dir;
   options.resume = !no_resume_;
-  options.tell = [](const std::string& text) { fmt::print(stderr, "photonloom: {}\n", text); };
+  options.tell = [](const std::string& text) { tell("photonloom: {}\n", text); };
   return std::make_unique<BoardPhotonGatherer>(plan, std::move(options));
 }
 

@@ -11,6 +11,7 @@
 #include <csignal>
 #include <cstdio>
 
+#include "command/tell.hpp"
 #include "golden/numeric/output_file.hpp"
 
 namespace photonloom {
@@ -62,8 +63,8 @@ class LineProgress final : public Progress {
         std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
     if (seconds < 10) return;
     const double rate = static_cast<double>(now) / std::max(seconds, 1e-9);
-    fmt::print(stderr, "{}: {} of {} {}, {:.3g}/s, {} left\n", phase_, now, total_, unit_, rate,
-               spoken(static_cast<double>(total_ - now) / rate));
+    tell("{}: {} of {} {}, {:.3g}/s, {} left\n", phase_, now, total_, unit_, rate,
+         spoken(static_cast<double>(total_ - now) / rate));
   }
 
  private:
@@ -141,7 +142,7 @@ void ConsoleProgress::draw(double seconds) const {
   winsize size{};
   if (ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 1)
     line.resize(std::min(line.size(), static_cast<size_t>(size.ws_col - 1)));
-  fmt::print(stderr, "\r\x1b[K{}", line);
+  tell("\r\x1b[K{}", line);
   std::fflush(stderr);
 }
 
@@ -165,7 +166,7 @@ void handle_interrupts() {
     }
     remove_unfinished_outputs();
     if (isatty(STDERR_FILENO) == 1) std::fputs("\r\x1b[K", stderr);
-    fmt::print(stderr, "photonloom: interrupted; nothing half-written was left\n");
+    tell("photonloom: interrupted; nothing half-written was left\n");
     _exit(128 + signal);
   }).detach();
   struct sigaction action {};

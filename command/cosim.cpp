@@ -15,6 +15,7 @@
 #include "command/command_line.hpp"
 #include "command/console.hpp"
 #include "command/frame_options.hpp"
+#include "command/tell.hpp"
 #include "golden/image/sheet.hpp"
 #include "golden/numeric/output_file.hpp"
 #include "golden/pipeline/watch.hpp"
@@ -196,8 +197,7 @@ class EarlierResults {
       : folder_(std::filesystem::exists(folder + "/summary.json") ? folder : "") {}
   ~EarlierResults() {
     if (!folder_.empty() && std::uncaught_exceptions() > 0)
-      fmt::print(stderr, "photonloom: {}: holds the results of an earlier run, not of this one\n",
-                 folder_);
+      tell("photonloom: {}: holds the results of an earlier run, not of this one\n", folder_);
   }
   EarlierResults(const EarlierResults&) = delete;
   EarlierResults& operator=(const EarlierResults&) = delete;
@@ -293,6 +293,7 @@ void cosim(const CosimOptions& o) {
         context.waveform = waveform_of(backend);
         if (backend.kind.model) tools.merge(tool_versions(*backend.kind.model, run.yosys));
         context.seed = run.seed;
+        context.writes(run);
         reports_of_units.push_back(
             compare_in_frame(units.of(unit), frame.plan, context,
                              make_backend(unit, backend, frame.plan, run, o.board)));
@@ -305,6 +306,7 @@ void cosim(const CosimOptions& o) {
   } catch (const RigError& error) {
     context.unit = error.unit;
     context.waveform = waveform_of(hardware.at(error.unit));
+    context.writes(o.rig.options(error.unit));
     throw std::runtime_error(fmt::format("{}\n{}", error.what(), again_text(context, error.cycle)));
   }
 

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "command/tell.hpp"
 #include "golden/numeric/strict_size.hpp"
 #include "golden/plan/plan_file.hpp"
 
@@ -59,7 +60,7 @@ std::pair<int, int> parse_size(const std::string& text, const std::string& optio
 }
 
 CLI::Validator radius_number() {
-  return number_value("a finite number of scene units, 0 for none",
+  return number_value("a finite number of scene units of at least 0, 0 for none",
                       [](double radius) { return radius >= 0; });
 }
 
@@ -312,7 +313,7 @@ nlohmann::ordered_json packed_json(const PreparedFrame& frame) {
 }
 
 void print_warnings(const std::vector<std::string>& warnings) {
-  for (const std::string& w : warnings) fmt::print(stderr, "photonloom: warning: {}\n", w);
+  for (const std::string& w : warnings) tell("photonloom: warning: {}\n", w);
 }
 
 }  // namespace photonloom

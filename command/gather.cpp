@@ -14,6 +14,7 @@
 #include "command/command.hpp"
 #include "command/console.hpp"
 #include "command/frame_options.hpp"
+#include "command/tell.hpp"
 #include "golden/numeric/elementary.hpp"
 #include "golden/numeric/output_file.hpp"
 #include "golden/plan/plan_file.hpp"
@@ -265,12 +266,12 @@ void gather(const GatherOptions& o) {
   }
   out.commit();
   const Plan& plan = job.plan;
-  fmt::print(stderr,
-             "{} queries, {} photons; position unit {} = {} / 2^{}, cube from ({}, {}, {}); power "
-             "unit 2^{} W; {} photons became zero, {} saturated\n",
-             job.queries.size(), job.file.photons.size(), plan.position_unit(), plan.extent,
-             plan.position_bits, plan.origin[0], plan.origin[1], plan.origin[2],
-             plan.global.power_exponent, job.pack_counts.zeroed, job.pack_counts.saturated);
+  tell(
+      "{} queries, {} photons; position unit {} = {} / 2^{}, cube from ({}, {}, {}); power "
+      "unit 2^{} W; {} photons became zero, {} saturated\n",
+      job.queries.size(), job.file.photons.size(), plan.position_unit(), plan.extent,
+      plan.position_bits, plan.origin[0], plan.origin[1], plan.origin[2],
+      plan.global.power_exponent, job.pack_counts.zeroed, job.pack_counts.saturated);
 }
 
 void add_gather(CLI::App& app) {

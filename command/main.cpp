@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <fcntl.h>
 #include <fmt/core.h>
 #ifdef __GLIBC__
 #include <malloc.h>
 #endif
 #include <tbb/global_control.h>
 #include <tbb/info.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
@@ -18,6 +20,7 @@
 
 #include "command/command.hpp"
 #include "command/console.hpp"
+#include "command/tell.hpp"
 #include "rtl/generate/data_files.hpp"
 
 namespace photonloom {
@@ -110,15 +113,24 @@ void keep_freed_blocks() {
 #endif
 }
 
+// Files that are opened would take the places of standard streams that are closed, and what goes to
+// these streams would end up in them. Reading and writing still fail.
+void fill_closed_streams() {
+  for (const int descriptor : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
+    if (fcntl(descriptor, F_GETFD) < 0 && errno == EBADF)
+      // The lowest that is free is the one that is taken.
+      static_cast<void>(open("/dev/null", descriptor == STDIN_FILENO ? O_WRONLY : O_RDONLY));
+}
+
 }  // namespace
 }  // namespace photonloom
 
 int main(int argc, char** argv) {
+  photonloom::fill_closed_streams();
   photonloom::keep_freed_blocks();
   photonloom::handle_interrupts();
   const auto output_lost = [](int reason) {
-    fmt::print(stderr, "photonloom: standard output: cannot be written: {}\n",
-               std::strerror(reason));
+    photonloom::tell("photonloom: standard output: cannot be written: {}\n", std::strerror(reason));
     return 1;
   };
   try {
@@ -127,17 +139,17 @@ int main(int argc, char** argv) {
     if (std::fflush(stdout) != 0 || std::ferror(stdout)) return output_lost(errno);
     return status;
   } catch (const photonloom::UsageError& error) {
-    fmt::print(stderr, "photonloom: {}\n", error.what());
+    photonloom::tell("photonloom: {}\n", error.what());
     return 2;
   } catch (const std::system_error& error) {
     if (std::ferror(stdout)) return output_lost(error.code().value());
-    fmt::print(stderr, "photonloom: {}\n", error.what());
+    photonloom::tell("photonloom: {}\n", error.what());
     return 1;
   } catch (const std::bad_alloc&) {
-    fmt::print(stderr, "photonloom: not enough memory, expected fewer pixels or photons\n");
+    photonloom::tell("photonloom: not enough memory, expected fewer pixels or photons\n");
     return 1;
   } catch (const std::exception& error) {
-    fmt::print(stderr, "photonloom: {}\n", error.what());
+    photonloom::tell("photonloom: {}\n", error.what());
     return 1;
   }
 }

@@ -8,6 +8,7 @@
 #include "command/command.hpp"
 #include "command/console.hpp"
 #include "command/scene_option.hpp"
+#include "command/tell.hpp"
 #include "golden/numeric/output_file.hpp"
 #include "golden/scene/scene.hpp"
 #include "golden/transport/world.hpp"
@@ -36,7 +37,7 @@ void photons(const PhotonsOptions& o) {
   PhotonPass pass = o.caustic ? trace_caustic_photons(world, *caster, o.photons, o.seed, &progress)
                               : trace_global_photons(world, *caster, o.photons, o.seed, &progress);
   for (const std::string& warning : world.scene().warnings)
-    fmt::print(stderr, "photonloom: warning: {}\n", warning);
+    tell("photonloom: warning: {}\n", warning);
   if (pass.photons.empty())
     throw std::runtime_error(
         fmt::format("{}: no {} photon was stored after {} paths: {}", o.scene.path(),
@@ -44,8 +45,8 @@ void photons(const PhotonsOptions& o) {
                     o.caustic && !world.has_delta() ? "the scene has no mirror and no glass"
                                                     : "no light reaches a diffuse surface"));
   if (pass.short_of_request)
-    fmt::print(stderr, "photonloom: warning: {} of {} photons stored after {} paths\n",
-               pass.photons.size(), o.photons, pass.paths);
+    tell("photonloom: warning: {} of {} photons stored after {} paths\n", pass.photons.size(),
+         o.photons, pass.paths);
   const Scene& scene = world.scene();
   Rgb power(0);
   for (const Photon& photon : pass.photons) power += photon.power;

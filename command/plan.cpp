@@ -128,15 +128,19 @@ void describe(const Plan& plan, const std::string& file, const PlanOptions& o,
 // A plan that is there already, with lines changed.
 void edit(const FrameRequest& request, const PlanOptions& o) {
   o.frame.refuse_derivation(request.scene_file);
-  Plan plan = read_plan(request.scene_file);
+  const Plan before = read_plan(request.scene_file);
+  Plan plan = before;
   for (const std::string& line : request.set) set_plan_line(plan, line);
   derive_plan(plan);
   check_plan(plan, request.scene_file, request.set);
+  PlanReasons reasons = kept_reasons(read_plan_text(request.scene_file), before, plan);
+  for (const std::string& line : request.set)
+    reasons[line.substr(0, line.find('='))] = "set by hand";
   if (o.output == "-") {
-    fmt::print("{}", plan_text(plan, {}));
+    fmt::print("{}", plan_text(plan, reasons));
     return;
   }
-  if (!o.output.empty()) write_plan(plan, o.output, {});
+  if (!o.output.empty()) write_plan(plan, o.output, reasons);
   const std::string& file = o.output.empty() ? request.scene_file : o.output;
   if (!o.json)
     fmt::print("{}{} (hash {})\n", o.output.empty() ? "" : "wrote ", file, plan_hash_text(plan));

@@ -12,6 +12,7 @@
 
 #include "command/console.hpp"
 #include "command/frame_options.hpp"
+#include "command/tell.hpp"
 #include "golden/numeric/output_file.hpp"
 #include "study/plan_search.hpp"
 #include "study/point_plan.hpp"
@@ -270,7 +271,7 @@ void PlanForError::run(const FrameRequest& request, const std::string& output, b
   r.work = work_;
   r.workers = workers;
   r.progress = isatty(STDERR_FILENO) == 1 ? &progress : nullptr;
-  r.say = [](const std::string& sentence) { fmt::print(stderr, "photonloom: {}\n", sentence); };
+  r.say = [](const std::string& sentence) { tell("photonloom: {}\n", sentence); };
   // Where nothing can be written, that is found before the work, not after it.
   if (asked && !output.empty() && output != "-") const OutputFile probe(output);
   std::error_code error;
@@ -281,7 +282,13 @@ void PlanForError::run(const FrameRequest& request, const std::string& output, b
         error.message()));
   PlanSearch search(r);
   // Text goes where it does not mix with the plan or with JSON.
-  FILE* const text = json || output == "-" ? stderr : stdout;
+  const bool apart = json || output == "-";
+  const auto text = [apart]<class... Args>(fmt::format_string<Args...> format, Args&&... args) {
+    if (apart)
+      tell(format, std::forward<Args>(args)...);
+    else
+      fmt::print(format, std::forward<Args>(args)...);
+  };
 
   const auto [width, height] = search.frame();
   const std::string name = metric_ == "flip" ? "HDR-FLIP" : "relMSE";
@@ -298,13 +305,12 @@ void PlanForError::run(const FrameRequest& request, const std::string& output, b
     limit = found.limit;
     const MeasuredPlan& best = *found.best;
     around = best.lines;
-    fmt::print(text, "{}, {}x{}: least {} with a visible error ({}) of at most {:g}{}\n",
-               search.scene_name(), width, height, minimise_, name, limit,
-               asked->is_factor
-                   ? fmt::format(", {:g} times the default plan's in the same run", asked->error)
-                   : "");
-    fmt::print(text, "{}{}{}", header(), row(search, "best", best),
-               row(search, "default", found.standard));
+    text("{}, {}x{}: least {} with a visible error ({}) of at most {:g}{}\n", search.scene_name(),
+         width, height, minimise_, name, limit,
+         asked->is_factor
+             ? fmt::format(", {:g} times the default plan's in the same run", asked->error)
+             : "");
+    text("{}{}{}", header(), row(search, "best", best), row(search, "default", found.standard));
     std::vector<const MeasuredPlan*> runners;
     for (const MeasuredPlan& m : found.points) {
       const bool other = m.lines != best.lines && m.lines != found.standard.lines;
@@ -318,14 +324,12 @@ void PlanForError::run(const FrameRequest& request, const std::string& output, b
     Json& losers = j["runners_up"] = Json::array();
     for (size_t i = 0; i < runners.size(); ++i) {
       const std::string why = why_it_lost(search, *runners[i], best, limit);
-      fmt::print(text, "{}    lost: {}\n", row(search, fmt::format("{}.", i + 2), *runners[i]),
-                 why);
+      text("{}    lost: {}\n", row(search, fmt::format("{}.", i + 2), *runners[i]), why);
       losers.push_back(measured_json(*runners[i]));
       losers.back()["lost"] = why;
     }
     const auto saved = [&](double mine, double standard) { return 100 * (1 - mine / standard); };
-    fmt::print(
-        text,
+    text(
         "  saves, of the default plan: {:.0f} % of the cycles, {:.0f} % of the bytes, {:.0f} % "
         "of the gatherer's LUT-eq\n",
         saved(best.cost.cycles, found.standard.cost.cycles),
@@ -337,8 +341,7 @@ void PlanForError::run(const FrameRequest& request, const std::string& output, b
     };
     const int columns = std::min(r.measured_width, width),
               rows = std::min(r.measured_height, height);
-    fmt::print(
-        text,
+    text(
         "  measured: {}, seeds {} to {}, two references of {} samples a pixel; ± is a "
         "standard error; 'a run <' is what a run with another seed exceeds in one case of "
         "twenty, 'beyond E <' the same of what it has more than {}\n"
@@ -363,16 +366,16 @@ void PlanForError::run(const FrameRequest& request, const std::string& output, b
     j["cost_prediction_rms"] = found.cost_prediction;
   }
   const auto print_curve = [&](const std::string& line) {
-    fmt::print(text, "{} over {}, all else as in {}\n{}", name, line,
-               asked ? "the plan above" : "the default plan", header());
+    text("{} over {}, all else as in {}\n{}", name, line,
+         asked ? "the plan above" : "the default plan", header());
     Json& points = j["curves"][line] = Json::array();
     for (const PlanSearch::CurvePoint& p : search.curve(line, around)) {
       if (!p.measured) {
-        fmt::print(text, "  {:<10} no plan: {}\n", p.value, p.refused);
+        text("  {:<10} no plan: {}\n", p.value, p.refused);
         points.push_back({{"value", p.value}, {"refused", p.refused}});
         continue;
       }
-      fmt::print(text, "{}", row(search, p.value, *p.measured));
+      text("{}", row(search, p.value, *p.measured));
       points.push_back(measured_json(*p.measured));
       points.back()["value"] = p.value;
     }
@@ -387,12 +390,12 @@ void PlanForError::run(const FrameRequest& request, const std::string& output, b
         written.reasons[decided] =
             fmt::format("for {} of at most {:g} with the least {}", name, limit, minimise_);
     j["command"] = written.command;
-    fmt::print(text, "  the same without searching: {}\n", written.command);
+    text("  the same without searching: {}\n", written.command);
     if (output == "-") {
       fmt::print("{}", plan_text(written.plan, written.reasons));
     } else if (!output.empty()) {
       write_plan(written.plan, output, written.reasons);
-      fmt::print(text, "wrote {} (hash {})\n", output, plan_hash_text(written.plan));
+      text("wrote {} (hash {})\n", output, plan_hash_text(written.plan));
       j["plan"] = output;
     }
     j["hash"] = plan_hash_text(written.plan);
@@ -401,18 +404,17 @@ void PlanForError::run(const FrameRequest& request, const std::string& output, b
   std::string missed;
   if (check_) {
     const MeasuredPlan m = search.check(around, *check_);
-    fmt::print(text,
-               "  the whole frame with seed {}, against references of {} samples a pixel: {} "
-               "{:.5f}, HDR-FLIP {:.4f}, "
-               "{:.1f} cycles and {:.0f} bytes a gather\n",
-               *check_, search.check_spp(), name, m.error.mean, m.flip, m.cost.cycles,
-               m.cost.bytes);
+    text(
+        "  the whole frame with seed {}, against references of {} samples a pixel: {} "
+        "{:.5f}, HDR-FLIP {:.4f}, "
+        "{:.1f} cycles and {:.0f} bytes a gather\n",
+        *check_, search.check_spp(), name, m.error.mean, m.flip, m.cost.cycles, m.cost.bytes);
     double run_limit = limit;
     if (asked->is_factor) {
       const double standard = search.check({}, *check_).error.mean;
       run_limit = asked->error * standard;
-      fmt::print(text, "  the default plan's has {:.5f}; {:g} times that is {:.5f}\n", standard,
-                 asked->error, run_limit);
+      text("  the default plan's has {:.5f}; {:g} times that is {:.5f}\n", standard, asked->error,
+           run_limit);
     }
     j["check"] = {{"seed", *check_},         {"reference_spp", search.check_spp()},
                   {"error", m.error.mean},   {"limit", run_limit},

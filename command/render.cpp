@@ -158,6 +158,17 @@ void render(const RenderOptions& o) {
     for (const std::string& option : o.frame.photon_options())
       print_warnings(
           {fmt::format("{} changes nothing with --integrator {}", option, o.integrator)});
+  if (!o.record.empty()) {
+    std::error_code error;
+    const auto whole = [&](const std::filesystem::path& path) {
+      return std::filesystem::weakly_canonical(std::filesystem::absolute(path, error), error);
+    };
+    if (whole(o.output).parent_path() == whole(std::filesystem::path(o.record) / "x").parent_path())
+      throw UsageError(
+          fmt::format("--output: {} is in the folder of --record, which is replaced as "
+                      "a whole; expected another folder",
+                      o.output));
+  }
   o.threads.apply();
   request.outputs = {o.output, png_beside(o.output)};
   check_outputs(request.outputs, frame_inputs(request));

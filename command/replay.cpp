@@ -87,26 +87,25 @@ void write_packets(const std::vector<P>& packets, const Plan& plan, const std::s
   fmt::print("wrote {}: {} {} packets\n", path, packets.size(), P::kName);
 }
 
-// Whether a file's first line has fields of gather_photon packets and no others.
-bool has_photons(const std::string& file, const PacketLayout& layout) {
+// Whether a file's first line has fields of such packets, or the further one, and no others.
+bool has_packets(const std::string& file, const PacketLayout& layout, const char* further) {
   std::ifstream in(file);
   std::string line;
   std::getline(in, line);
   const auto object = nlohmann::json::parse(line, nullptr, false);
   if (!object.is_object() || object.empty()) return false;
   for (const auto& [name, value] : object.items())
-    if (!layout.find(name)) return false;
+    if (!layout.find(name) && name != further) return false;
   return true;
 }
 
-// Photons of an earlier run do not stay beside results that have none. Another file of that name
-// is somebody's own.
-void remove_photons(const std::string& file, const Plan& plan) {
-  if (!std::filesystem::is_regular_file(file) ||
-      !has_photons(file, PacketLayout::of<GatherPhoton>(plan)))
-    return;
+// What an earlier run wrote does not stay beside results that have none of it. Another file of that
+// name is somebody's own.
+void remove_earlier(const std::string& file, const PacketLayout& layout, const char* further,
+                    const char* what) {
+  if (!std::filesystem::is_regular_file(file) || !has_packets(file, layout, further)) return;
   std::filesystem::remove(file);
-  fmt::print("removed {}: photons of an earlier run, and no query wants any\n", file);
+  fmt::print("removed {}: {}\n", file, what);
 }
 
 // The unit by the backend that was asked for.
@@ -153,9 +152,16 @@ void replay_unit(std::type_identity<PhotonGatherer> kind, const ReplayOptions& o
   if (wanted)
     write_packets(photons, plan, beside(o.output, "photons"));
   else
-    remove_photons(beside(o.output, "photons"), plan);
-  if (!o.photons.empty()) write_addresses(global, plan, beside(o.output, "addresses"));
-  if (!o.caustics.empty()) write_addresses(caustic, plan, beside(o.output, "caustic_addresses"));
+    remove_earlier(beside(o.output, "photons"), PacketLayout::of<GatherPhoton>(plan), "",
+                   "photons of an earlier run, and no query wants any");
+  for (const bool is_caustic : {false, true}) {
+    const std::string file = beside(o.output, is_caustic ? "caustic_addresses" : "addresses");
+    if (!(is_caustic ? o.caustics : o.photons).empty())
+      write_addresses(is_caustic ? caustic : global, plan, file);
+    else
+      remove_earlier(file, PacketLayout::of<MapPhoton>(plan), "index",
+                     "addresses of an earlier run, and this one has no such photons");
+  }
   check_waveform(*unit, o);
 }
 
@@ -235,6 +241,7 @@ void replay(const ReplayOptions& o) {
     context.unit = o.unit;
     context.waveform = waveform;
     context.rerun = command_line(RigFlags::waveform_options());
+    context.writes(o.rig.options(o.unit));
     throw std::runtime_error(fmt::format("{}\n{}", error.what(), again_text(context, error.cycle)));
   }
 }

@@ -17,6 +17,7 @@
 
 #include "command/command.hpp"
 #include "command/console.hpp"
+#include "command/tell.hpp"
 #include "golden/numeric/output_file.hpp"
 #include "golden/plan/toml.hpp"
 #include "rtl/generate/data_files.hpp"
@@ -160,8 +161,8 @@ bool draw(const std::string& folder, const Plot& plot) {
     if (status != 0) {
       std::filesystem::remove(drawn);
       const bool is_missing = WIFEXITED(status) && WEXITSTATUS(status) == 127;
-      fmt::print(stderr, "photonloom: {}: gnuplot did not draw it{}; the tables are whole\n", file,
-                 is_missing ? " (it is not there: Debian package gnuplot-nox)" : "");
+      tell("photonloom: {}: gnuplot did not draw it{}; the tables are whole\n", file,
+           is_missing ? " (it is not there: Debian package gnuplot-nox)" : "");
       return false;
     }
   }
@@ -181,9 +182,7 @@ void run_study(const ShippedStudy& study, const StudyOptions& o) {
   request.workers = o.threads.threads();
   request.work_dir = o.work;
   request.progress = progress.get();
-  request.say = [](const std::string& sentence) {
-    fmt::print(stderr, "photonloom: {}\n", sentence);
-  };
+  request.say = [](const std::string& sentence) { tell("photonloom: {}\n", sentence); };
   StudyOutcome outcome;
   size_t failures = 0;
   std::set<std::string> stems;

@@ -7,6 +7,7 @@
 
 #include "command/command.hpp"
 #include "command/console.hpp"
+#include "command/tell.hpp"
 #include "study/runner.hpp"
 
 namespace photonloom {
@@ -32,9 +33,7 @@ void sweep(const SweepOptions& o) {
   request.work_dir = o.work;
   request.program = std::filesystem::read_symlink("/proc/self/exe").string();
   request.progress = progress.get();
-  request.say = [](const std::string& sentence) {
-    fmt::print(stderr, "photonloom: {}\n", sentence);
-  };
+  request.say = [](const std::string& sentence) { tell("photonloom: {}\n", sentence); };
   const SweepReport r = [&] {
     try {
       return run_sweep(request);

@@ -211,6 +211,9 @@ void check_outputs(const std::vector<std::string>& outputs,
                    const std::vector<std::string>& inputs) {
   for (const std::string& output : outputs) {
     if (output.empty()) continue;
+    if (output == "-")
+      throw std::runtime_error(
+          "-: is not standard output here, expected a file; ./- is one of that name");
     for (const std::string& input : inputs) refuse_to_replace_input(output, input);
     // Who reads a pipe would take an end of the probe for the end of the output.
     std::error_code error;

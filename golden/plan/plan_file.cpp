@@ -4,8 +4,12 @@
 #include <fmt/core.h>
 
 #include <cmath>
+#include <filesystem>
 #include <limits>
+#include <map>
+#include <mutex>
 #include <set>
+#include <sstream>
 #include <type_traits>
 #include <vector>
 
@@ -629,6 +633,42 @@ std::string plan_text(const Plan& plan, const PlanReasons& reasons) {
   return text;
 }
 
+PlanReasons kept_reasons(const std::string& text, const Plan& from, const Plan& to) {
+  std::map<std::string, std::string> comments;  // of section.key
+  std::istringstream lines(text);
+  std::string section;
+  for (std::string line; std::getline(lines, line);) {
+    size_t comment = 0;
+    for (bool quoted = false; comment < line.size() && (quoted || line[comment] != '#'); ++comment)
+      if (line[comment] == '"') quoted = !quoted;
+    const auto trimmed = [](const std::string& words) {
+      const size_t first = words.find_first_not_of(" \t\r");
+      return first == std::string::npos
+                 ? ""
+                 : words.substr(first, words.find_last_not_of(" \t\r") + 1 - first);
+    };
+    const std::string code = trimmed(line.substr(0, comment));
+    if (code.starts_with("["))
+      section = trimmed(code.substr(1, code.find(']') - 1));
+    else if (comment < line.size() && !code.empty())
+      comments[section + "." + trimmed(code.substr(0, code.find('=')))] =
+          trimmed(line.substr(comment + 1));
+  }
+  std::map<std::string, std::string> values;
+  Plan::visit(from, [&](const std::string& in, const std::string& key, const auto& value, auto,
+                        auto, const char*) { values[in + "." + key] = value_text(value); });
+  PlanReasons kept;
+  Plan::visit(to, [&](const std::string& in, const std::string& key, const auto& value, auto, auto,
+                      const std::string& meaning) {
+    const std::string name = in + "." + key;
+    std::string comment = comments[name];
+    if (values[name] != value_text(value) || comment.empty() || comment == meaning) return;
+    if (comment.starts_with(meaning + ": ")) comment.erase(0, meaning.size() + 2);
+    kept[name] = comment;
+  });
+  return kept;
+}
+
 Plan parse_plan(const std::string& text, const std::string& file) {
   toml::table table;
   try {
@@ -694,8 +734,19 @@ Plan parse_plan(const std::string& text, const std::string& file) {
   return plan;
 }
 
+std::string read_plan_text(const std::string& path) {
+  std::error_code error;
+  if (std::filesystem::is_regular_file(path, error)) return read_file(path);
+  // A pipe can be read once, and a command that asks twice means the same plan.
+  static std::mutex mutex;
+  static std::map<std::string, std::string> texts;
+  const std::lock_guard lock(mutex);
+  const auto known = texts.find(path);
+  return known == texts.end() ? texts.emplace(path, read_file(path)).first->second : known->second;
+}
+
 Plan read_plan(const std::string& path) {
-  const std::string text = read_file(path);
+  const std::string text = read_plan_text(path);
   if (text.find_first_not_of(" \t\r\n") == std::string::npos)
     throw PlanError(fmt::format("{}: is empty, expected a plan", path));
   return parse_plan(text, path);

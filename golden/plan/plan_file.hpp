@@ -72,10 +72,15 @@ std::string plan_hash_text(const Plan& plan);  // 16 hexadecimal digits
 // The file's text. Reading it gives the same plan to the bit.
 std::string plan_text(const Plan& plan, const PlanReasons& reasons = {});
 
+// Reasons that stay where `from`, whose file has `text`, becomes `to`: what comments at the ends of
+// lines say beside the line's meaning, but of those lines that change.
+PlanReasons kept_reasons(const std::string& text, const Plan& from, const Plan& to);
+
 // Each section and key must be there but those that may be left out, no other may be; the result
 // passes check_plan. `file` is what errors call it.
 Plan parse_plan(const std::string& text, const std::string& file);
 Plan read_plan(const std::string& path);
+std::string read_plan_text(const std::string& path);  // also of a pipe, and again
 
 // Whole or not at all.
 void write_plan(const Plan& plan, const std::string& path, const PlanReasons& reasons = {});

@@ -114,3 +114,36 @@ TEST_CASE("output that is lost on a full disk is an error") {
           "photonloom: standard output: cannot be written: No space left on device\n");
   }
 }
+
+TEST_CASE("what standard error cannot take is lost alone") {
+  const Scratch scratch;
+  const auto status = [&](const std::string& arguments, const std::string& streams) {
+    const std::string command = "'" + environment("PHOTONLOOM") + "' " + arguments + " " + streams;
+    return WEXITSTATUS(std::system(command.c_str()));
+  };
+  const std::string render = "render '" + source("scenes/cornell.xml") +
+                             "' --photons 500 --size 16x16 --spp 1 --gather-rays 4 --k 8 -o '" +
+                             scratch / "a.exr" + "'";
+  REQUIRE_FALSE(run(render).err.empty());  // a warning, say
+  for (const std::string streams : {"2>/dev/full", "2>&-"}) {
+    INFO(streams);
+    CHECK(status("info none.xml", streams) == 1);
+    CHECK(status("nothing", streams) == 2);
+    CHECK(status(render, streams + " >/dev/null") == 0);
+    CHECK(std::filesystem::exists(scratch / "a.exr"));
+  }
+}
+
+TEST_CASE("closed standard streams are no places for other files") {
+  const Scratch scratch;
+  const std::string program = "'" + environment("PHOTONLOOM") + "' ";
+  for (int i = 0; i < 5; ++i) {
+    const std::string info = program + "units <&- >&- 2>'" + scratch / "err" + "'";
+    CHECK(WEXITSTATUS(std::system(info.c_str())) == 1);
+    CHECK(read_file(scratch / "err") ==
+          "photonloom: standard output: cannot be written: Bad file descriptor\n");
+    const std::string silent = program + "photons '" + source("scenes/cornell.xml") +
+                               "' --photons 100 -o '" + scratch / "p.ply" + "' <&- >&- 2>&-";
+    CHECK(WEXITSTATUS(std::system(silent.c_str())) == 1);
+  }
+}

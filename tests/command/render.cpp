@@ -276,6 +276,82 @@ TEST_CASE("every packet can be recorded") {
   CHECK(plan.k == 10);
 }
 
+TEST_CASE("a folder of recorded packets has no place for the image") {
+  const Scratch scratch;
+  std::filesystem::create_directory_symlink(scratch.path, scratch / "here");
+  for (const std::string& record : {scratch / "packets", scratch / "here/packets/"})
+    fails("render" + balls() + kSmall + kPhotons + " --record" + quoted(record) + "-o" +
+              quoted(scratch / "packets/a.exr"),
+          2, {"--output: ", "packets/a.exr is in the folder of --record"});
+  CHECK(scratch.entries() == 1);
+}
+
+TEST_CASE("a plan whose lines do not hold another seed's photons is refused by every command") {
+  const Scratch scratch;
+  const std::string plan = quoted(scratch / "few.toml");
+  good("plan" + balls() +
+       "--size 8x8 --spp 1 --gather-rays 4 --k 8 --photons 45 "
+       "--caustic-photons 200 -o" +
+       plan);
+  const Plan few = read_plan(scratch / "few.toml");
+  const std::string of = balls() + "--plan" + plan + "--seed ";
+  uint64_t seed = 2;
+  const auto stored = [&] {
+    return good("photons" + balls() + "--photons " + std::to_string(few.global.photons) +
+                " --seed " + std::to_string(seed) + " --json -o" + quoted(scratch / "p.ply"));
+  };
+  while (nlohmann::json::parse(stored().out)["photons"].get<uint64_t>() <= few.room(few.global))
+    ++seed;
+  const std::vector<std::string> told{"few.toml: global.photons is ",
+                                      "lines hold " + std::to_string(few.room(few.global))};
+  fails("render" + of + std::to_string(seed) + " -o" + quoted(scratch / "a.exr"), 1, told);
+  fails("generate" + of + std::to_string(seed) + " -o" + quoted(scratch / "g"), 1, told);
+  fails("cosim" + of + std::to_string(seed) + " --backend photon_gatherer=hls -o" +
+            quoted(scratch / "c"),
+        1, told);
+}
+
+TEST_CASE("a plan may come from a pipe") {
+  const Scratch scratch;
+  const std::string plan = scratch / "plan.toml";
+  good("plan" + box() + kSmall + kPhotons + " -o" + quoted(plan));
+  good("render" + box() + "--plan" + quoted(plan) + "-o" + quoted(scratch / "a.exr"));
+  const std::string piped = "render" + box() + "--plan /dev/fd/3 -o" + quoted(scratch / "b.exr");
+  const std::string command = "cat '" + plan + "' | '" +
+                              photonloom::test::environment("PHOTONLOOM") + "' " + piped +
+                              " 3<&0 >/dev/null";
+  CHECK(std::system(command.c_str()) == 0);
+  CHECK(read_file(scratch / "a.exr") == read_file(scratch / "b.exr"));
+}
+
+TEST_CASE("a plan that is edited in its place keeps the reasons of what stays") {
+  const Scratch scratch;
+  const std::string plan = scratch / "plan.toml";
+  good("plan" + box() + kSmall + kPhotons + " -o" + quoted(plan));
+  const std::string before = read_file(plan);
+  good("plan" + quoted(plan) + "--set gather.k=9 -o" + quoted(plan));
+  const std::string after = read_file(plan);
+  CHECK(read_plan(plan).k == 9);
+  const auto line_of = [](const std::string& text, const std::string& key) {
+    const size_t at = text.find("\n" + key + " = ") + 1;
+    return text.substr(at, text.find('\n', at) - at);
+  };
+  CHECK(line_of(after, "k").ends_with(": set by hand"));
+  for (const char* key : {"width", "position_bits", "beat_bits"}) {
+    INFO(key);
+    CHECK(line_of(before, key).find(": ") != std::string::npos);
+    CHECK(line_of(after, key) == line_of(before, key));
+  }
+}
+
+TEST_CASE("- is no file's name where nothing goes to standard output") {
+  const Scratch scratch;
+  good("photons" + box() + "--photons 100 -o" + quoted(scratch / "p.ply"));
+  fails("gather --photons" + quoted(scratch / "p.ply") + "--queries" + quoted(scratch / "p.ply") +
+            "--k 4 -o -",
+        1, {"-: is not standard output here, expected a file"});
+}
+
 TEST_CASE("what cannot be is one clear error, and nothing is left behind") {
   const Scratch scratch;
   const std::string out = " -o" + quoted(scratch / "x.exr");

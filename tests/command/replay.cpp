@@ -110,6 +110,21 @@ TEST_CASE("photons that an earlier run wrote do not stay beside results that hav
   CHECK_FALSE(std::filesystem::exists(f.scratch / "out.photons.jsonl"));
 }
 
+TEST_CASE("addresses that an earlier run wrote do not stay beside results without a map") {
+  Files f;
+  const std::string photons = " --photons " + (f.scratch / "photons.jsonl");
+  REQUIRE(f.replay("photon_gatherer", "queries.jsonl", "--backend golden" + photons).status == 0);
+  CHECK(std::filesystem::exists(f.scratch / "out.addresses.jsonl"));
+  const Outcome removed = f.replay("photon_gatherer", "queries.jsonl", "--backend golden");
+  REQUIRE(removed.status == 0);
+  CHECK_THAT(removed.out,
+             ContainsSubstring("removed " + (f.scratch / "out.addresses.jsonl") + ": "));
+  CHECK_FALSE(std::filesystem::exists(f.scratch / "out.addresses.jsonl"));
+  write_file(f.scratch / "out.addresses.jsonl", "{\"index\": 1, \"mine\": 2}\n");
+  REQUIRE(f.replay("photon_gatherer", "queries.jsonl", "--backend golden").status == 0);
+  CHECK(std::filesystem::exists(f.scratch / "out.addresses.jsonl"));
+}
+
 TEST_CASE("a file that no replay wrote stays where the photons would be") {
   Files f;
   write_file(f.scratch / "none.jsonl", fmt::format(fmt::runtime(kQuery), 1, 0, 5, 6, 7));
