@@ -147,14 +147,22 @@ TEST_CASE("a planted bug is reported with a command that shows it, and reaches t
   const std::string command = stopped.err.substr(at, stopped.err.find('\n', at) - at);
   CHECK_THAT(command, ContainsSubstring("--wave photon_gatherer.fst"));
   CHECK_THAT(stopped.err, ContainsSubstring("\n    gtkwave photon_gatherer.fst"));
-  // It prints itself again: what it adds replaces what is there.
   std::filesystem::create_directory_symlink(std::filesystem::current_path() / "cosim",
                                             scratch / "cosim");
-  CHECK(std::system(
-            fmt::format("cd {} && {} >/dev/null 2>err", scratch.path.string(), command).c_str()) !=
-        0);
-  CHECK(std::filesystem::file_size(scratch / "photon_gatherer.fst") > 1000);
-  CHECK_THAT(read_file(scratch / "err"), ContainsSubstring("\n" + command + "\n"));
+  const auto again = [&](const std::string& line) {
+    CHECK(std::system(
+              fmt::format("cd {} && {} >/dev/null 2>err", scratch.path.string(), line).c_str()) !=
+          0);
+    CHECK(std::filesystem::file_size(scratch / "photon_gatherer.fst") > 1000);
+    return read_file(scratch / "err");
+  };
+  CHECK_THAT(again(command), ContainsSubstring("\n  in the waveform that is written:\n    gtkwave "
+                                               "photon_gatherer.fst\n"));
+  // Where the waveform missed it, it prints itself again: what it adds replaces what is there.
+  const size_t cycles = command.find("--wave-cycles ");
+  const std::string missed = again(command.substr(0, cycles) + "--wave-cycles 0:50");
+  CHECK_THAT(missed, ContainsSubstring("\n  not in the waveform, which has cycles 0 to 50: ") &&
+                         ContainsSubstring("\n" + command + "\n"));
 
   const Outcome kept = run(bug + " --keep-going");
   CHECK(kept.status == 1);
@@ -177,9 +185,9 @@ TEST_CASE("a planted bug is reported with a command that shows it, and reaches t
   CHECK_FALSE(summary["command"].get<std::string>().empty());
 
   // A run that ends at a difference writes nothing, and says so where results are there already.
-  const Outcome again = run(bug);
-  CHECK(again.status == 1);
-  CHECK_THAT(again.err,
+  const Outcome repeated = run(bug);
+  CHECK(repeated.status == 1);
+  CHECK_THAT(repeated.err,
              ContainsSubstring(fmt::format(
                  "{}: holds the results of an earlier run, not of this one", scratch / "out")));
 }
