@@ -14,6 +14,7 @@ from flow.tools import Tools
 from flow.typed_json import checked_json
 
 STATIC_ROUNDS = 900  # after which nextpnr's static placer is ended; a placement that ended took some 600
+# Seconds are those of a core: beside other work, or while it is stopped, nextpnr has fewer than the clock on the wall.
 LEGALISING_LEAST, LEGALISING_SHARE = 300, 2  # it is ended too when it has legalised for so many s, and for so many times its rounds
 ROUTER_LEAST, ROUTER_MORE = 900, 10800  # s after which nextpnr's router is judged, and that it may need more at its pace
 SPARE_SEEDS = 2
@@ -70,21 +71,34 @@ def static_rounds(log: str) -> int:
 
 
 def legalises_for_ever(log: str, until: float, since: float) -> bool:
-    """Whether nextpnr's static placer does not get cells legal: the last that it said, `until` s after it was started, is that it begins
-    to, and it has said nothing `since`."""
+    """Whether nextpnr's static placer does not get cells legal: the last that it said, after `until` s, is that it begins to, and it has
+    said nothing for the `since` s that followed."""
     return (log.rstrip().rpartition("\n")[2].startswith("Info: Strict legalising") and
             since > max(LEGALISING_LEAST, LEGALISING_SHARE * until))
 
 
-def routes_for_ever(log: str) -> bool:
+def routes_for_ever(log: str, share: float = 1) -> bool:
     """Whether nextpnr's router does not come near its end: at its pace in the last third of its time, it would need ROUTER_MORE s more.
-    Of each thousand steps it says how many arcs are left and when that was."""
+    Of each thousand steps it says how many arcs are left and when that was, by the clock on the wall, of which it had a `share`."""
     said = [(int(left), float(at)) for left, at in re.findall(r"^Info: +\d+ \|[^|]*\|[^|]*\| *(\d+)\| *[\d.]+ +([\d.]+)\|", log, re.M)]
-    if not said or said[-1][1] < ROUTER_LEAST:
+    if not said or share * said[-1][1] < ROUTER_LEAST:
         return False
     left, now = said[-1]
     left_before, before = next((step for step in reversed(said) if step[1] <= now * 2 / 3), said[0])
-    return left * (now - before) > ROUTER_MORE * max(0, left_before - left)
+    return share * left * (now - before) > ROUTER_MORE * max(0, left_before - left)
+
+
+def seconds_of_group(group: int) -> float:
+    """What the processes of a group that run have had of a core so far, and their children that have ended."""
+    ticks = 0
+    for stat in Path("/proc").glob("[0-9]*/stat"):
+        try:
+            fields = stat.read_text().rpartition(")")[2].split()  # those behind the program's name, from the state on
+        except OSError:  # it has ended
+            continue
+        if int(fields[2]) == group:
+            ticks += sum(map(int, fields[11:15]))
+    return ticks / os.sysconf("SC_CLK_TCK")
 
 
 def watch(command: Sequence[str], log: Path, placer_log: Path | None, router_log: Path) -> bool:
@@ -93,19 +107,19 @@ def watch(command: Sequence[str], log: Path, placer_log: Path | None, router_log
     places of cells that stand together, of which a LUT RAM has six LUTs of one tile's eight. The router hardly gets on where wires are
     scarce. placer_log: of the static placer; None of another, which is left alone."""
     with open(log, "w") as out:
-        begun = said_at = time.monotonic()
-        said = ""
+        begun = time.monotonic()
+        said, said_at = "", 0.0
         with started(command, out) as running:
             while running.poll() is None:
                 time.sleep(POLL)
-                if router_log.is_file() and routes_for_ever(read_text(router_log)):
+                had = seconds_of_group(running.pid)
+                if router_log.is_file() and routes_for_ever(read_text(router_log), min(1, had / (time.monotonic() - begun))):
                     return False
                 if not placer_log or not placer_log.is_file():
                     continue
-                now = time.monotonic()
                 if (text := read_text(placer_log)) != said:
-                    said, said_at = text, now
-                if static_rounds(said) > STATIC_ROUNDS or legalises_for_ever(said, said_at - begun, now - said_at):
+                    said, said_at = text, had
+                if static_rounds(said) > STATIC_ROUNDS or legalises_for_ever(said, said_at, had - said_at):
                     return False
     if running.returncode != 0:
         raise complaint(command, read_text(log), log)

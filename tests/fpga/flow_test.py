@@ -3,8 +3,12 @@
 import contextlib
 import io
 import json
+import os
 import re
+import signal
+import subprocess
 import tempfile
+import time
 import unittest
 from collections.abc import Container
 from pathlib import Path
@@ -22,9 +26,11 @@ from flow.plans.measurements import Measurement, Measurements, merge
 from flow.plans.catalogue import read_catalogue
 from flow.plans.pages import COLUMNS, measured_table
 from flow.results import Entry, add_placements, core_clocks, median, missed_clocks
-from flow.routing import ROUTER_LEAST, ROUTER_MORE, STATIC_ROUNDS, Placement, legalises_for_ever, place, placements, routes_for_ever
+from flow.routing import ROUTER_LEAST, ROUTER_MORE, STATIC_ROUNDS, Placement, legalises_for_ever, place, placements, routes_for_ever, seconds_of_group
 from flow.shell import ROOT, Failure, first_line, run
 from flow.tools import Tools
+
+WORKS = "while :; do :; done"  # until it is ended
 
 
 @mock.patch("flow.routing.POLL", 0.05)
@@ -85,8 +91,8 @@ class Placements(unittest.TestCase):
 
     def test_a_placer_that_does_not_end_is_ended(self) -> None:
         for says in (f"Info: iter={STATIC_ROUNDS + 1} steplen=1", "Info: iter=9 steplen=1\\nInfo: Strict legalising 7 cells..."):
-            with self.subTest(says), mock.patch("flow.routing.LEGALISING_LEAST", 1), mock.patch("flow.routing.LEGALISING_SHARE", 0):
-                self.assertIsNone(self.place_by(f"printf '{says}\\n' >build/top_seed2_static.log; sleep 600"))
+            with self.subTest(says), mock.patch("flow.routing.LEGALISING_LEAST", 0.1), mock.patch("flow.routing.LEGALISING_SHARE", 0):
+                self.assertIsNone(self.place_by(f"printf '{says}\\n' >build/top_seed2_static.log; {WORKS}"))
 
     def router_log(self, *steps: tuple[float, int]) -> str:
         """As nextpnr writes it: of (s since it began, arcs left)."""
@@ -104,12 +110,28 @@ class Placements(unittest.TestCase):
                           (self.router_log((1, 9000000), (late * 2 / 3, in_time + 2), (late, in_time + 1)), True)):
             self.assertEqual(routes_for_ever(log), ever, log)
 
+    def test_a_router_beside_other_work_has_more_time(self) -> None:
+        for share, left, ever in ((1, 13, True), (0.5, 13, False), (0.5, 25, True), (0.3, 1000, False)):  # it gets on by one in ROUTER_LEAST s
+            log = self.router_log((2 * ROUTER_LEAST, left + 1), (3 * ROUTER_LEAST, left))
+            self.assertEqual(routes_for_ever(log, share), ever, (share, left))
+
+    def test_seconds_of_a_group_are_those_of_its_work(self) -> None:
+        with subprocess.Popen(["sh", "-c", f"sh -c '{WORKS}'"], start_new_session=True) as works:
+            with subprocess.Popen(["sleep", "600"], start_new_session=True) as sleeps:
+                try:
+                    while seconds_of_group(works.pid) < 0.2:
+                        time.sleep(0.02)
+                    self.assertLess(seconds_of_group(sleeps.pid), 0.2)
+                finally:
+                    for group in (works, sleeps):
+                        os.killpg(group.pid, signal.SIGKILL)
+
     def test_a_router_that_does_not_get_on_is_ended(self) -> None:
         for placer, route_speed, log in (("static", None, "_static"), ("heap", None, ""), ("heap", 8, "_route8.routed")):
             with self.subTest(placer), tempfile.NamedTemporaryFile("w+") as said:
-                said.write(self.router_log((1, 500), (ROUTER_LEAST, 500)))
+                said.write(self.router_log((1, 500), (100 * ROUTER_LEAST, 500)))
                 said.flush()
-                self.assertIsNone(self.place_by(f"cp {said.name} build/top_seed2{log}.log; sleep 600", placer, route_speed))
+                self.assertIsNone(self.place_by(f"cp {said.name} build/top_seed2{log}.log; {WORKS}", placer, route_speed))
 
     def test_legalising_takes_its_time(self) -> None:
         rounds, legalising = "Info: iter=9 steplen=1\n", "Info: Strict legalising 7 cells..."
