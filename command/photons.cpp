@@ -7,8 +7,8 @@
 
 #include "command/command.hpp"
 #include "command/console.hpp"
+#include "command/frame_options.hpp"
 #include "command/scene_option.hpp"
-#include "command/tell.hpp"
 #include "golden/numeric/output_file.hpp"
 #include "golden/scene/scene.hpp"
 #include "golden/transport/world.hpp"
@@ -36,8 +36,7 @@ void photons(const PhotonsOptions& o) {
   const auto caster = make_double_bvh(world);
   PhotonPass pass = o.caustic ? trace_caustic_photons(world, *caster, o.photons, o.seed, &progress)
                               : trace_global_photons(world, *caster, o.photons, o.seed, &progress);
-  for (const std::string& warning : world.scene().warnings)
-    tell("photonloom: warning: {}\n", warning);
+  print_warnings(world.scene().warnings);
   if (pass.photons.empty())
     throw std::runtime_error(
         fmt::format("{}: no {} photon was stored after {} paths: {}", o.scene.path(),
@@ -45,8 +44,8 @@ void photons(const PhotonsOptions& o) {
                     o.caustic && !world.has_delta() ? "the scene has no mirror and no glass"
                                                     : "no light reaches a diffuse surface"));
   if (pass.short_of_request)
-    tell("photonloom: warning: {} of {} photons stored after {} paths\n", pass.photons.size(),
-         o.photons, pass.paths);
+    print_warnings({fmt::format("{} of {} photons stored after {} paths", pass.photons.size(),
+                                o.photons, pass.paths)});
   const Scene& scene = world.scene();
   Rgb power(0);
   for (const Photon& photon : pass.photons) power += photon.power;

@@ -128,12 +128,13 @@ void describe(const Plan& plan, const std::string& file, const PlanOptions& o,
 // A plan that is there already, with lines changed.
 void edit(const FrameRequest& request, const PlanOptions& o) {
   o.frame.refuse_derivation(request.scene_file);
-  const Plan before = read_plan(request.scene_file);
+  const std::string text = read_file(request.scene_file);
+  const Plan before = parse_plan(text, request.scene_file);
   Plan plan = before;
   for (const std::string& line : request.set) set_plan_line(plan, line);
   derive_plan(plan);
   check_plan(plan, request.scene_file, request.set);
-  PlanReasons reasons = kept_reasons(read_plan_text(request.scene_file), before, plan);
+  PlanReasons reasons = kept_reasons(text, before, plan);
   for (const std::string& line : request.set)
     reasons[line.substr(0, line.find('='))] = "set by hand";
   if (o.output == "-") {
@@ -208,7 +209,8 @@ void plan(const PlanOptions& o) {
     return edit(request, o);
   }
   if (!board.empty()) {
-    Plan asked = request.plan_file.empty() ? Plan{} : read_plan(request.plan_file);
+    if (!request.plan_file.empty()) request.plan = read_plan(request.plan_file);
+    Plan asked = request.plan.value_or(Plan{});
     for (const std::string& line : request.set) set_plan_line(asked, line);
     refuse_decided(request.set, {"--board", engine_lines(read_board(board), asked.photon_lines)});
   }

@@ -52,7 +52,7 @@ PhotonPass loaded_photons(const std::string& path, bool is_caustic, const World&
 }
 
 Plan plan_from_file(const FrameRequest& request) {
-  Plan plan = read_plan(request.plan_file);
+  Plan plan = request.plan ? *request.plan : read_plan(request.plan_file);
   for (const std::string& line : request.set) set_plan_line(plan, line);
   check_plan(plan, request.plan_file, request.set);
   return plan;
@@ -114,7 +114,8 @@ PreparedFrame prepare_frame(const FrameRequest& request, Arithmetic arithmetic, 
                             bool only_plan) {
   FrameRequest sized = request;
   if (!request.plan_file.empty()) {
-    const Plan plan = plan_from_file(request);
+    if (!sized.plan) sized.plan = read_plan(request.plan_file);
+    const Plan plan = plan_from_file(sized);
     sized.size = {plan.width, plan.height};
   }
   std::unique_ptr<World> world;

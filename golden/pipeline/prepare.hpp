@@ -26,8 +26,9 @@ struct FrameRequest {
   std::optional<int> spp, gather_rays, k;
   std::optional<uint64_t> photons, caustic_photons;
   std::optional<double> radius, format_error;
-  std::vector<std::string> set;             // lines of the plan
-  std::string plan_file;                    // empty: the planner's
+  std::vector<std::string> set;  // lines of the plan
+  std::string plan_file;         // empty: the planner's
+  std::optional<Plan> plan;      // that of plan_file, where it has been read: a pipe is read once
   std::string load_photons, load_caustics;  // photon files; empty: traced
   std::vector<std::string> outputs;         // files to write: none that the scene is made of
   uint64_t seed = 1;

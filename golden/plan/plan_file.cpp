@@ -4,10 +4,8 @@
 #include <fmt/core.h>
 
 #include <cmath>
-#include <filesystem>
 #include <limits>
 #include <map>
-#include <mutex>
 #include <set>
 #include <sstream>
 #include <type_traits>
@@ -634,34 +632,28 @@ std::string plan_text(const Plan& plan, const PlanReasons& reasons) {
 }
 
 PlanReasons kept_reasons(const std::string& text, const Plan& from, const Plan& to) {
-  std::map<std::string, std::string> comments;  // of section.key
-  std::istringstream lines(text);
-  std::string section;
-  for (std::string line; std::getline(lines, line);) {
-    size_t comment = 0;
-    for (bool quoted = false; comment < line.size() && (quoted || line[comment] != '#'); ++comment)
-      if (line[comment] == '"') quoted = !quoted;
-    const auto trimmed = [](const std::string& words) {
-      const size_t first = words.find_first_not_of(" \t\r");
-      return first == std::string::npos
-                 ? ""
-                 : words.substr(first, words.find_last_not_of(" \t\r") + 1 - first);
-    };
-    const std::string code = trimmed(line.substr(0, comment));
-    if (code.starts_with("["))
-      section = trimmed(code.substr(1, code.find(']') - 1));
-    else if (comment < line.size() && !code.empty())
-      comments[section + "." + trimmed(code.substr(0, code.find('=')))] =
-          trimmed(line.substr(comment + 1));
-  }
-  std::map<std::string, std::string> values;
-  Plan::visit(from, [&](const std::string& in, const std::string& key, const auto& value, auto,
-                        auto, const char*) { values[in + "." + key] = value_text(value); });
+  std::vector<std::string> lines;
+  std::istringstream rest(text);
+  for (std::string line; std::getline(rest, line);) lines.push_back(line);
+  const toml::table table = parse_toml(text);
+  // What stands behind a value, without '#' and blanks.
+  const auto comment_of = [&](const std::string& section, const std::string& key) -> std::string {
+    const toml::node* node = table[section][key].node();
+    if (!node) return "";
+    const toml::source_position end = node->source().end;
+    const std::string& line = lines.at(end.line - 1);
+    const size_t begin =
+        line.find_first_not_of("# \t", std::min<size_t>(end.column - 1, line.size()));
+    return begin == std::string::npos
+               ? ""
+               : line.substr(begin, line.find_last_not_of(" \t\r") + 1 - begin);
+  };
+  std::map<std::string, std::string> values = line_values(from);
   PlanReasons kept;
   Plan::visit(to, [&](const std::string& in, const std::string& key, const auto& value, auto, auto,
                       const std::string& meaning) {
     const std::string name = in + "." + key;
-    std::string comment = comments[name];
+    std::string comment = comment_of(in, key);
     if (values[name] != value_text(value) || comment.empty() || comment == meaning) return;
     if (comment.starts_with(meaning + ": ")) comment.erase(0, meaning.size() + 2);
     kept[name] = comment;
@@ -670,6 +662,8 @@ PlanReasons kept_reasons(const std::string& text, const Plan& from, const Plan& 
 }
 
 Plan parse_plan(const std::string& text, const std::string& file) {
+  if (text.find_first_not_of(" \t\r\n") == std::string::npos)
+    throw PlanError(fmt::format("{}: is empty, expected a plan", file));
   toml::table table;
   try {
     table = parse_toml(text, file);
@@ -734,23 +728,7 @@ Plan parse_plan(const std::string& text, const std::string& file) {
   return plan;
 }
 
-std::string read_plan_text(const std::string& path) {
-  std::error_code error;
-  if (std::filesystem::is_regular_file(path, error)) return read_file(path);
-  // A pipe can be read once, and a command that asks twice means the same plan.
-  static std::mutex mutex;
-  static std::map<std::string, std::string> texts;
-  const std::lock_guard lock(mutex);
-  const auto known = texts.find(path);
-  return known == texts.end() ? texts.emplace(path, read_file(path)).first->second : known->second;
-}
-
-Plan read_plan(const std::string& path) {
-  const std::string text = read_plan_text(path);
-  if (text.find_first_not_of(" \t\r\n") == std::string::npos)
-    throw PlanError(fmt::format("{}: is empty, expected a plan", path));
-  return parse_plan(text, path);
-}
+Plan read_plan(const std::string& path) { return parse_plan(read_file(path), path); }
 
 void write_plan(const Plan& plan, const std::string& path, const PlanReasons& reasons) {
   check_plan(plan);

@@ -80,7 +80,6 @@ PlanReasons kept_reasons(const std::string& text, const Plan& from, const Plan& 
 // passes check_plan. `file` is what errors call it.
 Plan parse_plan(const std::string& text, const std::string& file);
 Plan read_plan(const std::string& path);
-std::string read_plan_text(const std::string& path);  // also of a pipe, and again
 
 // Whole or not at all.
 void write_plan(const Plan& plan, const std::string& path, const PlanReasons& reasons = {});

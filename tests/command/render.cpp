@@ -322,6 +322,11 @@ TEST_CASE("a plan may come from a pipe") {
                               " 3<&0 >/dev/null";
   CHECK(std::system(command.c_str()) == 0);
   CHECK(read_file(scratch / "a.exr") == read_file(scratch / "b.exr"));
+  // For a board too, which asks what the plan has before it is prepared.
+  const std::string board = "cat '" + plan + "' | '" + photonloom::test::environment("PHOTONLOOM") +
+                            "' plan" + box() + "--plan /dev/fd/3 --board ulx3s-85f -o" +
+                            quoted(scratch / "board.toml") + " 3<&0 >/dev/null";
+  CHECK(std::system(board.c_str()) == 0);
 }
 
 TEST_CASE("a plan that is edited in its place keeps the reasons of what stays") {

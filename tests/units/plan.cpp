@@ -81,6 +81,25 @@ TEST_CASE("docs/plan.md names the lines that may be left out, and a plan without
   CHECK(plan_hash(parse_plan(shortest, "p.toml")) == plan_hash(plan));
 }
 
+TEST_CASE("reasons stay with the lines that stay, whatever is quoted") {
+  Plan from;
+  from.scene = "a \\\"b\\\" # c";
+  from.k = 7;
+  const PlanReasons reasons{
+      {"scene.name", "mine"}, {"gather.k", "few"}, {"photon.bucket", "x # y"}};
+  std::string text = plan_text(from, reasons);
+  const size_t own = text.find(" # ", text.find("\nspp = "));
+  text.replace(own, text.find('\n', own) - own, " # by hand");
+  Plan to = from;
+  to.k = 8;
+  CHECK(kept_reasons(text, from, from) == PlanReasons{{"scene.name", "mine"},
+                                                      {"gather.k", "few"},
+                                                      {"photon.bucket", "x # y"},
+                                                      {"frame.spp", "by hand"}});
+  CHECK(kept_reasons(text, from, to) ==
+        PlanReasons{{"scene.name", "mine"}, {"photon.bucket", "x # y"}, {"frame.spp", "by hand"}});
+}
+
 TEST_CASE("characters beyond ASCII stand in strings and comments alone") {
   Plan plan = sample_plan();
   plan.scene = "zwölf 木 \u00a0 \" # \u0391";
