@@ -275,8 +275,9 @@ def main() -> int:
     seeds = range(1, 1 + (o.seeds or goals.seeds))
     if kept and stay:
         require_same(kept["versions"], tools, DATA, "scripts/fpga-fast without plans")
-    rows = [old[name] if name in stay else measure(name, board, tools, seeds, placer, cycle_rows, not o.no_route)
-            for name in names() if name in stay or name in measured]
+    new = {name: measure(name, board, tools, seeds, placer, cycle_rows, not o.no_route) for name in names() if name in measured}
+    now = {row["plan"]: row for row in read_data()["rows"]} if DATA.is_file() else {}  # another command may have written it since
+    rows = [new.get(name) or now[name] for name in names() if name in new or name in now]
     data: Data = {"board": board.name, "placer": placer, "versions": tools.versions, "rows": rows}
     text = page(data, goals, stale_rows(data, board))  # if that fails, both stay
     write_json(DATA, data)

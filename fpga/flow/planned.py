@@ -2,7 +2,7 @@
 """Whether the engines that `photonloom plan SCENE --board` names are routed: the whole top of each scene's plan, and its clocks
 beside what they are constrained to. Scenes and options are [planned] of fpga/goals.toml. Writes fpga/planned.json and the table
 of docs/planner.md, and the plans into fpga/planned; what was routed is kept in build/planned and not made again. Exit status 1 where a
-clock is missed. With --check it measures nothing and tells whether the page is that of the data and of today's RTL: rows that were
+clock is missed. Where nextpnr does not end with a seed, a further one is taken. With --check it measures nothing and tells whether the page is that of the data and of today's RTL: rows that were
 routed with earlier RTL are named below the table, which --render writes. --predict plans the scenes again and writes what is predicted
 of the same plans today; nothing is routed."""
 import argparse
@@ -12,7 +12,7 @@ import os
 import shutil
 from collections.abc import Collection, Sequence
 from pathlib import Path
-from typing import Any, TypedDict
+from typing import Any, NotRequired, TypedDict
 
 from flow.arguments import LAST_SEED, check_names, folder, made_folder, refuse_idle, whole
 from flow.boards import LUT_EQ, Board, read_board
@@ -23,7 +23,7 @@ from flow.headline.tops import Routing, Top, prepare, route_seed, synthesized
 from flow.jobs import each
 from flow.package import PHOTONLOOM, describe
 from flow.results import clock_name
-from flow.routing import PLACERS, Placement, constrained
+from flow.routing import PLACERS, NoEnd, Placement, constrained, placements
 from flow.shell import ROOT, Failure, field, read_toml, run, say, write_json
 from flow.synthesis import Counts
 from flow.tables import between, markdown, replace_between
@@ -44,7 +44,8 @@ class PlannedClock(TypedDict):
 
 
 class Planned(TypedDict):
-    """A scene's engine. cycles: predicted, a gather of all gatherers; clocks: of the seed, none where nextpnr did not end."""
+    """A scene's engine. cycles: predicted, a gather of all gatherers; clocks: of the seed, none where nextpnr ended with no seed; unrouted:
+    seeds before it with which nextpnr did not end."""
     scene: str
     plan: str
     gatherers: int
@@ -57,6 +58,7 @@ class Planned(TypedDict):
     resources: Counts
     seed: int
     clocks: list[PlannedClock]
+    unrouted: NotRequired[list[int]]
 
 
 class Data(TypedDict):
@@ -92,7 +94,24 @@ def plan_scene(scene: Path, goals: PlannedGoals, work: Path) -> tuple[HeadlinePl
     return HeadlinePlan(scene.stem, path), said
 
 
-def row_of(plan: HeadlinePlan, said: dict[str, Any], top: Top, resources: Counts, seed: int, placed: Placement | None) -> Planned:
+def first_to_end(top: Top, routing: Routing) -> tuple[Placement | None, list[int]]:
+    """Of the first seed with which nextpnr ends, and the seeds with which it did not."""
+    without_end: list[int] = []
+
+    def one(seed: int, placer: str) -> Placement | None:
+        placed = route_seed(top, seed, placer, routing)
+        if placed is None:
+            without_end.append(seed)
+        return placed
+
+    try:
+        placed = placements(top.name, [routing.first_seed], routing.placer, one, else_default=False)[0]
+    except NoEnd:
+        return None, without_end
+    return placed, without_end
+
+
+def row_of(plan: HeadlinePlan, said: dict[str, Any], top: Top, resources: Counts, placed: Placement | None, without_end: Sequence[int]) -> Planned:
     lines, path = read_toml(plan.path), plan.path
 
     def number(line: str) -> int:
@@ -101,10 +120,14 @@ def row_of(plan: HeadlinePlan, said: dict[str, Any], top: Top, resources: Counts
 
     clocks: list[PlannedClock] = [{"name": clock_name(net), "achieved": clock["achieved"], "constraint": constrained(clock)}
                                   for net, clock in placed["clocks"].items()] if placed else []
-    return {"scene": plan.name, "plan": said["hash"], "gatherers": number("board.gatherers"),
-            "widths": [number(f"gatherer.{width}") for width in WIDTHS], "contexts": number("gatherer.contexts"),
-            "memory": field(lines, path, "board.photon_memory", str, "a memory"), "beat_bits": number("gatherer.beat_bits"),
-            "cycles": said["engine"]["cycles"], "digest": top.digest, "resources": resources, "seed": seed, "clocks": clocks}
+    *unrouted, seed = [*without_end, placed["seed"]] if placed else without_end
+    row: Planned = {"scene": plan.name, "plan": said["hash"], "gatherers": number("board.gatherers"),
+                    "widths": [number(f"gatherer.{width}") for width in WIDTHS], "contexts": number("gatherer.contexts"),
+                    "memory": field(lines, path, "board.photon_memory", str, "a memory"), "beat_bits": number("gatherer.beat_bits"),
+                    "cycles": said["engine"]["cycles"], "digest": top.digest, "resources": resources, "seed": seed, "clocks": clocks}
+    if unrouted:
+        row["unrouted"] = unrouted
+    return row
 
 
 def missed(row: Planned) -> list[str]:
@@ -122,8 +145,9 @@ def core_mhz(row: Planned) -> float | None:
 def cells(row: Planned) -> list[str]:
     clocks = ", ".join(f"{c['name']} {c['achieved']:.1f} of {c['constraint']:g}" for c in row["clocks"]) or "–"
     mhz, faults = core_mhz(row), missed(row)
+    seed = str(row["seed"]) + (f"; nextpnr does not end with {', '.join(map(str, row['unrouted']))}" if "unrouted" in row else "")
     return [row["scene"], str(row["gatherers"]), ", ".join(map(str, row["widths"])), str(row["contexts"]), row["memory"], str(row["beat_bits"]),
-            f"{row['cycles']:.2f}", f"{row['resources'][LUT_EQ]:,}", f"{row['resources']['DP16KD']:,}", str(row["seed"]), clocks,
+            f"{row['cycles']:.2f}", f"{row['resources'][LUT_EQ]:,}", f"{row['resources']['DP16KD']:,}", seed, clocks,
             f"{mhz / row['cycles']:.2f}" if mhz else "–", f"`{row['digest'][:SHORT]}`", "**MISSED**: " + "; ".join(faults) if faults else "yes"]
 
 
@@ -182,7 +206,7 @@ def write(data: Data, scenes: Sequence[Path], work: Path, board: Board) -> None:
 def main() -> int:
     p = argparse.ArgumentParser(prog="plan-boards", description=__doc__)
     p.add_argument("scenes", nargs="*", help="names of [planned] scenes to route; the others stay as fpga/planned.json has them (default: all)")
-    p.add_argument("--seed", type=whole(1, LAST_SEED), help="of the placement (default: 1)")
+    p.add_argument("--seed", type=whole(1, LAST_SEED), help="of the first placement (default: 1)")
     p.add_argument("--jobs", type=whole(1), help="tops routed at a time (default: one a core; 2 GB each)")
     p.add_argument("--placer", choices=PLACERS, help="as of scripts/fpga (default: static, but heap with nextpnr 0.7)")
     p.add_argument("--results", type=folder, help="where netlists and routed seeds are kept (default: build/planned)")
@@ -199,7 +223,7 @@ def main() -> int:
         p.error("expected one of --check, --render and --predict")
     if o.check or o.render or o.predict:
         refuse_idle(p, o, ("seed", "placer") + (() if o.predict else ("jobs", "results")), "--check" if o.check else "--render" if o.render else "--predict")
-    seed, jobs = o.seed or 1, o.jobs or os.cpu_count() or 1
+    jobs = o.jobs or os.cpu_count() or 1
     board = read_board(goals.board)
     if o.check or o.render:
         made = read_data()
@@ -229,7 +253,7 @@ def main() -> int:
         return 0
     tools = find_tools(board)
     slow = nextpnr_is_slow(tools.versions[board.family.nextpnr])
-    routing = Routing(board, tools, 1, seed, None, 8 if slow else 6, o.placer or ("heap" if slow else "static"), False)
+    routing = Routing(board, tools, 1, o.seed or 1, None, 8 if slow else 6, o.placer or ("heap" if slow else "static"), False)
     if old and stay:
         require_same(old["versions"], tools, DATA, "scripts/plan-boards without scenes")
 
@@ -237,9 +261,10 @@ def main() -> int:
         plan, said = plan_scene(scene, goals, work)
         top = prepare(plan, work, routing)
         resources = synthesized(top, routing)["resources"]
-        return row_of(plan, said, top, resources, seed, route_seed(top, seed, routing.placer, routing))
+        return row_of(plan, said, top, resources, *first_to_end(top, routing))
 
     rows = each(jobs, one, scenes)
+    old = read_data()  # another command may have written it since
     data: Data = {"board": board.name, "options": list(goals.options), "versions": tools.versions,
                   "rows": merged(old["rows"] if old else [], rows, goals.scenes)}
     write(data, scenes, work, board)

@@ -229,6 +229,32 @@ class OtherRows(Commands):
                 with self.assertRaisesRegex(Failure, "^accepted$"):
                     self.run_command(planned, *work)
 
+    def test_what_another_command_has_written_meanwhile(self) -> None:
+        goals, written = planned_goals(), self.folder / "data.json"
+        beginning = {"board": goals.board, "placer": "static", "options": list(goals.options), "versions": TOOLS.versions, "rows": []}
+
+        def row_of(scene: Path) -> dict[str, Any]:
+            return {**json.loads((ROOT / "fpga/planned.json").read_text())["rows"][0], "scene": scene.stem}
+
+        def each(_: int, __: Any, scenes: list[Path]) -> list[dict[str, Any]]:
+            write_json(written, {**beginning, "rows": [row_of(goals.scenes[1])]})
+            return [row_of(scene) for scene in scenes]
+
+        def measure_fast(name: str, *_: Any) -> fast.Row:
+            write_json(written, {**beginning, "rows": [self.fast_row("k8")]})
+            return self.fast_row(name)
+
+        for module, measured, asked, key, both in (
+                (planned, ("each", each), [goals.scenes[0].stem, "--results", str(self.folder)], "scene", [scene.stem for scene in goals.scenes[:2]]),
+                (fast, ("measure", measure_fast), ["k16"], "plan", ["k8", "k16"])):
+            self.data(module, json.dumps(beginning))
+            with self.subTest(key), mock.patch.object(module, *measured), mock.patch.object(module, "find_tools", return_value=TOOLS), \
+                    mock.patch.object(module, "stale_rows", return_value=[]), mock.patch.object(module, "page", return_value=""), \
+                    mock.patch.object(module, "replace_between"), mock.patch("shutil.copyfile"), mock.patch.object(fast, "verdict", return_value=[]), \
+                    mock.patch.object(fast, "checked_json", wraps=lambda path, kind: read_json(path) if path == written else {"photon_gatherer": []}):
+                self.assertEqual(self.run_command(module, *asked), 0)
+                self.assertCountEqual([row[key] for row in read_json(written)["rows"]], both)
+
 
 class WrongData(Commands):
     def test_files_of_rows(self) -> None:

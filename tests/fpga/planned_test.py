@@ -10,8 +10,8 @@ from flow.boards import read_board
 from flow.goals import planned_goals
 from flow.headline.data import Link
 from flow.headline.plans import HeadlinePlan
-from flow.headline.tops import Top
-from flow.planned import Data, Planned, cells, merged, missed, page, predicted, row_of, stale_rows
+from flow.headline.tops import Routing, Top
+from flow.planned import Data, Planned, cells, first_to_end, merged, missed, page, predicted, row_of, stale_rows
 from flow.routing import Placement
 from flow.shell import ROOT, Failure
 
@@ -33,6 +33,21 @@ class PlannedEngines(unittest.TestCase):
         self.assertEqual(cells(row)[-1], "**MISSED**: clk_sdram reaches 99.0 MHz of 100")
         row["clocks"] = []
         self.assertEqual(cells(row)[-4:], ["–", "–", "`dddddddddddd`", "**MISSED**: nextpnr does not end"])
+
+    def test_a_seed_without_end_gives_way_to_a_further_one(self) -> None:
+        def placed(seed: int) -> Placement:
+            return {"seed": seed, "placer": "static", "clocks": {}, "utilization": {}}
+
+        link: Link = {"baud": 1, "down": 1, "up": 1}
+        top = Top("room", "d" * 64, Path("t"), 50.0, link, 1.0)
+        routing = Routing(mock.Mock(), mock.Mock(), 1, 2, None, 6, "static", False)
+        for ends, found in ((2, (placed(2), [])), (3, (placed(3), [2])), (9, (None, [2, 3, 4]))):
+            with self.subTest(ends=ends), mock.patch("flow.routing.say"), \
+                    mock.patch("flow.planned.route_seed", side_effect=lambda t, seed, placer, o: placed(seed) if seed == ends else None):
+                self.assertEqual(first_to_end(top, routing), found)
+        row = copy.deepcopy(ROW)
+        row["unrouted"] = [1, 5]
+        self.assertEqual(cells(row)[9], "2; nextpnr does not end with 1, 5")
 
     def test_a_scene_measured_again_takes_the_place_of_its_row(self) -> None:
         other, again = copy.deepcopy(ROW), copy.deepcopy(ROW)
@@ -76,12 +91,16 @@ class PlannedEngines(unittest.TestCase):
             top = Top("room", "d" * 64, Path(folder), 50.0, link, 1.0)
             placed: Placement = {"seed": 1, "placer": "static", "clocks": {"$glbnet$clk": {"achieved": 60.0, "constraint": 50.0}}, "utilization": {}}
             said = {"hash": "89ab", "engine": {"cycles": 7.5}}
-            row = row_of(HeadlinePlan("room", path), said, top, {"LUT-eq": 1}, 1, placed)
+            row = row_of(HeadlinePlan("room", path), said, top, {"LUT-eq": 1}, placed, [])
             self.assertEqual((row["plan"], row["memory"], row["widths"][1], row["clocks"]),
                              ("89ab", "sdram", 4, [{"name": "clk", "achieved": 60.0, "constraint": 50.0}]))
+            self.assertEqual((row["seed"], "unrouted" in row), (1, False))
+            for placement, without_end, told in ((placed, [3, 4], (1, [3, 4], 1)), (None, [1, 2, 3], (3, [1, 2], 0))):
+                row = row_of(HeadlinePlan("room", path), said, top, {"LUT-eq": 1}, placement, without_end)
+                self.assertEqual((row["seed"], row["unrouted"], len(row["clocks"])), told)
             path.write_text("[gatherer]\nlanes = 4\n")
             with self.assertRaisesRegex(Failure, "p.toml: board.gatherers is missing, expected a count"):
-                row_of(HeadlinePlan("room", path), said, top, {}, 1, placed)
+                row_of(HeadlinePlan("room", path), said, top, {}, placed, [])
 
     def test_the_goals_name_scenes_that_are_there(self) -> None:
         goals = planned_goals()
