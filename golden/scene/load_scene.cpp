@@ -11,13 +11,13 @@
 #include <tuple>
 
 #include "golden/numeric/elementary.hpp"
+#include "golden/numeric/text.hpp"
 #include "golden/scene/findings.hpp"
 #include "golden/scene/mesh.hpp"
 #include "golden/scene/properties.hpp"
 #include "golden/scene/read_bsdf.hpp"
 #include "golden/scene/scene.hpp"
 #include "golden/scene/serialized.hpp"
-#include "golden/scene/text.hpp"
 #include "golden/scene/xml.hpp"
 
 namespace photonloom {

@@ -6,9 +6,9 @@
 
 #include "golden/numeric/output_file.hpp"
 #include "golden/numeric/random.hpp"
+#include "golden/numeric/text.hpp"
 #include "golden/scene/mesh.hpp"
 #include "golden/scene/polygon.hpp"
-#include "golden/scene/text.hpp"
 
 namespace photonloom {
 namespace {

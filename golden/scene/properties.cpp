@@ -8,7 +8,7 @@
 #include <cmath>
 
 #include "golden/numeric/elementary.hpp"
-#include "golden/scene/text.hpp"
+#include "golden/numeric/text.hpp"
 
 namespace photonloom {
 namespace {

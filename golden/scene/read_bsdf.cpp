@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "golden/numeric/text.hpp"
 #include "golden/scene/materials.hpp"
-#include "golden/scene/text.hpp"
 
 namespace photonloom {
 namespace {

@@ -8,8 +8,8 @@
 
 #include "golden/numeric/elementary.hpp"
 #include "golden/numeric/output_file.hpp"
+#include "golden/numeric/text.hpp"
 #include "golden/scene/scene.hpp"
-#include "golden/scene/text.hpp"
 
 namespace photonloom {
 namespace {

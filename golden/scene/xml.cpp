@@ -10,7 +10,7 @@
 #include <set>
 
 #include "golden/numeric/output_file.hpp"
-#include "golden/scene/text.hpp"
+#include "golden/numeric/text.hpp"
 #include "golden/scene/upgrade.hpp"
 
 namespace photonloom {

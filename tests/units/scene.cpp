@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "golden/numeric/elementary.hpp"
-#include "golden/scene/text.hpp"
+#include "golden/numeric/text.hpp"
 #include "golden/transport/emitters.hpp"
 #include "golden/transport/world.hpp"
 #include "tests/catch.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "golden/scene/text.hpp"
+#include "golden/numeric/text.hpp"
 
 #include <fmt/core.h>
 #include <locale.h>
