@@ -272,9 +272,8 @@ void add_info(CLI::App& app) {
   CLI::App* command = app.add_subcommand("info", "What is in a scene, and what hardware it needs");
   command->footer(
       "What it needs is told from the file alone, for a frame with final gather rays; `photonloom\n"
-      "plan`, which traces the photons, finds 1 channel of power also where the file allows 3 and "
-      "all\n"
-      "photons have one colour.\n\n"
+      "plan`, which traces the photons, needs no unit of a map in which none is stored, and finds\n"
+      "1 channel of power also where the file allows 3 and all photons have one colour.\n\n"
       "Example: photonloom info scenes/cornell.xml --json");
   o->scene.add_to(*command);
   command->add_flag("--json", o->json, "One JSON object instead of text");

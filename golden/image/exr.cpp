@@ -17,6 +17,7 @@
 
 #include "golden/image/image.hpp"
 #include "golden/numeric/output_file.hpp"
+#include "golden/numeric/text.hpp"
 
 namespace photonloom {
 namespace {
@@ -122,25 +123,25 @@ void check_headers(const std::string& bytes, const std::string& path) {
     }
     const size_t type = behind_text(at), size_at = behind_text(type), data = size_at + 4;
     if (bytes.size() < data) break;
-    const std::string name = bytes.substr(at, type - at - 1);
+    const std::string name = bytes.substr(at, type - at - 1), named = shown(name);
     const uint32_t size = little_endian(bytes, size_at);
     if (size > bytes.size() - data)
       fail(path,
            fmt::format("attribute {} of a header claims {} bytes, expected at most the {} that "
                        "follow",
-                       name, size, bytes.size() - data));
+                       named, size, bytes.size() - data));
     // The library reads what a type takes, whatever size stands there, and would go on elsewhere.
     const std::string kind = bytes.substr(type, size_at - type - 1);
     if (const auto fixed = size_of_type(kind); fixed && *fixed != size)
       fail(path, fmt::format("attribute {} of a header claims {} bytes, expected the {} of type {}",
-                             name, size, *fixed, kind));
+                             named, size, *fixed, kind));
     if (kind == "chlist") {
       size_t c = data;
       while (c < data + size && bytes[c] != '\0') c = behind_text(c) + 16;
       if (c + 1 != data + size)
         fail(path, fmt::format("attribute {} of a header claims {} bytes, expected the end of its "
                                "list of channels there",
-                               name, size));
+                               named, size));
     }
     if (name == "dataWindow" && size == 16) {
       const auto corner = [&](size_t i) {

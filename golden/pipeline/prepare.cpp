@@ -190,12 +190,12 @@ PreparedFrame prepare_frame(std::unique_ptr<World> world, const FrameRequest& re
         make_plan(*frame.world, plan_request, frame.global_pass, frame.caustic_pass);
     frame.plan = planned.plan;
     frame.reasons = std::move(planned.reasons);
-    for (const std::string& w : planned.warnings)
-      frame.warnings.push_back(request.scene_file + ": " + w);
     if (!request.set.empty()) check_plan_fits(frame, "plan");
   }
-  if (const std::string coarse = why_pixels_are_coarse(frame.plan, *frame.world); !coarse.empty())
-    frame.warnings.push_back((from_file ? request.plan_file : "plan") + ": " + coarse);
+  for (const std::string& coarse : {why_positions_are_coarse(frame.plan, frame.global_pass),
+                                    why_pixels_are_coarse(frame.plan, *frame.world)})
+    if (!coarse.empty())
+      frame.warnings.push_back((from_file ? request.plan_file : "plan") + ": " + coarse);
   if (only_plan && !frame.plan.compressed()) return frame;
 
   const ProgressPhase phase(progress, "photon maps",

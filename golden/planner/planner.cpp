@@ -62,7 +62,7 @@ int extra_position_bits(const PhotonPass& pass, double extent) {
     const auto cut = static_cast<std::ptrdiff_t>(x.size() / 100);
     const auto low = x.begin() + cut, high = x.end() - 1 - cut;
     std::nth_element(x.begin(), low, x.end());
-    std::nth_element(low, high, x.end());
+    if (low < high) std::nth_element(low + 1, high, x.end());
     spread = std::max(spread, *high - *low);
   }
   // One photon, or all in one place: there is no distance that units could be too large for.
@@ -307,6 +307,17 @@ std::string why_pixels_are_coarse(const Plan& plan, const World& world) {
       plan.fraction_bits, least);
 }
 
+std::string why_positions_are_coarse(const Plan& plan, const PhotonPass& global) {
+  const int wanted = extra_position_bits(global, plan.extent);
+  // Three bits too few still make an image.
+  if (wanted <= 7 || wanted + 16 - plan.position_bits <= 3) return "";
+  return fmt::format(
+      "nearly all photons lie within 2^-{} of scene.extent, too little for positions of {} bits: "
+      "their light is blurred or lost; smaller surroundings, a scene.extent no larger than the "
+      "scene, or --set photon.position_bits=24 help",
+      wanted + 3, plan.position_bits);
+}
+
 double default_radius(double share, int k, double area, uint64_t photons) {
   return std::sqrt(share * static_cast<double>(k) * area / (kPi * static_cast<double>(photons)));
 }
@@ -522,13 +533,6 @@ PlannedFrame make_plan(const World& world, const PlanRequest& request, const Pho
   if (plan.cache_bytes == 0)
     for (const char* line : {"gatherer.cache_ways", "gatherer.cache_misses"})
       if (why[line] != "set by hand") why[line] = "used where gatherer.cache_bytes is not 0";
-  // Three bits too few still make an image.
-  if (wanted > 7 && wanted + 16 - plan.position_bits > 3)
-    result.warnings.push_back(
-        fmt::format("nearly all photons lie within 2^-{} of the scene's width, too little for "
-                    "positions of {} bits: their light is blurred or lost; smaller surroundings or "
-                    "--set photon.position_bits=24 help",
-                    wanted + 3, plan.position_bits));
   derive_plan(plan);
   check_plan(plan, "plan", request.set);
   check_plan_makes_an_image(plan, "--k", request.set);  // by default it is more

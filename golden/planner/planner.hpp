@@ -45,7 +45,6 @@ inline constexpr uint64_t kBoardBlockRamBytes = 262144;
 struct PlannedFrame {
   Plan plan;
   PlanReasons reasons;
-  std::vector<std::string> warnings;
 };
 
 // Throws PlanError where gathers of a plan give no light: (k - 1) / k is 0 for k = 1. `name` is the
@@ -55,6 +54,10 @@ void check_plan_makes_an_image(const Plan& plan, const std::string& name,
 
 // A sentence where a pixel's steps are coarser than any plan has them that is derived; "" else.
 std::string why_pixels_are_coarse(const Plan& plan, const World& world);
+
+// A sentence where a position's unit is too large beside the part of the cube in which the photons
+// lie; "" else.
+std::string why_positions_are_coarse(const Plan& plan, const PhotonPass& global);
 
 // The reasons of photon.bucket and frame.order in a derived plan; whoever changes the stride of a
 // photon, or the reorder buffer, says them anew.

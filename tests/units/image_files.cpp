@@ -109,6 +109,10 @@ TEST_CASE("an EXR that claims more than it holds is refused before room is made 
   write_file(folder / "b.exr", claims);
   REQUIRE(contains(message([&] { read_exr(folder / "b.exr"); }),
                    "b.exr: attribute compression of a header claims 2147483647 bytes"));
+  claims.replace(whole.find("compression"), 2, "\x1b\n");  // which a terminal would obey
+  write_file(folder / "b.exr", claims);
+  REQUIRE(contains(message([&] { read_exr(folder / "b.exr"); }),
+                   "b.exr: attribute \\x1b\\x0ampression of a header claims"));
   claims = whole;
   const size_t window = whole.find("dataWindow") + sizeof "dataWindow" + sizeof "box2i" + 4;
   claims.replace(window + 8, 4, "\xff\xff\xff\x03", 4);  // wide and low

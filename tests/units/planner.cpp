@@ -45,6 +45,28 @@ uint64_t map_bytes(const Plan& p) {
 
 }  // namespace
 
+TEST_CASE("photons in a small part of the cube are warned of, whoever wrote its edge") {
+  PhotonPass pass;
+  for (uint64_t i = 0; i < 100; ++i)
+    pass.photons.push_back({Vec3(0.01 * static_cast<double>(i)), Vec3(0, 1, 0), Rgb(1), i, 1});
+  Plan plan = planned(100, {}).plan;
+  CHECK(why_positions_are_coarse(plan, pass) == "");
+  plan.position_bits = 20;
+  plan.extent = 0x1p9;
+  CHECK(why_positions_are_coarse(plan, pass) == "");
+  plan.extent = 0x1p20;
+  CHECK_THAT(
+      why_positions_are_coarse(plan, pass),
+      ContainsSubstring("within 2^-20 of scene.extent, too little for positions of 20 bits"));
+  plan.position_bits = 24;
+  plan.extent = 0x1p13;
+  CHECK(why_positions_are_coarse(plan, pass) == "");
+  for (const size_t few : {2, 1, 0}) {
+    pass.photons.resize(few, pass.photons[0]);
+    CHECK(why_positions_are_coarse(plan, pass).empty() == (few < 2));
+  }
+}
+
 TEST_CASE("beats before an SDRAM are whole photons of any stride, 128 bits of them or more") {
   for (const auto& [bytes, beat] :
        {std::pair{12, 192}, {13, 208}, {16, 128}, {20, 160}, {24, 192}, {32, 256}}) {
