@@ -71,6 +71,7 @@ void add_average(CLI::App& app) {
   c->add_option("-o,--output", o->output, "The EXR to write")->required()->type_name("FILE.exr");
   c->add_option("--channels", o->channels, "Keep only these (default: those of the first image)")
       ->delimiter(',')
+      ->allow_extra_args(false)
       ->type_name("NAME,...");
   c->callback([o] { average(*o); });
 }

@@ -8,6 +8,7 @@
 
 #include "command/console.hpp"
 #include "command/frame_options.hpp"
+#include "command/json_text.hpp"
 #include "golden/packet/signature.hpp"
 #include "golden/plan/plan_file.hpp"
 #include "host/board.hpp"
@@ -82,7 +83,7 @@ void info(const DeviceOptions& o) {
   all["faults"] = s.faults;
   all["counters"] = s.counters;
   if (o.json) {
-    fmt::print("{}\n", all.dump(2));
+    fmt::print("{}\n", json_text(all));
     return;
   }
   const auto yes = [](bool value) { return value ? "yes" : "no"; };
@@ -216,7 +217,7 @@ void replay_on_board(const BoardReplayOptions& o) {
     all["golden_full"] = full;
     all["golden_clamped"] = clamped;
     all["golden_signature"] = fmt::format("{:016x}", signature.value());
-    fmt::print("{}\n", all.dump(2));
+    fmt::print("{}\n", json_text(all));
   } else {
     fmt::print("{} gathers ({} queries, {} passes) on {} gatherers, k = {}, {} photons{}{}\n",
                gathers, gathers / o.passes, o.passes, board.first_state().gatherers, plan.k,

@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "command/command.hpp"
+#include "command/json_text.hpp"
 #include "golden/image/metrics.hpp"
 #include "golden/numeric/output_file.hpp"
 
@@ -84,7 +85,7 @@ void print(const CompareOptions& o, const Metrics& m) {
     j["psnr"] = number(m.psnr);
     j["flip"] = number(m.flip);
     j["identical"] = m.identical;
-    fmt::print("{}\n", j.dump(2));
+    fmt::print("{}\n", json_text(j));
     return;
   }
   fmt::print("rmse            {:.6g}\n", m.rmse);

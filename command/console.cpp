@@ -175,6 +175,13 @@ void handle_interrupts() {
   action.sa_flags = SA_RESTART;
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
+  struct sigaction now {};
+  sigaction(SIGHUP, nullptr, &now);
+  if (now.sa_handler != SIG_IGN) sigaction(SIGHUP, &action, nullptr);  // as nohup has it
+  // That nobody reads an output any more is told where it is written. Not ignored: programs that
+  // are started would inherit that.
+  action.sa_handler = [](int) {};
+  sigaction(SIGPIPE, &action, nullptr);
 }
 
 }  // namespace photonloom

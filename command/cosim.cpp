@@ -15,6 +15,7 @@
 #include "command/command_line.hpp"
 #include "command/console.hpp"
 #include "command/frame_options.hpp"
+#include "command/json_text.hpp"
 #include "command/tell.hpp"
 #include "golden/image/sheet.hpp"
 #include "golden/numeric/output_file.hpp"
@@ -225,13 +226,18 @@ void cosim(const CosimOptions& o) {
   if (boards == 0) o.board.refuse_alone();
   o.rig.check_netlist(netlists);
   o.rig.check_waveform(units_with_waves);
+  const std::string stem = std::filesystem::path(request.scene_file).stem().string();
+  const std::string output = o.output.empty() ? o.rig.results_dir() + "/" + stem : o.output;
+  if (!o.rig.waveform().empty() && stands_in(o.rig.waveform(), output))
+    throw UsageError(
+        fmt::format("--wave: {} is in the folder of the results, which is replaced as a whole; "
+                    "expected another folder",
+                    o.rig.waveform()));
   request.outputs = {o.rig.waveform()};
   std::vector<std::string> inputs = frame_inputs(request);
   inputs.push_back(o.rig.netlist());
   check_outputs(request.outputs, inputs);
   o.threads.apply();
-  const std::string stem = std::filesystem::path(request.scene_file).stem().string();
-  const std::string output = o.output.empty() ? o.rig.results_dir() + "/" + stem : o.output;
   OutputFolder folder(output, {"summary.json",
                                "\"plan_hash\"",
                                {"*.exr", "*.png", "*.html", "*.fst", "*.vcd", "packets.json",
@@ -370,12 +376,12 @@ void cosim(const CosimOptions& o) {
   summary["phases"] = Json::array();
   for (const PhaseTime& t : progress.times())
     summary["phases"].push_back({{"phase", t.phase}, {"wall", t.wall}, {"cpu", t.cpu}});
-  write_file(folder.temporary() + "/summary.json", summary.dump(2) + "\n");
+  write_file(folder.temporary() + "/summary.json", json_text(summary) + "\n");
   folder.commit();
   earlier.replaced();
 
   if (o.json) {
-    fmt::print("{}\n", summary.dump(2));
+    fmt::print("{}\n", json_text(summary));
   } else {
     fmt::print("{}", progress.table());
     fmt::print("{} caustic queries, {} table gathers, {} directions, {} final gathers\n",

@@ -242,6 +242,14 @@ void refuse_without_effect(const std::string& line, const GatherOptions& o) {
   if (of_the_points && o.plan.empty())
     throw UsageError(fmt::format("--set {}: without --plan, photons and queries decide it", line));
   if (is_unread(name)) throw UsageError(fmt::format("--set {}: has no effect on a gather", line));
+  // Units of positions alone, and what makes room for them.
+  const std::vector<std::string> of_reference{"scene.origin",         "scene.extent",
+                                              "photon.position_bits", "photon.photon_bytes",
+                                              "gatherer.beat_bits",   "gather.r2_floor"};
+  if (o.arithmetic == "reference" &&
+      std::find(of_reference.begin(), of_reference.end(), name) == of_reference.end())
+    throw UsageError(
+        fmt::format("--set {}: has no effect on a gather with --arithmetic reference", line));
 }
 
 void gather(const GatherOptions& o) {

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "command/command.hpp"
+#include "command/json_text.hpp"
 #include "command/scene_option.hpp"
 #include "golden/plan/units.hpp"
 #include "golden/planner/planner.hpp"
@@ -283,7 +284,7 @@ void add_info(CLI::App& app) {
     const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - started;
     const Json j = describe(world);
     if (o->json) {
-      fmt::print("{}\n", j.dump(2, ' ', false, Json::error_handler_t::replace));
+      fmt::print("{}\n", json_text(j));
     } else {
       print(j);
       rusage usage{};

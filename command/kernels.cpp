@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "command/command.hpp"
+#include "command/json_text.hpp"
 #include "golden/plan/plan_file.hpp"
 #include "rtl/generate/data_files.hpp"
 #include "verilator_tb/unit/drawn_run.hpp"
@@ -50,7 +51,7 @@ void kernels(const KernelsOptions& o) {
       all.push_back(describe(unit, plan, o.work));
   });
   if (o.json) {
-    fmt::print("{}\n", all.dump(2));
+    fmt::print("{}\n", json_text(all));
     return;
   }
   fmt::print("{:<16}{:>9}{:>24}{:>10}{:>10}{:>15}\n", "unit", "packets", "cycles a packet: model",

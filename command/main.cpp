@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <csignal>
 #include <cstdio>
 #include <cstring>
 #include <exception>
@@ -130,6 +131,7 @@ int main(int argc, char** argv) {
   photonloom::keep_freed_blocks();
   photonloom::handle_interrupts();
   const auto output_lost = [](int reason) {
+    if (reason == EPIPE) return 128 + SIGPIPE;  // who ended before has seen enough
     photonloom::tell("photonloom: standard output: cannot be written: {}\n", std::strerror(reason));
     return 1;
   };

@@ -8,6 +8,7 @@
 #include "command/command.hpp"
 #include "command/console.hpp"
 #include "command/frame_options.hpp"
+#include "command/json_text.hpp"
 #include "command/scene_option.hpp"
 #include "golden/numeric/output_file.hpp"
 #include "golden/scene/scene.hpp"
@@ -66,7 +67,7 @@ void photons(const PhotonsOptions& o) {
     j["power"] = {power.x, power.y, power.z};
     j["kind"] = file.kind;
     j["scene_hash"] = fmt::format("{:016x}", scene.hash);
-    fmt::print("{}\n", j.dump(2));
+    fmt::print("{}\n", json_text(j));
   } else {
     fmt::print("{}: {} {} photons of {} paths, {:.6g} {:.6g} {:.6g} W\n", o.output,
                file.photons.size(), file.kind, pass.paths, power.x, power.y, power.z);

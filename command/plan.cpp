@@ -10,6 +10,7 @@
 
 #include "command/console.hpp"
 #include "command/frame_options.hpp"
+#include "command/json_text.hpp"
 #include "command/plan_for_board.hpp"
 #include "command/plan_for_error.hpp"
 #include "golden/numeric/output_file.hpp"
@@ -85,7 +86,7 @@ void describe(const Plan& plan, const std::string& file, const PlanOptions& o,
       }
     }
     if (!further.is_null()) j.update(further);
-    fmt::print("{}\n", j.dump(2));
+    fmt::print("{}\n", json_text(j));
     return;
   }
   fmt::print("  memory, words times bits; of units in block RAM or LUTs\n");
@@ -198,6 +199,7 @@ void plan(const PlanOptions& o) {
   }
   const std::string& board = o.for_error.board();
   check_board(board);
+  o.threads.apply();
   if (o.for_error.wanted())
     return o.for_error.run(request, o.output, o.json, o.threads.threads(),
                            [&](const Plan& plan) { describe(plan, o.output, o); });
@@ -215,7 +217,6 @@ void plan(const PlanOptions& o) {
     refuse_decided(request.set, {"--board", engine_lines(read_board(board), asked.photon_lines)});
   }
   if (o.output.empty()) throw UsageError("a scene's plan needs -o FILE (- for standard output)");
-  o.threads.apply();
   if (!board.empty()) return plan_a_board(request, o);
   ConsoleProgress progress;
   const PreparedFrame frame = prepare_frame(request, Arithmetic::kGolden, &progress, true);

@@ -12,6 +12,7 @@
 
 #include "command/console.hpp"
 #include "command/frame_options.hpp"
+#include "command/json_text.hpp"
 #include "command/tell.hpp"
 #include "golden/numeric/output_file.hpp"
 #include "study/plan_search.hpp"
@@ -424,7 +425,7 @@ void PlanForError::run(const FrameRequest& request, const std::string& output, b
       missed = fmt::format("--check: the whole frame with seed {} has {:.5f}, above {:g}", *check_,
                            m.error.mean, run_limit);
   }
-  if (json) fmt::print("{}\n", j.dump(2));
+  if (json) fmt::print("{}\n", json_text(j));
   if (!missed.empty()) throw CheckFailed(missed);
 }
 

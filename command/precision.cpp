@@ -12,6 +12,7 @@
 #include "command/frame_options.hpp"
 #include "golden/image/metrics.hpp"
 #include "golden/numeric/output_file.hpp"
+#include "golden/numeric/text.hpp"
 #include "golden/pipeline/prepare.hpp"
 
 namespace photonloom {
@@ -97,9 +98,9 @@ void precision(const PrecisionOptions& o) {
             request.set.push_back(fmt::format("{}={}", line, &f == &factor ? bits : f.base));
         request.set.push_back("photon.photon_bytes=32");  // room for the widest of them
         const Cost c = cost_of(request);
-        table += fmt::format("{},{},{},{:.6g},{:.6g},{:.6g},{},{},{},{:.6g}\n", name, factor.name,
-                             bits, c.relmse, c.bias, c.worst, c.zeroed, c.saturated, c.photons,
-                             c.unit_in_radius);
+        table += fmt::format("{},{},{},{:.6g},{:.6g},{:.6g},{},{},{},{:.6g}\n", csv_field(name),
+                             factor.name, bits, c.relmse, c.bias, c.worst, c.zeroed, c.saturated,
+                             c.photons, c.unit_in_radius);
         phase.advance(1);
       }
   }

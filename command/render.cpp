@@ -10,6 +10,7 @@
 
 #include "command/console.hpp"
 #include "command/frame_options.hpp"
+#include "command/json_text.hpp"
 #include "command/unit_times.hpp"
 #include "golden/image/pixel_sum.hpp"
 #include "golden/image/sheet.hpp"
@@ -158,17 +159,11 @@ void render(const RenderOptions& o) {
     for (const std::string& option : o.frame.photon_options())
       print_warnings(
           {fmt::format("{} changes nothing with --integrator {}", option, o.integrator)});
-  if (!o.record.empty()) {
-    std::error_code error;
-    const auto whole = [&](const std::filesystem::path& path) {
-      return std::filesystem::weakly_canonical(std::filesystem::absolute(path, error), error);
-    };
-    if (whole(o.output).parent_path() == whole(std::filesystem::path(o.record) / "x").parent_path())
-      throw UsageError(
-          fmt::format("--output: {} is in the folder of --record, which is replaced as "
-                      "a whole; expected another folder",
-                      o.output));
-  }
+  if (!o.record.empty() && stands_in(o.output, o.record))
+    throw UsageError(
+        fmt::format("--output: {} is in the folder of --record, which is replaced as a whole; "
+                    "expected another folder",
+                    o.output));
   o.threads.apply();
   request.outputs = {o.output, png_beside(o.output)};
   check_outputs(request.outputs, frame_inputs(request));
@@ -212,7 +207,7 @@ void render(const RenderOptions& o) {
                                  {"cpu", t.cpu},
                                  {"steps", t.steps},
                                  {"unit", t.unit}});
-  fmt::print("{}\n", summary.dump(2));
+  fmt::print("{}\n", json_text(summary));
 }
 
 void add_render(CLI::App& app) {

@@ -87,13 +87,14 @@ void write_packets(const std::vector<P>& packets, const Plan& plan, const std::s
   fmt::print("wrote {}: {} {} packets\n", path, packets.size(), P::kName);
 }
 
-// Whether a file's first line has fields of such packets, or the further one, and no others.
+// Whether a file's first line has fields of such packets and the further one, and no others.
 bool has_packets(const std::string& file, const PacketLayout& layout, const char* further) {
   std::ifstream in(file);
   std::string line;
   std::getline(in, line);
   const auto object = nlohmann::json::parse(line, nullptr, false);
-  if (!object.is_object() || object.empty()) return false;
+  if (!object.is_object() || object.empty() || (*further && !object.contains(further)))
+    return false;
   for (const auto& [name, value] : object.items())
     if (!layout.find(name) && name != further) return false;
   return true;
@@ -229,9 +230,9 @@ void replay(const ReplayOptions& o) {
   const std::string waveform = waveform_of(*backend);
   o.rig.check_waveform(waveform.empty() ? std::set<std::string>{} : std::set{o.unit});
   std::vector<std::string> outputs{o.output, o.rig.options(o.unit).waveform};
-  if (gatherer) outputs.push_back(beside(o.output, "photons"));
-  if (!o.photons.empty()) outputs.push_back(beside(o.output, "addresses"));
-  if (!o.caustics.empty()) outputs.push_back(beside(o.output, "caustic_addresses"));
+  if (gatherer)  // each is written, or removed
+    for (const char* what : {"photons", "addresses", "caustic_addresses"})
+      outputs.push_back(beside(o.output, what));
   check_outputs(outputs, {o.plan, o.packets, o.photons, o.caustics, o.rig.netlist()});
   const Plan plan = read_plan(o.plan);
   try {

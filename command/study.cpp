@@ -85,7 +85,7 @@ struct StudyOptions {
 
 // A scene's file: as given, or the shipped scene of that name.
 std::string scene_file(const std::string& name) {
-  if (std::filesystem::exists(name)) return name;
+  if (std::filesystem::exists(name) && !std::filesystem::is_directory(name)) return name;
   const std::string shipped = data_dir() + "/scenes/" + name + ".xml";
   if (std::filesystem::exists(shipped)) return shipped;
   throw UsageError(fmt::format("SCENE '{}': expected a file, or the name of one in {}/scenes", name,
@@ -179,6 +179,7 @@ void run_study(const ShippedStudy& study, const StudyOptions& o) {
   SweepRequest request;
   for (const std::string& scene : o.scenes) request.scenes.push_back(scene_file(scene));
   request.wait = o.wait;
+  o.threads.apply();
   request.workers = o.threads.threads();
   request.work_dir = o.work;
   request.progress = progress.get();
@@ -254,14 +255,20 @@ void run_study(const ShippedStudy& study, const StudyOptions& o) {
 void add_study(CLI::App& app) {
   CLI::App* all = app.add_subcommand("study", "Shipped studies, measured and concluded");
   all->require_subcommand(1);
-  all->footer(
-      "A study (docs/studies.md) is a sweep of shipped study files, with tables, plots and goals.\n"
-      "Stopped at any moment it goes on with the same command.\n\n"
-      "Examples:\n"
-      "  photonloom study reordering atrium cornell_balls -o build/studies/reordering");
+  const auto footer = [](const std::string& name) {
+    return fmt::format(
+        "A study (docs/studies.md) is a sweep of shipped study files, with tables, plots and "
+        "goals.\n"
+        "Stopped at any moment it goes on with the same command.\n\n"
+        "Examples:\n"
+        "  photonloom study {0} atrium cornell_balls -o build/studies/{0}",
+        name);
+  };
+  all->footer(footer("reordering"));
   for (const ShippedStudy& study : kStudies) {
     auto o = std::make_shared<StudyOptions>();
     CLI::App* c = all->add_subcommand(study.name, study.summary);
+    c->footer(footer(study.name));
     c->add_option("SCENE", o->scenes,
                   "Scene files or names of shipped scenes (default: the study's)");
     c->add_option("-o,--output", o->output, "The study's folder, new or to go on with")

@@ -29,6 +29,7 @@ void sweep(const SweepOptions& o) {
   request.wait = o.wait;
   request.is_task = o.task;
   request.on_slurm = o.on == "slurm";
+  o.threads.apply();
   request.workers = o.threads.threads();
   request.work_dir = o.work;
   request.program = std::filesystem::read_symlink("/proc/self/exe").string();

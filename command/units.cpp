@@ -7,6 +7,7 @@
 
 #include "command/backend_option.hpp"
 #include "command/command.hpp"
+#include "command/json_text.hpp"
 #include "golden/numeric/output_file.hpp"
 #include "rtl/generate/sources.hpp"
 
@@ -131,7 +132,7 @@ std::string pages(const Json& all) {
 void units(const UnitsOptions& o) {
   const Json all = describe_all();
   if (o.update.empty()) {
-    fmt::print("{}", o.json ? all.dump(2) + "\n" : pages(all));
+    fmt::print("{}", o.json ? json_text(all) + "\n" : pages(all));
     return;
   }
   const std::string page = read_file(o.update);

@@ -16,6 +16,7 @@
 #include <stdexcept>
 
 #include "golden/numeric/output_file.hpp"
+#include "golden/numeric/text.hpp"
 
 namespace photonloom {
 namespace {
@@ -76,14 +77,6 @@ double blockwise_error(const Series& a, const Series* b, double r) {
 
 std::string number(double x) { return std::isfinite(x) ? fmt::format("{}", x) : ""; }
 Json json_number(double x) { return std::isfinite(x) ? Json(x) : Json(); }
-
-// What is quoted in CSV.
-std::string csv(const std::string& text) {
-  if (text.find_first_of(",\"\n") == std::string::npos) return text;
-  std::string quoted = "\"";
-  for (const char c : text) quoted += c == '"' ? "\"\"" : std::string(1, c);
-  return quoted + '"';
-}
 
 class Database {
  public:
@@ -328,19 +321,19 @@ void write_csv(const PointTable& table, const std::vector<Collected>& points,
   const std::vector<std::string> figures = figures_of(table);
   OutputFile out(path);
   std::string row = "point,scene,plan,origin,state";
-  for (const std::string& line : lines) row += "," + csv(line);
+  for (const std::string& line : lines) row += "," + csv_field(line);
   for (const std::string& f : figures)
     row += fmt::format(",{0},{0}.error,{0}.ratio,{0}.ratio_error", f);
   out.write(row + "\n");
   for (size_t i = 0; i < points.size(); ++i) {
     const PlannedPoint& p = table.points[i];
-    row = fmt::format("{},{},{},{},{}", p.point.number, csv(table.scenes[p.point.scene].name),
-                      p.plan, csv(p.point.origin), points[i].state);
+    row = fmt::format("{},{},{},{},{}", p.point.number, csv_field(table.scenes[p.point.scene].name),
+                      p.plan, csv_field(p.point.origin), points[i].state);
     for (const std::string& line : lines) {
       std::string value;
       for (const auto& [l, v] : p.point.lines)
         if (l == line) value = v;
-      row += "," + csv(value);
+      row += "," + csv_field(value);
     }
     for (const std::string& f : figures) {
       const auto m = points[i].means.find(f);

@@ -36,12 +36,16 @@ RoutedResources routed_gatherer(const Plan& plan, const std::string& folder) {
                     report = fmt::format("{}/{}-{}/report.json", kReports, kBoard, hash);
   std::filesystem::create_directories(folder);
   write_plan(plan, file, {});
-  // Exit status 1 says too that a clock was missed, which is a figure here.
+  // Exit status 1 says that a clock was missed, which is a figure here, or that the flow failed:
+  // then what stands in the report is of an earlier run.
+  std::error_code none;
+  const auto before = std::filesystem::last_write_time(report, none);
   const auto [status, said] =
       output_of(fmt::format("{} {} --board {} --units {} --seeds 1", model_tools::quoted(kFlow),
                             model_tools::quoted(file), kBoard, unit));
   try {
-    if (status > 1) throw std::runtime_error(said);
+    if (status > 1 || (status == 1 && std::filesystem::last_write_time(report, none) == before))
+      throw std::runtime_error(said);
     const auto json = nlohmann::json::parse(read_file(report));
     for (const auto& entry : json.at("entries")) {
       if (entry.at("name") != unit || !entry.contains("fmax_mhz")) continue;

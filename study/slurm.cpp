@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <stdexcept>
+#include <string>
 #include <thread>
 
 #include "golden/numeric/output_file.hpp"
@@ -20,6 +21,18 @@ namespace {
 using model_tools::quoted;
 
 constexpr size_t kTasks = 1000;  // of an array: Slurm's own default limit is 1001
+
+struct Answer {
+  int status;
+  std::string text, errors;  // of both streams: sites tell their news on standard error
+};
+
+// `folder`: where standard error is put meanwhile.
+Answer ask(const std::string& command, const std::string& folder) {
+  const std::string errors = folder + "/stderr";
+  const auto [status, text] = output_of(fmt::format("{{ {} 2>{}; }}", command, quoted(errors)));
+  return {status, text, read_file(errors)};
+}
 
 }  // namespace
 
@@ -55,18 +68,24 @@ void run_on_slurm(const SlurmWork& work, const std::function<void()>& alive) {
           "\"${{SLURM_CPUS_PER_TASK:-1}}\"\n",
           quoted(here), quoted(folder + "/points"), quoted(work.program), quoted(work.study_file),
           quoted(work.folder), quoted(work.work_dir)));
-  const auto [status, job] = output_of(
-      fmt::format("sbatch --parsable --job-name=photonloom-sweep --array=0-{} --output={} {}",
-                  tasks - 1, quoted(folder + "/%A_%a.log"), quoted(folder + "/job.sh")));
-  if (status != 0)
-    throw std::runtime_error(fmt::format("sbatch: {}", job.empty() ? "failed" : job));
-  const std::string number = job.substr(0, job.find(';'));
+  const Answer job =
+      ask(fmt::format("sbatch --parsable --job-name=photonloom-sweep --array=0-{} --output={} {}",
+                      tasks - 1, quoted(folder + "/%A_%a.log"), quoted(folder + "/job.sh")),
+          folder);
+  if (job.status != 0)
+    throw std::runtime_error(fmt::format("sbatch: {}", job.errors.empty() ? "failed" : job.errors));
+  const std::string number = job.text.substr(0, job.text.find(';'));
+  if (number.empty() || number.find_first_not_of("0123456789") != std::string::npos)
+    throw std::runtime_error(fmt::format(
+        "sbatch: '{}' is not the number of a job, which --parsable asks for", job.text));
   for (;;) {
-    const auto [state, queued] =
-        output_of(fmt::format("squeue --noheader --jobs={} --format=%i", quoted(number)));
+    const Answer queue =
+        ask(fmt::format("squeue --noheader --jobs={} --format=%i", number), folder);
     // squeue refuses the number of a job that it has forgotten.
-    if (queued.empty() || (state != 0 && queued.find("nvalid job") != std::string::npos)) return;
-    if (state != 0) throw std::runtime_error(fmt::format("squeue: {}", queued));
+    if (queue.status == 0 ? queue.text.empty()
+                          : queue.errors.find("nvalid job") != std::string::npos)
+      return;
+    if (queue.status != 0) throw std::runtime_error(fmt::format("squeue: {}", queue.errors));
     alive();
     std::this_thread::sleep_for(std::chrono::milliseconds(500));
   }

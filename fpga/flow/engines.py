@@ -13,7 +13,7 @@ from flow.arguments import check_names
 from flow.headline.data import of_headline
 from flow.headline.data import read_data as read_headline
 from flow.package import PHOTONLOOM
-from flow.shell import ROOT, Failure, run, say, write_json
+from flow.shell import ROOT, Failure, data_lock, run, say, write_json
 from flow.tables import between, markdown, replace_between
 from flow.typed_json import checked_json, typed
 
@@ -124,10 +124,12 @@ def main() -> int:
                 raise Failure(f"{PAGE}: its table '{mark}' is not what {DATA} gives; scripts/engine-predictions writes it")
         say("docs/planner.md is that of fpga/engines.json")
         return 0
-    for name in o.tables or TESTS:
-        engines = [engine for engine in engines if engine["table"] != name] + measured(name)
-    write_json(DATA, sorted(engines, key=lambda engine: list(TESTS).index(engine["table"])))
-    for name, mark in marks.items():
-        replace_between(PAGE, mark, table(engines, name))
+    tables = o.tables or list(TESTS)
+    new = [engine for name in tables for engine in measured(name)]
+    with data_lock(DATA):  # another command may have written meanwhile
+        engines = [engine for engine in (read_data() if DATA.is_file() else []) if engine["table"] not in tables] + new
+        write_json(DATA, sorted(engines, key=lambda engine: list(TESTS).index(engine["table"])))
+        for name, mark in marks.items():
+            replace_between(PAGE, mark, table(engines, name))
     print("\n".join(table(engines, name) for name in TESTS))
     return 0

@@ -19,7 +19,7 @@ from flow.package import describe, generate, lock_of
 from flow.plans.catalogue import read_catalogue
 from flow.results import median, report_folder
 from flow.routing import DEFAULT_PLACER, PLACERS, SPARE_SEEDS, Clock, clocks_of, place, placements, routed_name
-from flow.shell import ROOT, Failure, field, locked, read_toml, say, write_json
+from flow.shell import ROOT, Failure, data_lock, field, locked, read_toml, say, write_json
 from flow.synthesis import Counts, synthesise
 from flow.tables import between, markdown, replace_between
 from flow.tools import Tools, find_tools, require_same
@@ -276,12 +276,13 @@ def main() -> int:
     if kept and stay:
         require_same(kept["versions"], tools, DATA, "scripts/fpga-fast without plans")
     new = {name: measure(name, board, tools, seeds, placer, cycle_rows, not o.no_route) for name in names() if name in measured}
-    now = {row["plan"]: row for row in read_data()["rows"]} if DATA.is_file() else {}  # another command may have written it since
-    rows = [new.get(name) or now[name] for name in names() if name in new or name in now]
-    data: Data = {"board": board.name, "placer": placer, "versions": tools.versions, "rows": rows}
-    text = page(data, goals, stale_rows(data, board))  # if that fails, both stay
-    write_json(DATA, data)
-    replace_between(PAGE, "fast", text)
+    with data_lock(DATA):
+        now = {row["plan"]: row for row in read_data()["rows"]} if DATA.is_file() else {}  # another command may have written it since
+        rows = [new.get(name) or now[name] for name in names() if name in new or name in now]
+        data: Data = {"board": board.name, "placer": placer, "versions": tools.versions, "rows": rows}
+        text = page(data, goals, stale_rows(data, board))  # if that fails, both stay
+        write_json(DATA, data)
+        replace_between(PAGE, "fast", text)
     faults = [f"{row['plan']}: {fault}" for row in rows for fault in fewer(row, old.get(row["plan"])) + verdict(row, rows, goals)]
     for fault in faults:
         say(fault)

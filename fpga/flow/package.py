@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TypedDict
 
 from flow.boards import Board
-from flow.shell import ROOT, beside, read_json, run, write_json
+from flow.shell import ROOT, beside, read_json, run, said_json, write_json
 
 PHOTONLOOM = os.environ.get("PHOTONLOOM", str(ROOT / "build" / "photonloom"))
 UNITS = re.findall(r"^ *UNIT\(\w+, (\w+),", (ROOT / "golden/plan/units.hpp").read_text(), re.MULTILINE)  # the one list
@@ -34,7 +34,7 @@ class PackageFacts(TypedDict):
 
 def describe(plan: Path) -> PlanFacts:
     """What photonloom says of a plan."""
-    facts: PlanFacts = json.loads(run([PHOTONLOOM, "plan", str(plan), "--json"]))
+    facts: PlanFacts = said_json([PHOTONLOOM, "plan", str(plan), "--json"])
     return facts
 
 

@@ -24,7 +24,7 @@ from flow.jobs import each
 from flow.package import PHOTONLOOM, describe
 from flow.results import clock_name
 from flow.routing import PLACERS, NoEnd, Placement, constrained, placements
-from flow.shell import ROOT, Failure, field, read_toml, run, say, write_json
+from flow.shell import ROOT, Failure, data_lock, field, read_toml, said_json, say, write_json
 from flow.synthesis import Counts
 from flow.tables import between, markdown, replace_between
 from flow.tools import find_tools, nextpnr_is_slow, require_same
@@ -90,7 +90,7 @@ def plan_scene(scene: Path, goals: PlannedGoals, work: Path) -> tuple[HeadlinePl
     """Writes the scene's plan, and gives what photonloom says of it. Not yet beside the rows: its own is not there before it is routed."""
     path = work / "plans" / f"{scene.stem}.toml"
     path.parent.mkdir(parents=True, exist_ok=True)
-    said: dict[str, Any] = json.loads(run([PHOTONLOOM, "plan", str(scene), *goals.options, "--board", goals.board, "-o", str(path), "--json"]))
+    said: dict[str, Any] = said_json([PHOTONLOOM, "plan", str(scene), *goals.options, "--board", goals.board, "-o", str(path), "--json"])
     return HeadlinePlan(scene.stem, path), said
 
 
@@ -264,10 +264,11 @@ def main() -> int:
         return row_of(plan, said, top, resources, *first_to_end(top, routing))
 
     rows = each(jobs, one, scenes)
-    old = read_data()  # another command may have written it since
-    data: Data = {"board": board.name, "options": list(goals.options), "versions": tools.versions,
-                  "rows": merged(old["rows"] if old else [], rows, goals.scenes)}
-    write(data, scenes, work, board)
+    with data_lock(DATA):
+        old = read_data()  # another command may have written it since
+        data: Data = {"board": board.name, "options": list(goals.options), "versions": tools.versions,
+                      "rows": merged(old["rows"] if old else [], rows, goals.scenes)}
+        write(data, scenes, work, board)
     faults = [f"{row['scene']}: {fault}" for row in data["rows"] for fault in missed(row)]
     for fault in faults:
         say(fault)

@@ -118,6 +118,11 @@ def locked(path: Path) -> Iterator[None]:
         yield
 
 
+def data_lock(data: Path) -> contextlib.AbstractContextManager[None]:
+    """Held from the last look at a data file that commands write together until it and its page are written."""
+    return locked(ROOT / "build" / f"{data.name}.lock")
+
+
 # What programs say behind the cause: make of folders, photonloom of its help.
 NO_CAUSE = re.compile(r"make(\[\d+\])?: (Leaving|Entering) directory |Run with --help for more information")
 
@@ -138,6 +143,16 @@ def run(command: Sequence[str], log: Path | None = None, cwd: Path | None = None
     if running.returncode != 0:
         raise complaint(command, output, log)
     return output
+
+
+def said_json(command: Sequence[str]) -> Any:
+    """What a command says as one JSON object, among its warnings."""
+    text = run(command)
+    begin = re.search(r"^\{", text, re.MULTILINE)
+    try:
+        return json.JSONDecoder().raw_decode(text, begin.start() if begin else 0)[0]
+    except ValueError as error:
+        raise Failure(f"{' '.join(command[:2])}: says no JSON: {text.strip()[:200]}") from error
 
 
 def first_line(command: Sequence[str]) -> str | None:

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "golden/image/sheet.hpp"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
@@ -27,7 +29,11 @@ constexpr uint8_t kPaper = 250, kInk = 20;
 
 // Averages shrink x shrink blocks of value(x, y, c) and codes them.
 template <class Value, class Code>
-Picture shrunk(int width, int height, int shrink, Value&& value, Code&& code) {
+Picture shrunk(int width, int height, int shrink, const std::string& path, Value&& value,
+               Code&& code) {
+  if (width < shrink || height < shrink)
+    throw std::runtime_error(fmt::format("{}: has {}x{} pixels, too few to be shrunk {} times",
+                                         path, width, height, shrink));
   Picture p;
   p.width = width / shrink;
   p.height = height / shrink;
@@ -48,10 +54,13 @@ void paste(Picture& sheet, const Picture& picture, int left, int top) {
                 sheet.rgb.begin() + ((top + y) * sheet.width + left) * 3);
 }
 
-void write_text(Picture& sheet, const std::string& text, int left, int top, int width) {
+// The font has the characters of ASCII; a '?' stands for each byte of others.
+void write_text(Picture& sheet, std::string text, int left, int top, int width) {
+  for (char& c : text)
+    if (c < 32 || c > 126) c = '?';
   std::vector<char> quads(text.size() * 512 + 64);
-  const int count = stb_easy_font_print(0, 0, const_cast<char*>(text.c_str()), nullptr,
-                                        quads.data(), static_cast<int>(quads.size()));
+  const int count =
+      stb_easy_font_print(0, 0, text.data(), nullptr, quads.data(), static_cast<int>(quads.size()));
   // A quad is four vertices of x, y, z and a colour, 16 bytes each; the first and third are
   // corners.
   for (int q = 0; q < count; ++q) {
@@ -72,7 +81,7 @@ Picture picture_of(const Image& image, double exposure, int shrink, const std::s
   const Planes planes = planes_of(image, "", path);
   const double scale = std::exp2(exposure);
   return shrunk(
-      image.width, image.height, shrink,
+      image.width, image.height, shrink, path,
       [&](int x, int y, int c) {
         return scale * planes.c[static_cast<size_t>(c)][static_cast<size_t>(y * image.width + x)];
       },
@@ -87,7 +96,7 @@ Picture read_png(const std::string& path, int shrink) {
                             static_cast<int>(bytes.size()), &width, &height, &channels, 3);
   if (!data) throw std::runtime_error(path + ": cannot be read as PNG: " + stbi_failure_reason());
   Picture p = shrunk(
-      width, height, shrink,
+      width, height, shrink, path,
       [&](int x, int y, int c) { return static_cast<double>(data[(y * width + x) * 3 + c]); },
       [](double v) { return static_cast<uint8_t>(std::lround(v)); });
   stbi_image_free(data);

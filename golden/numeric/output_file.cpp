@@ -14,6 +14,7 @@
 #include <map>
 #include <mutex>
 #include <stdexcept>
+#include <utility>
 
 namespace photonloom {
 namespace {
@@ -152,7 +153,9 @@ OutputFolder::OutputFolder(std::string path, const OutputFolderKind& kind)
                 "written by the same command",
                 path, why));
         return path;
-      }()) {}
+      }()) {
+  kind_ = kind;
+}
 
 OutputFolder::OutputFolder(std::string path) : path_(std::move(path)) {
   while (path_.size() > 1 && path_.back() == '/') path_.pop_back();
@@ -191,12 +194,30 @@ void OutputFolder::commit() {
   std::error_code error;
   const std::string old = beside(path_);
   const bool existed = std::filesystem::exists(path_);
+  if (existed && kind_)
+    if (const std::string why = foreign(path_, *kind_); !why.empty()) {
+      const std::string kept = std::exchange(temporary_, "");
+      unfinished().erase(kept);
+      throw std::runtime_error(
+          fmt::format("{}: is not replaced: {}, which has come meanwhile; what was to stand there "
+                      "is in {}",
+                      path_, why, kept));
+    }
   if (existed) std::filesystem::rename(path_, old, error);
   if (!error) std::filesystem::rename(temporary_, path_, error);
   if (error) throw std::runtime_error(path_ + ": cannot be put in place: " + error.message());
   unfinished().erase(temporary_);
   temporary_.clear();
   if (existed) std::filesystem::remove_all(old, error);
+}
+
+bool stands_in(const std::string& file, const std::string& folder) {
+  std::error_code error;
+  const auto folder_of = [&](const std::filesystem::path& path) {
+    return std::filesystem::weakly_canonical(std::filesystem::absolute(path, error), error)
+        .parent_path();
+  };
+  return folder_of(file) == folder_of(std::filesystem::path(folder) / "x");
 }
 
 void refuse_to_replace_input(const std::string& output, const std::string& input) {

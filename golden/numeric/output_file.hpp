@@ -3,6 +3,7 @@
 // and renamed by commit(). What is not committed is removed by the destructor, or by
 // remove_unfinished_outputs() when the program is interrupted.
 #pragma once
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -41,9 +42,10 @@ struct OutputFolderKind {
 };
 
 // A folder filled at temporary() and put in the place of `path` by commit(). A folder that was
-// there before is replaced if it is empty or of this kind and holds nothing else, so that no file
-// of a user is lost; without a kind, whatever it holds. Anything else is an error, and so is a
-// folder in which the program runs.
+// there before is replaced if it is empty or of this kind and holds nothing else, then and at
+// commit(), so that no file of a user is lost; without a kind, whatever it holds. Anything else is
+// an error, and so is a folder in which the program runs. Where files of a user came meanwhile,
+// both folders stay, and the error names them.
 class OutputFolder {
  public:
   explicit OutputFolder(std::string path);
@@ -57,7 +59,11 @@ class OutputFolder {
 
  private:
   std::string path_, temporary_;
+  std::optional<OutputFolderKind> kind_;
 };
+
+// Whether a file stands in a folder, whatever their paths are spelt like.
+bool stands_in(const std::string& file, const std::string& folder);
 
 // Throws where an output would replace the file that it is made of.
 void refuse_to_replace_input(const std::string& output, const std::string& input);

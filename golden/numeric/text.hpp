@@ -27,6 +27,9 @@ std::vector<std::string_view> split(Text&& text, std::string_view separators) = 
 // cursor as \x00.
 std::string shown(std::string_view text);
 
+// A field of a CSV file, in quotes where it holds what would end it.
+std::string csv_field(const std::string& text);
+
 // A to Z as a to z, whatever the locale.
 std::string lower(std::string text);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A film whose samples count in several pixels (docs/frame.md, "The film's filter"): sums of light
+// A film whose samples count in several pixels (docs/frame.md, "Film"): sums of light
 // times lobes, exact where light is, so that neither order nor threads show.
 #pragma once
 #include <algorithm>

@@ -636,14 +636,19 @@ PlanReasons kept_reasons(const std::string& text, const Plan& from, const Plan& 
   std::istringstream rest(text);
   for (std::string line; std::getline(rest, line);) lines.push_back(line);
   const toml::table table = parse_toml(text);
-  // What stands behind a value, without '#' and blanks.
+  // What stands behind a value as its comment, without '#' and blanks. Columns count characters.
   const auto comment_of = [&](const std::string& section, const std::string& key) -> std::string {
     const toml::node* node = table[section][key].node();
     if (!node) return "";
     const toml::source_position end = node->source().end;
     const std::string& line = lines.at(end.line - 1);
-    const size_t begin =
-        line.find_first_not_of("# \t", std::min<size_t>(end.column - 1, line.size()));
+    size_t behind = 0;
+    for (size_t column = 1; behind < line.size(); ++behind)
+      if ((static_cast<unsigned char>(line[behind]) & 0xc0) != 0x80 && column++ == end.column)
+        break;
+    const size_t mark = line.find_first_not_of(" \t", behind);
+    if (mark == std::string::npos || line[mark] != '#') return "";
+    const size_t begin = line.find_first_not_of("# \t", mark);
     return begin == std::string::npos
                ? ""
                : line.substr(begin, line.find_last_not_of(" \t\r") + 1 - begin);

@@ -26,8 +26,8 @@ inline UVec3 quantise_position(const Plan& plan, const Vec3& x, ClampCounts* cou
   return q;
 }
 
-// Radius in scene units -> r2_max: the largest integer d^2 whose distance is within it; radius 0
-// means none.
+// Radius in scene units -> r2_max: floor((radius / unit)^2), quotient and square each rounded to
+// double (docs/plan.md); radius 0 means none.
 inline uint64_t radius_to_r2_max(const Plan& plan, double radius) {
   if (radius <= 0) return plan.r2_limit();
   const double r = radius / plan.position_unit();

@@ -186,7 +186,8 @@ class Builder {
       } else if (element->tag == "include") {
         if (!top) fail(*element, "<include> is allowed at the top level only");
         only_attributes(*element, {"filename"});
-        add_file(document_.find_file(*element, (*element)["filename"]), out, element.get(), depth);
+        add_file(document_.find_file(*element, (*element)["filename"]), out, element.get(),
+                 depth + 1);
       } else if (element->tag == "alias") {
         if (!top) fail(*element, "<alias> is allowed at the top level only");
         only_attributes(*element, {"id", "as"});

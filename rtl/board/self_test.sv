@@ -10,7 +10,7 @@ module self_test #(
 ) (
     input  logic        clk_i,
     input  logic        rst_i,
-    output logic        running_o,           // from reset on; the link's writes and reads wait
+    output logic        running_o,           // from reset on; the link hears nothing meanwhile
     output logic        passed_o,
     output logic        failed_o,
     // to the registers, as from the link

@@ -21,6 +21,15 @@ std::string cosim(const std::string& more) {
 
 }  // namespace
 
+TEST_CASE("a waveform has no place in the folder that the results replace") {
+  const Scratch scratch;
+  std::filesystem::create_directory(scratch / "out");
+  const Outcome o = run(cosim("--wave " + (scratch / "out/x.fst") +
+                              " --wave-unit photon_gatherer -o " + (scratch / "out")));
+  CHECK(o.status == 2);
+  CHECK_THAT(o.err, ContainsSubstring("out/x.fst is in the folder of the results"));
+}
+
 TEST_CASE("all units as RTL give golden's packets and render's bytes") {
   const Scratch scratch;
   const Outcome o =

@@ -207,6 +207,12 @@ TEST_CASE("gather and photons refuse what they cannot do, in one line") {
     CHECK(o.one_error_line());
     CHECK(o.err.starts_with("photonloom: --set "));
   }
+  for (const char* line : {"gather.leaf_limit=1", "photon.mantissa_bits=4"}) {
+    const Outcome o = run("gather --photons " + s / "q.ply" + " --queries " + s / "q.ply" +
+                          " --arithmetic reference --set " + line + " -o " + s / "o");
+    CHECK(o.status == 2);
+    CHECK(o.err.find("has no effect on a gather with --arithmetic reference") != std::string::npos);
+  }
   CHECK(run("gather --k 0 --photons a --queries b -o c").status == 2);
   CHECK(run("photons " + scene + " --photons 0 -o c").status == 2);
   CHECK(s.entries() == 1);
@@ -237,7 +243,8 @@ TEST_CASE("gather refuses lines that no plan may have, other colours and powers 
           "--set: gatherer.candidates_per_cycle is 3, expected");
   refused("--set photon.channels=1", "photon.channels is 1, but photons of " + s / "p.ply");
   CHECK(gathers("--set photon.mantissa_bits=8").status == 0);
-  CHECK(gathers("--set photon.channels=1 --arithmetic reference").status == 0);
+  CHECK(gathers("--set photon.channels=1 --arithmetic reference").status == 2);  // it reads none
+  CHECK(gathers("--set photon.position_bits=20 --arithmetic reference").status == 0);
   photons("2 2 2");
   CHECK(gathers("--set photon.channels=1").status == 0);
   photons("1 1.797e308 1");

@@ -36,7 +36,7 @@ TEST_CASE("unfinished files and folders are removed, finished ones stay") {
 }
 
 TEST_CASE("an interrupted render leaves no file and says so by its status") {
-  for (const auto& [signal, expected] : {std::pair{"INT", 130}, {"TERM", 143}}) {
+  for (const auto& [signal, expected] : {std::pair{"INT", 130}, {"TERM", 143}, {"HUP", 129}}) {
     const Scratch s;
     // Far more samples than fit into the time until the signal.
     const std::string command = std::string("timeout --preserve-status -s ") + signal + " 1 '" +
@@ -50,6 +50,28 @@ TEST_CASE("an interrupted render leaves no file and says so by its status") {
     CHECK(WEXITSTATUS(status) == expected);
     CHECK(s.entries() == 0);
   }
+}
+
+TEST_CASE("what nobody reads ends a command quietly, and leaves nothing unfinished") {
+  const Scratch s;
+  const auto status_of = [&](const std::string& arguments) {
+    const std::string command = "{ '" + photonloom::test::environment("PHOTONLOOM") + "' " +
+                                arguments + "; echo $? >'" + s / "status" + "'; } | true";
+    INFO(command);
+    REQUIRE(std::system(command.c_str()) == 0);
+    return read_file(s / "status");
+  };
+  const std::string scene = "'" + photonloom::test::source("scenes/cornell.xml") + "'";
+  // `true` has ended long before a scene is read.
+  CHECK(status_of("info " + scene + " 2>'" + s / "err" + "'") == "141\n");
+  CHECK(read_file(s / "err").empty());
+  const std::string plan = "generate " + scene +
+                           " --size 16x16 --spp 1 --gather-rays 2 --photons 500 --k 16 "
+                           "--set pixel.fraction_bits=0 -o '" +
+                           s / "hw" + "' 2>&1";
+  CHECK(status_of(plan + " >/dev/null") == "0\n");
+  CHECK(status_of(plan) == "141\n");
+  CHECK(s.entries() == 3);  // the status, what was said, the package
 }
 
 TEST_CASE("an interrupt while a tool builds a model ends the program, not the tool alone") {

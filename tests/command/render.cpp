@@ -286,6 +286,17 @@ TEST_CASE("a folder of recorded packets has no place for the image") {
   CHECK(scratch.entries() == 1);
 }
 
+TEST_CASE("a name that is no UTF-8 stands in JSON as far as it can") {
+  const Scratch scratch;
+  const std::string name = scratch / "x\xff.exr";
+  const Outcome o = good("render" + balls() + kSmall + kPhotons + " --json -o" + quoted(name));
+  CHECK(std::filesystem::exists(name));
+  const auto said = nlohmann::json::parse(o.out);
+  CHECK(said["output"].get<std::string>().ends_with("x\xef\xbf\xbd.exr"));
+  CHECK(
+      nlohmann::json::parse(good("compare --json" + quoted(name) + quoted(name)).out)["identical"]);
+}
+
 TEST_CASE("a plan whose lines do not hold another seed's photons is refused by every command") {
   const Scratch scratch;
   const std::string plan = quoted(scratch / "few.toml");

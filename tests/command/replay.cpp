@@ -125,6 +125,23 @@ TEST_CASE("addresses that an earlier run wrote do not stay beside results withou
   CHECK(std::filesystem::exists(f.scratch / "out.addresses.jsonl"));
 }
 
+TEST_CASE("photons that are given are not taken for addresses of an earlier run") {
+  Files f;
+  const std::string photons = read_file(f.scratch / "photons.jsonl");
+  for (const auto& [option, name] : {std::pair{"--caustics", "out.addresses.jsonl"},
+                                     {"--photons", "out.caustic_addresses.jsonl"}}) {
+    write_file(f.scratch / name, photons);
+    const Outcome o = f.replay("photon_gatherer", "queries.jsonl",
+                               fmt::format("--backend golden {} {}", option, f.scratch / name));
+    CHECK(o.status == 1);
+    CHECK_THAT(o.err, ContainsSubstring("is the input, which would be lost"));
+    CHECK(read_file(f.scratch / name) == photons);
+    // Nor do those of nobody.
+    CHECK(f.replay("photon_gatherer", "queries.jsonl", "--backend golden").status == 0);
+    CHECK(read_file(f.scratch / name) == photons);
+  }
+}
+
 TEST_CASE("a file that no replay wrote stays where the photons would be") {
   Files f;
   write_file(f.scratch / "none.jsonl", fmt::format(fmt::runtime(kQuery), 1, 0, 5, 6, 7));

@@ -235,6 +235,34 @@ TEST_CASE("array jobs without Slurm are refused before anything is written") {
   CHECK(none.status == 0);
 }
 
+TEST_CASE("what Slurm's commands say beside a job's number is no part of it") {
+  const Scratch s;
+  write_file(s / "study.toml", small_study(cornell(), kPoints));
+  std::filesystem::create_directory(s / "bin");
+  const auto tool = [&](const std::string& name, const std::string& text) {
+    write_file(s / ("bin/" + name), "#!/bin/sh\n" + text);
+    std::filesystem::permissions(s / ("bin/" + name), std::filesystem::perms::owner_all);
+  };
+  // The job is done when it is asked for the first time.
+  tool("sbatch",
+       "echo 'news of the site' >&2\nfor job; do :; done\nn=$(wc -l <\"$(dirname "
+       "\"$job\")/points\")\n"
+       "i=0; while [ $i -lt $n ]; do SLURM_ARRAY_TASK_ID=$i sh \"$job\" >&2; i=$((i + 1)); done\n"
+       "echo '4242;here'\n");
+  tool("squeue",
+       "echo 'more news' >&2\ncase \"$*\" in *--jobs=4242\\ *) ;; *) echo 'no such job' ;; esac\n");
+  const std::string path = getenv("PATH");
+  setenv("PATH", (s / "bin" + ":" + path).c_str(), 1);
+  const auto done = run(command(s / "study.toml", s / "a") + " --on slurm");
+  tool("sbatch", "echo 'welcome'\n");
+  const auto odd = run(command(s / "study.toml", s / "b") + " --on slurm");
+  setenv("PATH", path.c_str(), 1);
+  INFO(done.err);
+  CHECK(done.status == 0);
+  CHECK(odd.status == 1);
+  CHECK(odd.err.find("sbatch: 'welcome' is not the number of a job") != std::string::npos);
+}
+
 TEST_CASE("points by hand, then the rest") {
   const Scratch s;
   write_file(s / "study.toml", small_study(cornell(), kPoints));

@@ -19,7 +19,7 @@ from flow.plans import command as plans_command, measurements
 from flow.plans.catalogue import read_catalogue
 from flow.results import Entry
 from flow.routing import Placement
-from flow.shell import ROOT, Failure, read_json, write_json
+from flow.shell import ROOT, Failure, read_json, said_json, write_json
 from flow.tools import Tools
 
 PLACED: Placement = {"seed": 1, "placer": "heap", "clocks": {}, "utilization": {}}
@@ -86,6 +86,17 @@ class Arguments(Commands):
             self.refused(f"--no-route is of what is measured, and {option} measures nothing; expected none of --", plans_command, option, "--no-route")
         self.refused("--jobs is of what is measured, and --check measures nothing; expected none of --", plans_command, "--check", "--jobs", "2")
         self.refused("not allowed with argument --fit", plans_command, "--fit", "--check")
+
+
+    def test_a_unit_that_none_of_the_plans_has(self) -> None:
+        with mock.patch.object(plans_command, "find_tools", return_value=TOOLS), \
+                self.assertRaisesRegex(Failure, "^--units: none of lanes1 has cdf_sampler, expected a unit of one of them$"):
+            self.run_command(plans_command, "lanes1", "--units", "cdf_sampler", "--update")
+
+    def test_json_among_warnings(self) -> None:
+        self.assertEqual(said_json(["sh", "-c", "echo 'a: warning: {b}' >&2; printf '{\n \"c\": 1\n}\nmore\n'"]), {"c": 1})
+        with self.assertRaisesRegex(Failure, "^sh -c: says no JSON: none$"):
+            said_json(["sh", "-c", "echo none"])
 
 
 class Reports(Commands):

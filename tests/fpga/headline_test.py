@@ -883,7 +883,7 @@ class BoardReplay(Folder):
         def run(command: list[str]) -> str:
             commands.append(command)
             return "a warning\n" + json.dumps(said)
-        with mock.patch.object(replay, "run", run), mock.patch.object(replay, "simulated_board", lambda *_: contextlib.nullcontext()):
+        with mock.patch.object(replay, "run", run), mock.patch("flow.shell.run", run), mock.patch.object(replay, "simulated_board", lambda *_: contextlib.nullcontext()):
             played = replay.replay(plan, "d", Path("s.xml"), self.work)
         self.assertIn(str(4096 - replay.SPARE_PHOTONS), commands[0])
         return played

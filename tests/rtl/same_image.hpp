@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The law: what makes packets come earlier, later or in another order never changes the image. One
-// combination of reordering, sizes, latency and stalls, all three units as RTL, against the golden
-// image of a plan with none of them.
+// combination of reordering, sizes, latency and stalls, all units of its plan as RTL, against the
+// golden image of a plan with none of them.
 #pragma once
 #include <fmt/core.h>
 

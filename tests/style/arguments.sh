@@ -33,6 +33,8 @@ for name in plan-promise tradeoffs cycle-fit engine-predictions time-to-image sc
   helps "$name"
   refuses "$name" --nonsense
 done
+for name in mutate bench-rtl test-hls extremes hls-subset nsga2 hls-table large-scenes; do helps "$name"; done
+for name in test-hls hls-subset nsga2 hls-table large-scenes; do refuses "$name" --nonsense; done
 refuses plan-promise work/ none
 refuses plan-promise none
 refuses tradeoffs --check work
@@ -53,6 +55,13 @@ refuses demo --readme --nonsense
 refuses demo work --readme
 refuses gallery work more
 refuses references 0
+refuses references 1048577
 refuses fuzz 1m
 refuses fuzz 1 none
+refuses fuzz --update 1 exr_image
+# Renders that fail leave the sums as they are.
+mkdir -p build && printf '#!/bin/sh\nexit 1\n' >build/photonloom && chmod +x build/photonloom
+cp "$source/tests/golden_images.sha256" tests/
+scripts/golden-images --update >/dev/null 2>&1 && tell "golden-images --update: status 0 without a render"
+cmp "$source/tests/golden_images.sha256" tests/golden_images.sha256 || tell "golden-images --update: changed the sums"
 exit $failed

@@ -121,6 +121,20 @@ TEST_CASE("an EXR that claims more than it holds is refused before room is made 
       contains(message([&] { read_exr(folder / "b.exr"); }), "b.exr: has 67108864 x 3 pixels in"));
 }
 
+TEST_CASE("a folder that has come to hold a user's file is not replaced, and nothing is lost") {
+  const Folder folder;
+  const OutputFolderKind kind{"mark", "made", {}};
+  fs::create_directory(folder / "a");
+  OutputFolder out(folder / "a", kind);
+  write_file(out.temporary() + "/mark", "made");
+  write_file(folder / "a/notes", "mine");
+  const std::string made = out.temporary(), why = message([&] { out.commit(); });
+  REQUIRE(contains(why, "a: is not replaced: "));
+  REQUIRE(contains(why, "is in " + made));
+  REQUIRE(read_file(folder / "a/notes") == "mine");
+  REQUIRE(read_file(made + "/mark") == "made");
+}
+
 TEST_CASE("outputs appear whole or not at all") {
   const Folder folder;
   {

@@ -98,6 +98,13 @@ TEST_CASE("reasons stay with the lines that stay, whatever is quoted") {
                                                       {"frame.spp", "by hand"}});
   CHECK(kept_reasons(text, from, to) ==
         PlanReasons{{"scene.name", "mine"}, {"photon.bucket", "x # y"}, {"frame.spp", "by hand"}});
+  from.scene = "zwölf 木";
+  CHECK(kept_reasons(plan_text(from, reasons), from, from) == reasons);
+  // What follows a value in its line is a comment only behind '#'.
+  text = plan_text(Plan(), {});
+  const size_t table = text.find("[photon]\n"), end = text.find("\n\n", table);
+  text.replace(table, end - table, "photon = { bucket = 8, lines = \"plain\" } # in one line");
+  CHECK(kept_reasons(text, Plan(), Plan()) == PlanReasons{});
 }
 
 TEST_CASE("characters beyond ASCII stand in strings and comments alone") {

@@ -34,7 +34,7 @@ from flow.jobs import each
 from flow.package import describe
 from flow.results import Entry
 from flow.routing import PLACERS
-from flow.shell import ROOT, Failure, field, read_json, read_text, read_toml, say, warn, write_json
+from flow.shell import ROOT, Failure, data_lock, field, read_json, read_text, read_toml, say, warn, write_json
 from flow.tools import find_tools, nextpnr_is_slow
 
 
@@ -183,21 +183,22 @@ def publish(rows: list[Row], played: Replay | None, images: list[ImageTime], lin
             page: bool) -> Data:
     """Writes what was measured; onto the page where asked, beside what stands there of other plans. link: None where that
     of fpga/headline.json stays; images: empty where those stay."""
-    before = read_data() if DATA.is_file() else None
-    if not link:
-        if not before:
-            raise Failure(f"{DATA}: is not there, expected the rows beside which replays and images stand")
-        link = before["link"]
-    data: Data = {"board": goals.board, "rows": merge([], rows), "replay": played, "images": images, "link": link}
-    if rows:
-        write_json(work / "report.json", data)
-    if page:
-        whole: Data = {"board": goals.board, "rows": merge(before["rows"] if before else [], rows),
-                       "replay": played or (before["replay"] if before else None),
-                       "images": images or (before["images"] if before else []), "link": link}
-        texts = page_texts(whole, goals, stale_plans(whole, digests_today(whole, work)))  # if that fails, both stay
-        write_json(DATA, whole)
-        write_page(texts)
+    with data_lock(DATA):
+        before = read_data() if DATA.is_file() else None
+        if not link:
+            if not before:
+                raise Failure(f"{DATA}: is not there, expected the rows beside which replays and images stand")
+            link = before["link"]
+        data: Data = {"board": goals.board, "rows": merge([], rows), "replay": played, "images": images, "link": link}
+        if rows:
+            write_json(work / "report.json", data)
+        if page:
+            whole: Data = {"board": goals.board, "rows": merge(before["rows"] if before else [], rows),
+                           "replay": played or (before["replay"] if before else None),
+                           "images": images or (before["images"] if before else []), "link": link}
+            texts = page_texts(whole, goals, stale_plans(whole, digests_today(whole, work)))  # if that fails, both stay
+            write_json(DATA, whole)
+            write_page(texts)
     return data
 
 

@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
 """Whole images by golden, on one thread and on all, and how much of each is gathers: what a board would take over."""
-import json
 import os
 import tempfile
 from collections.abc import Mapping, Sequence
@@ -11,7 +10,7 @@ from flow.goals import HEADLINE, ImageGoals
 from flow.headline.data import FrameTime, ImageTime, Seconds
 from flow.package import PHOTONLOOM
 from flow.results import median
-from flow.shell import ROOT, Failure, field, read_toml, run, say
+from flow.shell import ROOT, Failure, field, read_toml, said_json, say
 
 RUNS = 7  # of each scene and number of threads, in turn
 # Lines of a plan that make its gathers what they are; the cube, the powers and the radius are the scene's.
@@ -34,8 +33,7 @@ def render_options(plan: Path, goals: ImageGoals) -> list[str]:
 
 def render(scene: Path, options: Sequence[str], threads: int, folder: Path) -> dict[str, Any]:
     """What `photonloom render --json` says."""
-    text = run([PHOTONLOOM, "render", str(scene), *options, "--threads", str(threads), "--json", "-o", str(folder / "frame.exr")])
-    said: dict[str, Any] = json.loads(text[text.index("{\n"):])
+    said: dict[str, Any] = said_json([PHOTONLOOM, "render", str(scene), *options, "--threads", str(threads), "--json", "-o", str(folder / "frame.exr")])
     return said
 
 

@@ -2,7 +2,6 @@
 """A replay on a verilated board_core: the whole board, from its serial link to its photon memory, asked by the host's own
 program over a pseudo-terminal."""
 import contextlib
-import json
 import tempfile
 import time
 from collections.abc import Iterator
@@ -11,7 +10,7 @@ from pathlib import Path
 from flow.headline.data import Replay
 from flow.headline.plans import HeadlinePlan
 from flow.package import PHOTONLOOM
-from flow.shell import ROOT, Failure, complaint, field, read_text, read_toml, run, say, started
+from flow.shell import ROOT, Failure, complaint, field, read_text, read_toml, run, said_json, say, started
 
 BOARD_SIM = ROOT / "build" / "verilator_tb" / "board_sim"
 SPARE_PHOTONS = 16  # a path is stored to its end, so so many fewer are asked for than the map has room for
@@ -47,9 +46,8 @@ def replay(plan: HeadlinePlan, digest: str, scene: Path, work: Path) -> Replay:
         stored, link = Path(folder, "photons.ply"), Path(folder, "tty")
         run([PHOTONLOOM, "photons", str(scene), "--photons", str(photons - SPARE_PHOTONS), "-o", str(stored)])
         with simulated_board(plan.path, work / "models", link):
-            text = run([PHOTONLOOM, "board", "replay", str(link), str(scene), "--plan", str(plan.path), "--load-photons",
-                        str(stored), "--passes", str(PASSES), "--board-wait", "60", "--json"])
-    said = json.loads(text[text.index("{"):])
+            said = said_json([PHOTONLOOM, "board", "replay", str(link), str(scene), "--plan", str(plan.path), "--load-photons",
+                              str(stored), "--passes", str(PASSES), "--board-wait", "60", "--json"])
     if said["signature"] != said["golden_signature"]:
         raise Failure(f"{plan.name}: the board's signature is {said['signature']}, expected golden's {said['golden_signature']}")
     if not said["golden_full"]:

@@ -14,7 +14,7 @@ from flow.plans.catalogue import Catalogue, check_plans, read_catalogue, write_p
 from flow.plans.fit import Fits, fit
 from flow.plans.measurements import DATA, WORK, Measurements, check_complete, jobs_of, measure, merge, read_data
 from flow.plans.pages import header, page
-from flow.shell import ROOT, Failure, read_text, say, write_json
+from flow.shell import ROOT, Failure, UsageError, read_text, say, write_json
 from flow.tables import between, replace_between
 from flow.tools import find_tools
 
@@ -58,6 +58,8 @@ def measured_now(o: argparse.Namespace, catalogue: Catalogue) -> Measurements | 
     if not o.plans:
         write_plans(catalogue)
     jobs = [job for job in jobs_of(catalogue, o.plans) if not o.units or job["unit"] in o.units.split(",")]
+    if not jobs:
+        raise UsageError(f"--units: none of {', '.join(o.plans)} has {o.units}, expected a unit of one of them")
     measured = each(o.jobs, lambda job: measure(job, catalogue, tools, not o.no_route), jobs)
     if o.plans and not o.update:
         return None
