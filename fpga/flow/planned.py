@@ -2,9 +2,9 @@
 """Whether the engines that `photonloom plan SCENE --board` names are routed: the whole top of each scene's plan, and its clocks
 beside what they are constrained to. Scenes and options are [planned] of fpga/goals.toml. Writes fpga/planned.json and the table
 of docs/planner.md, and the plans into fpga/planned; what was routed is kept in build/planned and not made again. Exit status 1 where a
-clock is missed. Where nextpnr does not end with a seed, a further one is taken. With --check it measures nothing and tells whether the page is that of the data and of today's RTL: rows that were
-routed with earlier RTL are named below the table, which --render writes. --predict plans the scenes again and writes what is predicted
-of the same plans today; nothing is routed."""
+clock is missed. Where nextpnr does not end with a seed, a further one is taken. With --check it measures nothing and tells whether the
+page is that of the data and of today's RTL: rows that were routed with earlier RTL are named below the table, which --render writes.
+--predict plans the scenes again and writes what is predicted of the same plans today; nothing is routed."""
 import argparse
 import hashlib
 import json
@@ -19,11 +19,11 @@ from flow.boards import LUT_EQ, Board, read_board
 from flow.goals import PlannedGoals, planned_goals
 from flow.headline.netlist import SHORT, digest_now
 from flow.headline.plans import HeadlinePlan
-from flow.headline.tops import Routing, Top, prepare, route_seed, synthesized
+from flow.headline.tops import Routing, Top, prepare, route_seeds, synthesized
 from flow.jobs import each
 from flow.package import PHOTONLOOM, describe
 from flow.results import clock_name
-from flow.routing import PLACERS, NoEnd, Placement, constrained, placements
+from flow.routing import PLACERS, NoEnd, Placement, constrained
 from flow.shell import ROOT, Failure, data_lock, field, read_toml, said_json, say, write_json
 from flow.synthesis import Counts
 from flow.tables import between, markdown, replace_between
@@ -97,18 +97,10 @@ def plan_scene(scene: Path, goals: PlannedGoals, work: Path) -> tuple[HeadlinePl
 def first_to_end(top: Top, routing: Routing) -> tuple[Placement | None, list[int]]:
     """Of the first seed with which nextpnr ends, and the seeds with which it did not."""
     without_end: list[int] = []
-
-    def one(seed: int, placer: str) -> Placement | None:
-        placed = route_seed(top, seed, placer, routing)
-        if placed is None:
-            without_end.append(seed)
-        return placed
-
     try:
-        placed = placements(top.name, [routing.first_seed], routing.placer, one, else_default=False)[0]
+        return route_seeds(top, routing, without_end, else_default=False)[0], without_end
     except NoEnd:
         return None, without_end
-    return placed, without_end
 
 
 def row_of(plan: HeadlinePlan, said: dict[str, Any], top: Top, resources: Counts, placed: Placement | None, without_end: Sequence[int]) -> Planned:

@@ -87,7 +87,6 @@ class Arguments(Commands):
         self.refused("--jobs is of what is measured, and --check measures nothing; expected none of --", plans_command, "--check", "--jobs", "2")
         self.refused("not allowed with argument --fit", plans_command, "--fit", "--check")
 
-
     def test_a_unit_that_none_of_the_plans_has(self) -> None:
         with mock.patch.object(plans_command, "find_tools", return_value=TOOLS), \
                 self.assertRaisesRegex(Failure, "^--units: none of lanes1 has cdf_sampler, expected a unit of one of them$"):

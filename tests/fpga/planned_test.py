@@ -43,7 +43,7 @@ class PlannedEngines(unittest.TestCase):
         routing = Routing(mock.Mock(), mock.Mock(), 1, 2, None, 6, "static", False)
         for ends, found in ((2, (placed(2), [])), (3, (placed(3), [2])), (9, (None, [2, 3, 4]))):
             with self.subTest(ends=ends), mock.patch("flow.routing.say"), \
-                    mock.patch("flow.planned.route_seed", side_effect=lambda t, seed, placer, o: placed(seed) if seed == ends else None):
+                    mock.patch("flow.headline.tops.route_seed", side_effect=lambda t, seed, placer, o: placed(seed) if seed == ends else None):
                 self.assertEqual(first_to_end(top, routing), found)
         row = copy.deepcopy(ROW)
         row["unrouted"] = [1, 5]

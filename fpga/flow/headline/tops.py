@@ -135,22 +135,26 @@ def route_seed(top: Top, seed: int, placer: str, o: Routing) -> Placement | None
         return placed
 
 
-def route(top: Top, o: Routing) -> Entry:
-    """The top's entry, as one of scripts/fpga, of all seeds that are asked for."""
-    without_end: set[int] = set()
-
+def route_seeds(top: Top, o: Routing, without_end: list[int], else_default: bool = True) -> list[Placement]:
+    """All seeds that are asked for; further ones for those with which nextpnr does not end, which are added to without_end."""
     def one(seed: int, placer: str) -> Placement | None:
         placed = route_seed(top, seed, placer, o)
         if placed is None:
-            without_end.add(seed)
+            without_end.append(seed)
         return placed
 
-    placed = placements(top.name, range(o.first_seed, o.first_seed + o.seeds), o.placer, one)
+    return placements(top.name, range(o.first_seed, o.first_seed + o.seeds), o.placer, one, else_default)
+
+
+def route(top: Top, o: Routing) -> Entry:
+    """The top's entry, as one of scripts/fpga, of all seeds that are asked for."""
+    without_end: list[int] = []
+    placed = route_seeds(top, o, without_end)
     said = synthesized(top, o)
     entry: Entry = {"name": "board", "digest": top.digest, "top": o.board.top(), "constraint_mhz": top.clock_mhz,
                     "resources": said["resources"], "binding": said["binding"], "seeds": [],
                     "route_speed": o.route_speed, "placer": o.placer}
     add_placements(entry, placed, top.folder)
-    if unrouted := sorted(without_end - {p["seed"] for p in placed}):
+    if unrouted := sorted(set(without_end) - {p["seed"] for p in placed}):
         entry["unrouted"] = unrouted
     return entry
