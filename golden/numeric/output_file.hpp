@@ -62,7 +62,7 @@ class OutputFolder {
   std::optional<OutputFolderKind> kind_;
 };
 
-// Whether a file stands in a folder, whatever their paths are spelt like.
+// Whether a file stands in a folder, however their paths are spelt.
 bool stands_in(const std::string& file, const std::string& folder);
 
 // Throws where an output would replace the file that it is made of.
