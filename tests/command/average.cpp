@@ -39,22 +39,6 @@ TEST_CASE("average is the mean of every channel, or of those asked for") {
   CHECK(read_exr(s / "all.exr").channels.size() == 4);
 }
 
-TEST_CASE("a sheet takes any label, and tells an image too small to be shrunk") {
-  const Scratch s;
-  write_exr(flat(3, 1.0f), s / "a.exr");
-  const auto sheet = [&](const std::string& label, const std::string& out) {
-    return run("sheet '" + label + "=" + s / "a.exr" + "' -o " + s / out);
-  };
-  REQUIRE(sheet("\xc3\x97\n", "marks.png").status == 0);
-  REQUIRE(sheet("???", "asked.png").status == 0);
-  CHECK(read_file(s / "marks.png") == read_file(s / "asked.png"));
-  const Outcome small = run("sheet --shrink 64 " + s / "a.exr" + " -o " + s / "b.png");
-  CHECK(small.status == 1);
-  CHECK(small.one_error_line());
-  CHECK(small.err.find("a.exr: has 3x2 pixels, too few to be shrunk 64 times") !=
-        std::string::npos);
-}
-
 TEST_CASE("average refuses sizes and channels that do not fit, in one line") {
   const Scratch s;
   write_exr(flat(3, 1.0f), s / "a.exr");
