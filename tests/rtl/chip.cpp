@@ -3,9 +3,12 @@
 // links between its units as short as they are. What comes out is what golden units give one after
 // the other.
 #include <filesystem>
+#include <optional>
 
 #include "golden/unit/photon_gatherer.hpp"
 #include "golden/unit/photon_gatherer_image.hpp"
+#include "golden/unit/photon_lines.hpp"
+#include "hls_kernels/generate/recording.hpp"
 #include "rtl/generate/hardware.hpp"
 #include "tests/catch.hpp"
 #include "tests/command/run.hpp"
@@ -116,12 +119,26 @@ void check_chip(const Plan& plan, const std::string& stall) {
   PacketTaker<GatherPhoton> photons(rig, plan, "photon");
   PacketSource<SamplerInput> sampler_in(rig, plan, "sampler_in");
   PacketTaker<Sample> sampler_out(rig, plan, "sampler_out");
+  std::optional<PacketSource<CacheLookup>> cache_in;
+  std::optional<PacketTaker<CacheResult>> cache_out;
+  std::vector<CacheLookup> lookups;
+  std::vector<CacheResult> answers;
+  if (plan.cache_present) {
+    cache_in.emplace(rig, plan, "cache_in");
+    cache_out.emplace(rig, plan, "cache_out");
+    lookups = drawn_packets(std::type_identity<IrradianceCache>{}, plan);
+    make_golden_irradiance_cache(plan)->process(lookups, answers);
+  }
   LineMemory& memory = rig.add_memory(plan);
   rig.reset();
 
   RoleRandom random(seed, "chip");
   const PhotonMap global = build_photon_map(random_photons(plan, 500, random), plan);
   const PhotonMap caustic = build_photon_map(random_photons(plan, 100, random), plan);
+  if (plan.compressed()) {
+    REQUIRE_FALSE(further_lines(plan, global, false).empty());
+    REQUIRE_FALSE(further_lines(plan, caustic, true).empty());
+  }
   const PhotonGathererImage image = photon_gatherer_image(plan, global, caustic);
   for (const CfgWrite& w : image.cfg) {
     rig.set("cfg_valid_i", 1);
@@ -154,6 +171,7 @@ void check_chip(const Plan& plan, const std::string& stall) {
       tables.push_back(p);
     }
   for (const SamplerInput& p : tables) sampler_in.push(p);
+  for (const CacheLookup& p : lookups) cache_in->push(p);
   const Expected expected = golden(plan, global, caustic, in);
   std::vector<Sample> directions;
   make_golden_cdf_sampler(plan)->process(tables, directions);
@@ -161,7 +179,8 @@ void check_chip(const Plan& plan, const std::string& stall) {
   rig.run_until([&] {
     return results.stream().taken() >= expected.results.size() &&
            photons.stream().taken() >= expected.photons.size() &&
-           sampler_out.stream().taken() >= directions.size();
+           sampler_out.stream().taken() >= directions.size() &&
+           (!cache_out || cache_out->stream().taken() >= answers.size());
   });
   for (int i = 0; i < 500; ++i) rig.cycle();
   std::vector<uint64_t> cycles;
@@ -170,10 +189,13 @@ void check_chip(const Plan& plan, const std::string& stall) {
   while (results.waiting()) got.results.push_back(results.pop(cycles));
   while (photons.waiting()) got.photons.push_back(photons.pop(cycles));
   while (sampler_out.waiting()) samples.push_back(sampler_out.pop(cycles));
+  std::vector<CacheResult> answered;
+  while (cache_out && cache_out->waiting()) answered.push_back(cache_out->pop(cycles));
   CHECK(got.results.size() == in.size());
   CHECK((got.results == expected.results));
   CHECK((got.photons == expected.photons));
   CHECK((samples == directions));
+  CHECK((answered == answers));
 }
 
 }  // namespace
@@ -195,4 +217,18 @@ TEST_CASE("a chip without reordering", "[slow]") {
   Plan plan = chip_plan();
   plan.reorder_key = ReorderKey::kNone;
   check_chip(plan, "bursts");
+}
+
+TEST_CASE("a chip of widths, compressed lines, parity and all units") {
+  Plan plan = chip_plan();
+  plan.nodes_per_cycle = plan.candidates_per_cycle = plan.powers_per_cycle = 2;
+  plan.photon_lines = PhotonLines::kCompressed;
+  plan.bucket = 16;
+  plan.photon_bytes = 9;
+  plan.further_percent = 1500;
+  plan.beat_bits = 8 * plan.line_bytes();
+  plan.cache_bytes = 16 * plan.line_bytes();
+  plan.parity = plan.cache_present = true;
+  plan.cache_records = 60;
+  check_chip(plan, "bernoulli:0.5");
 }
