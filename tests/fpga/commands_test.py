@@ -12,7 +12,7 @@ from unittest import mock
 from flow import area, fast, measure, planned
 from flow.arguments import made_folder
 from flow.boards import read_board
-from flow.goals import planned_goals
+from flow.goals import fast_goals, planned_goals
 from flow.measure import merged
 from flow.package import describe
 from flow.plans import command as plans_command, measurements
@@ -140,6 +140,17 @@ class Reports(Commands):
             found = measure.measure_in(o, self.folder / "board", TOOLS)
         self.assertNotIn("placer", found)
 
+    def test_what_the_part_has_no_room_for_is_not_placed(self) -> None:
+        board = read_board("ulx3s-85f")
+        o = measure.Options(Path("p.toml"), board, range(1, 2), None, None, ("static",), False, False, False)
+        for resource, of in board.resources.items():
+            counted = board.family.equivalents[resource][0] if resource in board.family.equivalents else resource
+            counts = {**{name: 1 for name in board.family.cells}, "LUT-eq": 1, counted: of + 1}
+            with self.subTest(resource), mock.patch.object(measure, "package", return_value=({"clock_khz": 1000}, "d")), \
+                    mock.patch.object(measure, "synthesise", return_value=counts), mock.patch.object(measure, "place", side_effect=AssertionError), \
+                    self.assertRaisesRegex(Failure, f"^p.toml: its board needs {of + 1} {counted}, the part has {of}$"):
+                measure.measure_in(o, self.folder / "board", TOOLS)
+
     def test_the_placer_by_which_a_part_is_faster(self) -> None:
         board = read_board("ulx3s-85f")
         core, sdram, endless = {"heap": 70.0, "static": 80.0}, {"heap": 110.0, "static": 105.0}, set[str]()
@@ -264,6 +275,26 @@ class OtherRows(Commands):
                     mock.patch.object(fast, "checked_json", wraps=lambda path, kind: read_json(path) if path == written else {"photon_gatherer": []}):
                 self.assertEqual(self.run_command(module, *asked), 0)
                 self.assertCountEqual([row[key] for row in read_json(written)["rows"]], both)
+
+
+    def test_a_row_that_misses_its_goal_is_status_1(self) -> None:
+        goals = planned_goals()
+        beginning = {"board": goals.board, "placer": "static", "options": list(goals.options), "versions": TOOLS.versions, "rows": []}
+        planned_row = json.loads((ROOT / "fpga/planned.json").read_text())["rows"][0]
+        slow = {**planned_row, "clocks": [{**clock, "achieved": clock["constraint"] - 0.1} for clock in planned_row["clocks"]]}
+        few = self.fast_row("k16")
+        few["mhz"] = [1000.0]
+        self.assertGreater(fast_goals().seeds, 1)
+        for module, patch, asked in ((planned, ("each", lambda *_: [slow]), [goals.scenes[0].stem, "--results", str(self.folder)]),
+                                     (fast, ("measure", lambda *_: few), ["k16"])):
+            self.data(module, json.dumps(beginning))
+            said = io.StringIO()
+            with self.subTest(module.__name__), contextlib.redirect_stdout(said), mock.patch.object(module, *patch), \
+                    mock.patch.object(module, "find_tools", return_value=TOOLS), mock.patch.object(module, "stale_rows", return_value=[]), \
+                    mock.patch.object(module, "page", return_value=""), mock.patch.object(module, "replace_between"), mock.patch("shutil.copyfile"), \
+                    mock.patch.object(fast, "checked_json", wraps=lambda path, kind: {"photon_gatherer": []} if path == fast.CYCLES else read_json(path)):
+                self.assertEqual(self.run_command(module, *asked), 1)
+            self.assertRegex(said.getvalue(), r": MISSED: 1 of \d seeds routed|reaches .* MHz of ")
 
 
 class WrongData(Commands):

@@ -10,7 +10,7 @@ from pathlib import Path
 from unittest import mock
 
 from flow.boards import read_board
-from flow.fast import CycleRow, Data, Row, cycles_of, fewer, names, page, rate, stale_rows, take_cycles, there, verdict
+from flow.fast import CycleRow, Data, Row, cycles_of, fewer, names, page, rate, slowest, stale_rows, take_cycles, there, verdict
 from flow.goals import FastGoals, fast_goals
 from flow.routing import placements
 from flow.shell import Failure
@@ -30,6 +30,9 @@ class Fast(unittest.TestCase):
     def test_rate_is_that_of_the_median(self) -> None:
         self.assertEqual(rate(row("k8", [80.0, 100.0, 90.0], 10.0, 9000)), 1e6)
         self.assertIsNone(rate(row("k8", [], 10.0, 9000)))
+
+    def test_the_slowest_clock_counts(self) -> None:
+        self.assertEqual(slowest({"core": {"achieved": 80.0, "constraint": 100.0}, "other": {"achieved": 60.0, "constraint": 50.0}}), 60.0)
 
     def test_goals_are_reached_or_missed(self) -> None:
         cases: list[tuple[list[float], int, list[str]]] = [

@@ -126,6 +126,16 @@ class Placements(unittest.TestCase):
                     for group in (works, sleeps):
                         os.killpg(group.pid, signal.SIGKILL)
 
+    def test_seconds_of_a_group_are_those_of_children_that_have_ended_too(self) -> None:
+        script = f"timeout --foreground 0.5 sh -c '{WORKS}'; echo ended; sleep 600; true"
+        with subprocess.Popen(["sh", "-c", script], start_new_session=True, stdout=subprocess.PIPE, text=True) as works:
+            try:
+                assert works.stdout
+                self.assertEqual(works.stdout.readline(), "ended\n")
+                self.assertGreater(seconds_of_group(works.pid), 0.02)  # what sh and timeout need is less than a tick
+            finally:
+                os.killpg(works.pid, signal.SIGKILL)
+
     def test_a_router_that_does_not_get_on_is_ended(self) -> None:
         for placer, route_speed, log in (("static", None, "_static"), ("heap", None, ""), ("heap", 8, "_route8.routed")):
             with self.subTest(placer), tempfile.NamedTemporaryFile("w+") as said:

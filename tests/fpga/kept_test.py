@@ -153,6 +153,12 @@ class RoutedAgain(InFolder):
         self.assertEqual(self.seed(again=True), [])
 
 
+def end_left(leader: int) -> None:
+    """Ends what a test that failed left, which would keep its outputs open."""
+    with contextlib.suppress(ProcessLookupError):
+        os.killpg(leader, signal.SIGKILL)
+
+
 class Ended(InFolder):
     def wait_for(self, what: str, there: object) -> None:
         until = time.monotonic() + WAITED
@@ -166,9 +172,13 @@ class Ended(InFolder):
         for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
             with self.subTest(number.name):
                 first, second = self.folder / "first", self.folder / "second"
-                running = subprocess.Popen([sys.executable, "-B", "-c", COMMAND, str(ROOT / "fpga"), str(self.folder)], stderr=subprocess.DEVNULL)
+                # Not as nohup would have it, under which these tests may run.
+                running = subprocess.Popen([sys.executable, "-B", "-c", COMMAND, str(ROOT / "fpga"), str(self.folder)], stderr=subprocess.DEVNULL,
+                                           preexec_fn=lambda: signal.signal(signal.SIGHUP, signal.SIG_DFL))
+                self.addCleanup(running.kill)
                 self.wait_for("a program", lambda: first.is_file() and first.read_text().endswith("\n"))
                 leader = int(first.read_text())
+                self.addCleanup(end_left, leader)
                 running.send_signal(number)
                 self.assertEqual(running.wait(WAITED), 128 + number)
                 self.wait_for("the end of the program and its children", lambda: not alive(leader))
@@ -193,6 +203,7 @@ class Ended(InFolder):
                 self.assertEqual(running.stderr.read(), "")
                 if workers == "two":
                     leader = int(works.read_text())
+                    self.addCleanup(end_left, leader)
                     self.wait_for("the end of the program and its children", lambda: not alive(leader))
                 read.unlink()
 
