@@ -113,11 +113,11 @@ const char* name(FilterKind kind) {
   return kNames[static_cast<size_t>(kind)];
 }
 
-// What of a BSDF the hardware sees.
-Json reaches(const Scene& scene, const Bsdf& b) {
+// What of a BSDF the hardware sees; photons only where a surface of the scene gathers them.
+Json reaches(const Scene& scene, const Bsdf& b, bool gathered) {
   Json out = Json::array();
   if (has_diffuse_part(scene, &b)) out.push_back("queries and photons of its diffuse lobe");
-  if (has_delta_part(scene, &b)) out.push_back("caustic photons that it throws");
+  if (gathered && has_delta_part(scene, &b)) out.push_back("caustic photons that it throws");
   if (b.follow_diffuse && !is_black(b.diffuse))
     out.push_back("nothing of its diffuse lobe: the map has another coat's, the host follows it");
   if (out.empty()) out.push_back("nothing: the host follows its light");
@@ -165,11 +165,14 @@ Json describe(const World& world) {
   j["instances"] = world.instances().size();
   j["instanced_triangles"] = instanced;
   j["shapes"] = shapes;
+  // What asks a photon map needs the units that answer; a scene of mirrors and lamps needs none.
+  const MapsNeeded maps = maps_needed(world, 1);
   Json bsdfs = Json::array();
   const std::vector<bool> used = used_bsdfs(s);
   for (size_t i = 0; i < s.bsdfs.size(); ++i)
     if (const Bsdf& b = s.bsdfs[i]; used[i])
-      bsdfs.push_back({{"id", b.id}, {"type", name(b.kind)}, {"hardware", reaches(s, b)}});
+      bsdfs.push_back(
+          {{"id", b.id}, {"type", name(b.kind)}, {"hardware", reaches(s, b, maps.global)}});
   j["bsdfs"] = bsdfs;
   // Area emitters by shape: a mesh is many emitting primitives.
   Json emitters = Json::array();
@@ -187,8 +190,6 @@ Json describe(const World& world) {
                           {"power", triple(e.power)}});
   j["emitters"] = emitters;
   j["power"] = triple(world.emitted_power());
-  // What asks a photon map needs the units that answer; a scene of mirrors and lamps needs none.
-  const MapsNeeded maps = maps_needed(world, 1);
   Json units = Json::array();
   Plan frame;
   frame.global.present = maps.global;

@@ -21,11 +21,16 @@ struct SheetOptions {
   std::optional<double> exposure;
 };
 
+// Where the label of LABEL=FILE ends; none where a file has the whole name.
+size_t label_end(const std::string& tile) {
+  return std::filesystem::exists(tile) ? std::string::npos : tile.find('=');
+}
+
 void sheet(const SheetOptions& o) {
   require_suffix("--output", o.output, ".png");
   std::vector<std::string> paths;
   for (const std::string& tile : o.tiles) {
-    paths.push_back(tile.substr(tile.find('=') + 1));
+    paths.push_back(tile.substr(label_end(tile) + 1));
     if (paths.back().empty())
       throw UsageError(fmt::format("TILE: '{}', expected LABEL=FILE or FILE", tile));
   }
@@ -34,7 +39,7 @@ void sheet(const SheetOptions& o) {
   double exposure = o.exposure.value_or(0);
   bool row_exposed = false;
   for (size_t i = 0; i < o.tiles.size(); ++i) {
-    const size_t equals = o.tiles[i].find('=');
+    const size_t equals = label_end(o.tiles[i]);
     const std::string& path = paths[i];
     const std::string label = equals == std::string::npos
                                   ? std::filesystem::path(path).filename().string()
@@ -60,7 +65,8 @@ void add_sheet(CLI::App& app) {
   CLI::App* c = app.add_subcommand("sheet", "A contact sheet (PNG) of EXR and PNG images");
   c->footer(
       "Without --exposure each row is exposed by its first EXR, so that 95 % of that image's\n"
-      "pixels are below 0.8.\n\n"
+      "pixels are below 0.8. A label ends at the first =, but for files whose names have one, and\n"
+      "shows characters of ASCII, others as ?.\n\n"
       "Example: photonloom sheet -o sheet.png \"path traced=path.exr\" golden=golden.exr "
       "error.png");
   c->add_option("TILE", o->tiles, "LABEL=FILE or FILE, row by row; .exr or .png")->required();

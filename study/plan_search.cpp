@@ -621,10 +621,13 @@ class PlanSearch::Work {
   }
 
   void tell(const char* done, const MeasuredPlan& m) const {
-    say(fmt::format(
-        "{} {}, {} seeds: {} {:.5f} ± {:.5f}, {:.1f} cycles, {:.0f} bytes, {:.0f} LUT-eq", done,
-        lines_text(m.lines), m.error.seeds, request_.flip ? "FLIP" : "relMSE", m.error.mean,
-        m.error.error(), m.cost.cycles, m.cost.bytes, m.cost.gatherer_lut));
+    const std::string cost =
+        std::isfinite(m.cost.cycles)
+            ? fmt::format("{:.1f} cycles, {:.0f} bytes", m.cost.cycles, m.cost.bytes)
+            : "no gathers";
+    say(fmt::format("{} {}, {} seeds: {} {:.5f} ± {:.5f}, {}, {:.0f} LUT-eq", done,
+                    lines_text(m.lines), m.error.seeds, request_.flip ? "FLIP" : "relMSE",
+                    m.error.mean, m.error.error(), cost, m.cost.gatherer_lut));
   }
 
   void add(const Choice& choice) {

@@ -13,6 +13,7 @@
 #include <filesystem>
 #include <map>
 #include <mutex>
+#include <new>
 #include <stdexcept>
 #include <utility>
 
@@ -249,31 +250,39 @@ void write_file(const std::string& path, std::string_view bytes) {
   file.commit();
 }
 
-std::string read_file(const std::string& path) {
+std::string read_file(const std::string& path) try {
+  // Devices such as /dev/zero have no end.
+  constexpr size_t kDeviceBytes = size_t{1} << 30;
+  struct Open {
+    int descriptor;
+    ~Open() {
+      if (descriptor >= 0) close(descriptor);
+    }
+  };
   const auto fail = [&path] {
     throw std::runtime_error(fmt::format("{}: cannot be read: {}", path, std::strerror(errno)));
   };
-  const int descriptor = open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  if (descriptor < 0) fail();
+  const Open file{open(path.c_str(), O_RDONLY | O_CLOEXEC)};
+  if (file.descriptor < 0) fail();
   std::string bytes;
   struct stat info {};
-  if (fstat(descriptor, &info) == 0 && info.st_size > 0)
+  if (fstat(file.descriptor, &info) == 0 && info.st_size > 0)
     bytes.reserve(static_cast<size_t>(info.st_size));
   char block[65536];
   for (;;) {
-    const ssize_t n = read(descriptor, block, sizeof block);
-    if (n == 0) break;
+    const ssize_t n = read(file.descriptor, block, sizeof block);
+    if (n == 0) return bytes;
     if (n < 0) {
       if (errno == EINTR) continue;
-      const int reason = errno;
-      close(descriptor);
-      errno = reason;
       fail();
     }
     bytes.append(block, static_cast<size_t>(n));
+    if (S_ISCHR(info.st_mode) && bytes.size() > kDeviceBytes)
+      throw std::runtime_error(fmt::format(
+          "{}: is a device that gives more than {} bytes, expected a file", path, kDeviceBytes));
   }
-  close(descriptor);
-  return bytes;
+} catch (const std::bad_alloc&) {
+  throw std::runtime_error(path + ": is larger than the memory that there is");
 }
 
 void remove_unfinished_outputs() {

@@ -236,6 +236,13 @@ struct Plan {
   int photon_ram_row() const {
     return photon_ram_is_divided() && line_beats() <= 4 ? line_beats() : 1;
   }
+  // Bytes of an SDRAM that the maps' lines take, each from a multiple of a power of two on, and
+  // those that there are (256 Mbit).
+  static constexpr uint64_t kSdramBytes = uint64_t{32} << 20;
+  uint64_t sdram_bytes() const {
+    return (memory_lines(global) + memory_lines(caustic))
+           << clog2(static_cast<uint64_t>(line_bytes()));
+  }
   // Five and more gatherers whose lists have more than 8 places, and several before an SDRAM,
   // beside whose cache there mostly is a reorder buffer, fill so much of a board's part that they
   // lie far from its dispatcher: what they give has a register more on its way, and which of them

@@ -31,7 +31,6 @@ constexpr std::array<const char*, 2> kPhotonLinesNames{"plain", "compressed"};
 constexpr std::array<const char*, 2> kCacheRadiusNames{"photons", "probe"};
 constexpr std::array<const char*, 4> kCacheGradientsNames{"none", "rotation", "translation",
                                                           "both"};
-constexpr uint64_t kSdramBytes = uint64_t{32} << 20;  // 256 Mbit
 constexpr const auto& names_of(ReorderKey) { return kKeyNames; }
 constexpr const auto& names_of(ReorderDrain) { return kDrainNames; }
 constexpr const auto& names_of(TableCombine) { return kCombineNames; }
@@ -384,13 +383,10 @@ std::optional<PlanProblem> find_problem(const Plan& plan) {
     if (plan.board_cache_bytes < 4 * plan.line_bytes())
       return fail("board.cache_bytes", fmt::format("is {}, expected at least 4 lines of {} bytes",
                                                    plan.board_cache_bytes, plan.line_bytes()));
-    const uint64_t stride = uint64_t{1} << clog2(static_cast<uint64_t>(plan.line_bytes()));
-    const uint64_t bytes =
-        (plan.memory_lines(plan.global) + plan.memory_lines(plan.caustic)) * stride;
-    if (bytes > kSdramBytes)
+    if (plan.sdram_bytes() > Plan::kSdramBytes)
       return fail("board.photon_memory",
                   fmt::format("is sdram, which holds {} bytes; the maps' lines take {}",
-                              kSdramBytes, bytes));
+                              Plan::kSdramBytes, plan.sdram_bytes()));
   }
   if (!power_of_two(plan.replay_queries))
     return fail("board.replay_queries",

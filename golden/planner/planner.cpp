@@ -450,7 +450,9 @@ PlannedFrame make_plan(const World& world, const PlanRequest& request, const Pho
           ? std::bit_ceil((map_bytes + way - 1) / way)
           : std::bit_floor(std::max<uint64_t>(1, static_cast<uint64_t>(plan.cache_bytes) / way));
   plan.cache_bytes = static_cast<int>(way * sets);
-  if (map_bytes > kBoardBlockRamBytes) plan.photon_memory = PhotonMemory::kSdram;
+  // What no board holds says nothing of its memory: the frame is golden's and the RTL's alone.
+  const bool no_board = plan.sdram_bytes() > Plan::kSdramBytes;
+  if (map_bytes > kBoardBlockRamBytes && !no_board) plan.photon_memory = PhotonMemory::kSdram;
   set_by_hand();
   const bool cache_holds_maps =
       plan.cache_bytes > 0 && map_bytes > 0 && static_cast<uint64_t>(plan.cache_bytes) >= map_bytes;
@@ -497,8 +499,11 @@ PlannedFrame make_plan(const World& world, const PlanRequest& request, const Pho
     why[std::string("cache.") + line] =
         plan.cache_present ? "by default" : "no irradiance cache unless it is asked for";
   why["board.gatherers"] = "one behind the dispatcher; more where a board has room";
-  why["board.photon_memory"] = fmt::format("the maps have {} KiB, block RAM serves up to {}",
-                                           map_bytes / 1024, kBoardBlockRamBytes / 1024);
+  why["board.photon_memory"] =
+      no_board ? fmt::format("the maps take {} KiB of an SDRAM, which has {}: no board has room",
+                             plan.sdram_bytes() / 1024, Plan::kSdramBytes / 1024)
+               : fmt::format("the maps have {} KiB, block RAM serves up to {}", map_bytes / 1024,
+                             kBoardBlockRamBytes / 1024);
   why["board.cache_bytes"] = "used before an SDRAM: some 26 block RAMs of an LFE5U-85F";
   why["board.sdram_khz"] = "most routed tops reach it; set by hand where one reaches less, or more";
   why["board.refreshes_ahead"] = "each when it is due; set by hand where an SDRAM binds";

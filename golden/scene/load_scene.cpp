@@ -585,14 +585,19 @@ class Loader {
     return s;
   }
 
-  // A texture on a mesh without coordinates, or of colors that it does not have, shows nothing.
+  // A texture on a mesh without coordinates, or of colors that a shape does not have, shows
+  // nothing.
   void needs_coordinates(const Element& e, const Shape& s) const {
     const bool is_mesh = s.kind == ShapeKind::kMesh;
-    if (!is_mesh) return;
     const auto check = [&](int index) {
       if (index < 0) return;
       const bool colors =
           scene_.textures[static_cast<size_t>(index)].kind == TextureKind::kVertexColor;
+      if (colors && !is_mesh)
+        fail(e, fmt::format("{} has a texture of vertex colors, which only meshes have, expected a "
+                            "ply, obj or serialized shape",
+                            describe(e)));
+      if (!is_mesh) return;
       if (colors && s.mesh.colors.empty())
         fail(e,
              fmt::format("{} has a texture of vertex colors, but its file has none", describe(e)));

@@ -77,7 +77,8 @@ void split_at_blanks(std::string_view line, std::vector<std::string_view>& words
 // OBJ, line by line.
 class ObjReader {
  public:
-  ObjReader(const std::string& path, const std::string& bytes) : path_(path), bytes_(bytes) {}
+  ObjReader(const std::string& path, const std::string& bytes)
+      : path_(path), bytes_(bytes), at_(bytes.starts_with("\xEF\xBB\xBF") ? 3 : 0) {}
 
   MeshFile read() {
     std::string joined;
@@ -215,7 +216,8 @@ class ObjReader {
 
   const std::string& path_;
   const std::string& bytes_;
-  size_t at_ = 0, line_ = 0;
+  size_t at_;  // behind the mark that some editors write in front
+  size_t line_ = 0;
   std::vector<Vec3> positions_, normals_;
   std::vector<Vec2> coordinates_;
   ObjVertices vertices_;

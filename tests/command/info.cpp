@@ -62,6 +62,21 @@ TEST_CASE("info and plan agree on maps and channels") {
   }
 }
 
+TEST_CASE("info: photons are of the hardware where a surface gathers them") {
+  const Scratch s;
+  const std::string glass = "<shape type=\"sphere\"><bsdf type=\"dielectric\"/></shape>",
+                    floor = "<shape type=\"rectangle\"/>";
+  for (const bool gathered : {false, true}) {
+    std::ofstream(s / "s.xml") << "<scene version=\"0.6.0\"><sensor type=\"perspective\"/><emitter "
+                                  "type=\"point\"/>" +
+                                      glass + (gathered ? floor : "") + "</scene>";
+    const auto info = nlohmann::json::parse(run("info --json '" + s / "s.xml" + "'").out);
+    CHECK(info["needs"]["caustic_map"] == gathered);
+    CHECK(info["bsdfs"][0]["hardware"][0] ==
+          (gathered ? "caustic photons that it throws" : "nothing: the host follows its light"));
+  }
+}
+
 TEST_CASE("info: parameters and bad input") {
   const std::string atrium = "info --json '" + source("scenes/atrium.xml") + "'";
   CHECK(nlohmann::json::parse(run(atrium + " -D triangles=300000").out)["triangles"] > 250000);

@@ -585,6 +585,7 @@ TEST_CASE("plan --error: a frame without gathers has none to make cheaper") {
   CHECK(o.status == 1);
   CHECK(o.err.find("cornell: the default plan's frame asks for no gathers, so no plan makes them "
                    "cheaper; expected --gather-rays above 0") != std::string::npos);
+  CHECK(o.err.find("nan") == std::string::npos);
   CHECK(o.out == "");
   CHECK_FALSE(std::filesystem::exists(s / "p.toml"));
 }

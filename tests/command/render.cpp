@@ -547,7 +547,9 @@ TEST_CASE("what does not fit in memory is told") {
         {"render" + box() + "--photons 100 --size 16x16 --spp 1048576 -o" + quoted(s / "x.exr"),
          "not enough memory for a frame of 16x16 pixels, 1048576 samples of each (frame.spp), "},
         {"render" + box() + "--integrator path --size 16384x16384 -o" + quoted(s / "x.exr"),
-         "not enough memory for a frame of 16384x16384 pixels"}}) {
+         "not enough memory for a frame of 16384x16384 pixels"},
+        {"render /dev/zero -o" + quoted(s / "x.exr"),
+         "/dev/zero: is larger than the memory that there is"}}) {
     const std::string command = "ulimit -v 1200000; '" +
                                 photonloom::test::environment("PHOTONLOOM") + "' " + arguments +
                                 " --threads 2 2>" + quoted(s / "err");

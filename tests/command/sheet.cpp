@@ -94,7 +94,12 @@ TEST_CASE("a sheet takes any label, and tells an image too small to be shrunk") 
   REQUIRE(sheet("\xc3\x97\n", "marks.png").status == 0);
   REQUIRE(sheet("???", "asked.png").status == 0);
   CHECK(read_file(s / "marks.png") == read_file(s / "asked.png"));
-  const Outcome small = run("sheet --shrink 64 " + s / "a.exr" + " -o " + s / "b.png");
+  // A file's whole name goes before a label.
+  write_exr(flat(60, 2, 1.0f), s / "b=a.exr");
+  REQUIRE(run("sheet '" + s / "b=a.exr" + "' -o " + s / "named.png").status == 0);
+  REQUIRE(run("sheet 'b=" + s / "b=a.exr" + "' -o " + s / "b.png").status == 0);
+  CHECK(read_file(s / "named.png") != read_file(s / "b.png"));
+  const Outcome small = run("sheet --shrink 64 " + s / "a.exr" + " -o " + s / "small.png");
   CHECK(small.status == 1);
   CHECK(small.one_error_line());
   CHECK(small.err.find("a.exr: has 3x2 pixels, too few to be shrunk 64 times") !=

@@ -209,6 +209,7 @@ TEST_CASE("meshes that are missing, empty or not meshes") {
   CHECK_THAT(mesh_error("a.obj", std::string("v 0 0 1\0x\n", 10)),
              ContainsSubstring("a.obj:1: '1\\x00x' is not a finite number"));
   CHECK(mesh_error("a.obj", "# c\nv 0 0 0 # c\nv 1 0 0\nv 0 1 0\nf 1 2 3 # c d\n") == "");
+  CHECK(mesh_error("a.obj", "\xEF\xBB\xBFv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n") == "");
   CHECK_THAT(
       body_error("<shape type=\"ply\"><string name=\"filename\" value=\"/tmp\"/></shape>"),
       ContainsSubstring("scene.xml:2") && ContainsSubstring("'/tmp' is a folder, expected a file"));
@@ -376,6 +377,12 @@ TEST_CASE("textures on meshes without coordinates, without colors, and of bad va
                    "type=\"diffuse\"><texture name=\"reflectance\" type=\"vertexcolors\"/></bsdf>"
                    "</shape>"),
              ContainsSubstring("has a texture of vertex colors, but its file has none"));
+  for (const std::string type : {"sphere", "rectangle", "cube", "disk", "cylinder"})
+    CHECK_THAT(error("<shape type=\"" + type +
+                     "\"><bsdf type=\"diffuse\"><texture name=\"reflectance\" "
+                     "type=\"vertexcolors\"/></bsdf></shape>"),
+               ContainsSubstring("<shape type=\"" + type +
+                                 "\"> has a texture of vertex colors, which only meshes have"));
   CHECK_THAT(error("<bsdf type=\"diffuse\"><texture name=\"reflectance\" type=\"bitmap\"/></bsdf>"),
              ContainsSubstring("has no filename"));
   CHECK_THAT(

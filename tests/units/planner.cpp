@@ -86,6 +86,25 @@ TEST_CASE("beats before an SDRAM are whole photons of any stride, 128 bits of th
             .plan.beat_bits == 96);
 }
 
+TEST_CASE("maps that no board holds are planned for golden and the RTL alone") {
+  // Lines of 16 bytes a photon, sixteen times as many as there are leaves.
+  const auto of = [](size_t photons, const std::string& memory = "") {
+    std::vector<std::string> set = {"photon.lines=compressed", "photon.photon_bytes=16",
+                                    "photon.further_percent=1500"};
+    if (!memory.empty()) set.push_back("board.photon_memory=" + memory);
+    return planned(photons, std::move(set));
+  };
+  const PlannedFrame held = of(131072), beyond = of(131080);
+  CHECK(map_bytes(held.plan) == Plan::kSdramBytes);
+  CHECK(held.plan.photon_memory == PhotonMemory::kSdram);
+  CHECK(beyond.plan.photon_memory == PhotonMemory::kBlockRam);
+  CHECK(beyond.reasons.at("board.photon_memory") ==
+        "the maps take 32770 KiB of an SDRAM, which has 32768: no board has room");
+  CHECK_THROWS_WITH(of(131080, "sdram"),
+                    ContainsSubstring("board.photon_memory is sdram, which holds 33554432 bytes; "
+                                      "the maps' lines take 33556480"));
+}
+
 TEST_CASE("small maps lie in the leaf cache whole, whatever a line's bytes and the cache's ways") {
   for (const char* stride : {"12", "14", "16", "20", "32"})
     for (const char* ways : {"1", "2", "3"})
