@@ -447,11 +447,6 @@ std::optional<PlanProblem> find_problem(const Plan& plan) {
       return fail("frame.first_rays",
                   fmt::format("is {}, expected an even number: its halves tell the noise",
                               plan.first_rays));
-    if (plan.cache_present)
-      return fail("frame.first_rays",
-                  fmt::format("is {}, expected 0 with cache.present: samples that share light have "
-                              "no rays of their own to add",
-                              plan.first_rays));
     if (plan.mean_rays < plan.first_rays || plan.mean_rays > plan.gather_rays)
       return fail("frame.mean_rays",
                   fmt::format("is {}, expected from first_rays, {}, to gather_rays, {}",
