@@ -13,6 +13,7 @@
 
 #include "command/tell.hpp"
 #include "golden/numeric/output_file.hpp"
+#include "golden/numeric/text.hpp"
 
 namespace photonloom {
 namespace {
@@ -79,14 +80,6 @@ class LineProgress final : public Progress {
 std::unique_ptr<Progress> make_progress_or_log() {
   if (isatty(STDERR_FILENO) == 1) return std::make_unique<ConsoleProgress>();
   return std::make_unique<LineProgress>();
-}
-
-std::string spoken(double seconds) {
-  if (seconds < 10) return fmt::format("{:.1f} s", seconds);
-  const long s = static_cast<long>(seconds + 0.5);
-  if (s < 60) return fmt::format("{} s", s);
-  if (s < 3600) return fmt::format("{} min {} s", s / 60, s % 60);
-  return fmt::format("{} h {} min", s / 3600, s % 3600 / 60);
 }
 
 ConsoleProgress::ConsoleProgress() : terminal_(isatty(STDERR_FILENO) == 1) {}

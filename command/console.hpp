@@ -56,9 +56,6 @@ class ConsoleProgress final : public Progress {
 // A bar where stderr is a terminal; else, for logs, a line at each tenth of a long phase.
 std::unique_ptr<Progress> make_progress_or_log();
 
-// Seconds as a person says them: "0.4 s", "12 s", "3 min 20 s", "2 h 5 min".
-std::string spoken(double seconds);
-
 // CPU seconds of this process so far, all threads.
 double cpu_seconds();
 

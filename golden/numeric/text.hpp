@@ -30,6 +30,9 @@ std::string shown(std::string_view text);
 // A field of a CSV file, in quotes where it holds what would end it.
 std::string csv_field(const std::string& text);
 
+// Seconds as a person says them: "0.4 s", "12 s", "3 min 20 s", "2 h 5 min".
+std::string spoken(double seconds);
+
 // A to Z as a to z, whatever the locale.
 std::string lower(std::string text);
 
