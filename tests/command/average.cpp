@@ -10,10 +10,10 @@ using photonloom::test::Scratch;
 
 namespace {
 
-Image flat(int width, float value) {
+Image uniform(int width, int height, float value) {
   Image image;
   image.width = width;
-  image.height = 2;
+  image.height = height;
   for (const char* name : {"R", "G", "B", "Z"})
     for (float& v : image.add(name).pixels) v = value;
   image.metadata["scene"] = "flat";
@@ -24,8 +24,8 @@ Image flat(int width, float value) {
 
 TEST_CASE("average is the mean of every channel, or of those asked for") {
   const Scratch s;
-  write_exr(flat(3, 1.0f), s / "a.exr");
-  write_exr(flat(3, 4.0f), s / "b.exr");
+  write_exr(uniform(3, 2, 1.0f), s / "a.exr");
+  write_exr(uniform(3, 2, 4.0f), s / "b.exr");
   const std::string files = s / "a.exr" + " " + s / "b.exr";
   REQUIRE(run("average " + files + " -o " + s / "m.exr --channels R,G,B").status == 0);
   const Image m = read_exr(s / "m.exr");
@@ -41,12 +41,16 @@ TEST_CASE("average is the mean of every channel, or of those asked for") {
 
 TEST_CASE("average refuses sizes and channels that do not fit, in one line") {
   const Scratch s;
-  write_exr(flat(3, 1.0f), s / "a.exr");
-  write_exr(flat(4, 1.0f), s / "b.exr");
-  const Outcome sizes = run("average " + s / "a.exr" + " " + s / "b.exr" + " -o " + s / "m.exr");
-  CHECK(sizes.status == 1);
-  CHECK(sizes.one_error_line());
-  CHECK(sizes.err.find("expected 3x2") != std::string::npos);
+  write_exr(uniform(3, 2, 1.0f), s / "a.exr");
+  write_exr(uniform(4, 2, 1.0f), s / "b.exr");
+  write_exr(uniform(3, 4, 1.0f), s / "c.exr");
+  for (const auto& [other, size] : {std::pair{"b.exr", "4x2"}, {"c.exr", "3x4"}}) {
+    const Outcome sizes = run("average " + s / "a.exr" + " " + s / other + " -o " + s / "m.exr");
+    CHECK(sizes.status == 1);
+    CHECK(sizes.one_error_line());
+    CHECK_THAT(sizes.err,
+               ContainsSubstring(std::string(other) + ": " + size + " pixels, expected 3x2"));
+  }
   const Outcome channel = run("average " + s / "a.exr -o " + s / "m.exr --channels R,X");
   CHECK(channel.status == 1);
   CHECK(channel.one_error_line());

@@ -2,16 +2,21 @@
 // The host program against a simulated board over a pseudo-terminal, as over a serial port.
 #include <fcntl.h>
 #include <fmt/core.h>
+#include <poll.h>
 #include <signal.h>
 #include <stdlib.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <atomic>
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "golden/pipeline/prepare.hpp"
 #include "tests/catch.hpp"
 #include "tests/command/run.hpp"
+#include "tests/units/board_double.hpp"
 
 using namespace photonloom;
 using namespace photonloom::test;
@@ -73,8 +78,43 @@ std::string board_cosim(const Scratch& scratch, const std::string& more) {
                      scratch / "out", more);
 }
 
-void make_plan(const Scratch& scratch) {
-  const Outcome o = run(fmt::format("plan {} {} -o {}", scene(), kFrame, scratch / "plan.toml"));
+// What a command does that has this board at a pseudo-terminal; it gets the terminal's name.
+Outcome run_on(BoardDouble& board,
+               const std::function<std::string(const std::string&)>& arguments) {
+  const int device = posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC);
+  REQUIRE(device >= 0);
+  REQUIRE(grantpt(device) == 0);
+  REQUIRE(unlockpt(device) == 0);
+  const std::string tty = ptsname(device);
+  // Somebody has it open, or reading fails before the command comes.
+  const int held = open(tty.c_str(), O_RDWR | O_NOCTTY | O_CLOEXEC);
+  std::atomic<bool> stop{false};
+  std::thread serve([&] {
+    while (!stop) {
+      pollfd ready{device, POLLIN, 0};
+      if (poll(&ready, 1, 20) != 1) continue;
+      uint8_t bytes[256];
+      const ssize_t n = read(device, bytes, sizeof bytes);
+      Bytes answers;
+      for (ssize_t i = 0; i < n; ++i)
+        for (const uint8_t byte : board.take(bytes[i])) answers.push_back(byte);
+      for (size_t at = 0; at < answers.size() && !stop;) {
+        const ssize_t written = write(device, answers.data() + at, answers.size() - at);
+        if (written > 0) at += static_cast<size_t>(written);
+      }
+    }
+  });
+  const Outcome o = run(arguments(tty));
+  stop = true;
+  serve.join();
+  close(held);
+  close(device);
+  return o;
+}
+
+void make_plan(const Scratch& scratch, const std::string& more = "") {
+  const Outcome o =
+      run(fmt::format("plan {} {} {} -o {}", scene(), kFrame, more, scratch / "plan.toml"));
   INFO(o.err);
   REQUIRE(o.status == 0);
 }
@@ -132,6 +172,91 @@ TEST_CASE("a frame through the board has golden's packets and bytes") {
     CHECK(report["signature"] == report["golden_signature"]);
     CHECK(report["cycles_per_gather"] > 1);
   }
+}
+
+TEST_CASE("each flag of a board is told under its own name") {
+  BoardDouble board{Plan{}};
+  for (const uint32_t flag : {kFlagQueriesInside, kFlagMemoryReady, kFlagReplayBusy}) {
+    CAPTURE(flag);
+    board.flags = flag;
+    const Outcome o =
+        run_on(board, [](const std::string& tty) { return "board info --json " + tty; });
+    INFO(o.err);
+    REQUIRE(o.status == 0);
+    const auto said = nlohmann::json::parse(o.out);
+    CHECK(said["queries_inside"] == (flag == kFlagQueriesInside));
+    CHECK(said["memory_ready"] == (flag == kFlagMemoryReady));
+    CHECK(said["replay_busy"] == (flag == kFlagReplayBusy));
+  }
+}
+
+TEST_CASE("a replay plays as many queries as there are and as have room, and says their rate") {
+  const Scratch scratch;
+  // A floor at which some estimates are clamped.
+  make_plan(scratch, "--set gather.r2_floor=67108864");
+  FrameRequest request;
+  request.scene_file = scene();
+  request.plan_file = scratch / "plan.toml";
+  const PreparedFrame frame = prepare_frame(request, Arithmetic::kGolden, nullptr);
+  const auto room = static_cast<uint64_t>(frame.plan.replay_queries);
+  const Outcome render = run(fmt::format("render {} --plan {} --json -o {}", scene(),
+                                         request.plan_file, scratch / "a.exr"));
+  REQUIRE(render.status == 0);
+  const uint64_t there = nlohmann::json::parse(render.out)["counts"]["final_gathers"];
+  REQUIRE(there > room);
+
+  BoardDouble board(frame.plan);
+  board.set_maps(frame.global, frame.caustic);
+  board.clock_khz = 12500;
+  board.replay_cycles = 1000003;
+  const auto replay = [&](const std::string& more) {
+    return run_on(board, [&](const std::string& tty) {
+      return fmt::format("board replay {} {} --plan {} {}", tty, scene(), request.plan_file, more);
+    });
+  };
+  for (const auto& [mode, queries] : {std::pair<std::string, uint64_t>{"", room},
+                                      {" --reorder", room - 1},  // the flush takes a place
+                                      {fmt::format(" --skip {}", there - 1), 1},
+                                      {fmt::format(" --reorder --skip {}", there - 1), 1}}) {
+    const Outcome o = replay("--json --passes 3" + mode);
+    INFO(mode << ": " << o.err);
+    REQUIRE(o.status == 0);
+    const auto said = nlohmann::json::parse(o.out);
+    CHECK(said["signature"] == said["golden_signature"]);
+    CHECK(said["gathers"] == 3 * queries);
+    CHECK(said["golden_full"] == board.full);
+    CHECK(said["golden_clamped"] == board.clamped);
+    if (queries > 1) {
+      REQUIRE(board.clamped > 0);
+      REQUIRE(board.full != board.clamped);
+    }
+    const double seconds = static_cast<double>(board.replay_cycles) / (board.clock_khz * 1000.0);
+    CHECK(said["cycles"] == board.replay_cycles);
+    CHECK(said["cycles_per_gather"].get<double>() * static_cast<double>(3 * queries) ==
+          Approx(static_cast<double>(board.replay_cycles)));
+    CHECK(said["gathers_per_second"].get<double>() * seconds ==
+          Approx(static_cast<double>(3 * queries)));
+  }
+  CHECK(board.loaded());
+  CHECK_THAT(replay("--passes 3").out,
+             ContainsSubstring(fmt::format("\n{:.0f} gathers a second at 12.5 MHz\n",
+                                           static_cast<double>(3 * room) * 12.5e6 /
+                                               static_cast<double>(board.replay_cycles))));
+
+  const auto refused = [&](const std::string& more, const std::string& why) {
+    const Outcome o = replay(more);
+    INFO(more << ": " << o.err);
+    CHECK(o.status == 1);
+    CHECK(o.one_error_line());
+    CHECK_THAT(o.err, ContainsSubstring(why));
+  };
+  for (const uint64_t skip : {there, there + 1})
+    refused(fmt::format("--skip {}", skip),
+            fmt::format("--skip {}: the frame has {} final gather queries", skip, there));
+  refused(fmt::format("--queries {}", room + 1),
+          fmt::format("the plan's replayer holds {} ", room));
+  refused(fmt::format("--reorder --queries {}", room),
+          fmt::format("the plan's replayer holds {} ", room - 1));
 }
 
 TEST_CASE("a frame over a wire that bends, loses and doubles bytes has the same image", "[slow]") {

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
 
 #include "golden/image/image.hpp"
+#include "golden/image/metrics.hpp"
+#include "golden/image/sheet.hpp"
 #include "tests/catch.hpp"
 #include "tests/command/run.hpp"
 
@@ -62,6 +65,68 @@ TEST_CASE("compare prints every metric and keeps its exit status to what was ask
       run("compare --identical --json --layer direct " + s / "a.exr" + " " + s / "a.exr");
   CHECK(same.status == 0);
   CHECK(nlohmann::json::parse(same.out)["psnr"].is_null());
+}
+
+TEST_CASE("compare judges the channel whose mean is the worst, whichever it is") {
+  const Scratch s;
+  write_exr(flat(8, 6, 1), s / "b.exr");
+  for (const char* name : {"R", "G", "B"})
+    for (const float value : {1.5f, 0.5f}) {
+      INFO(name << " " << value);
+      Image one = flat(8, 6, 1);
+      for (Channel& c : one.channels)
+        if (c.name == name) c.pixels.assign(c.pixels.size(), value);
+      write_exr(one, s / "a.exr");
+      const std::string command =
+          "compare " + s / "a.exr" + " " + s / "b.exr" + " --max-mean-ratio-rgb ";
+      CHECK(run(command + "0.51").status == 0);
+      const Outcome failed = run(command + "0.49");
+      CHECK(failed.status == 1);
+      CHECK_THAT(failed.err,
+                 ContainsSubstring("largest |mean_ratio_rgb - 1| is 0.5, at most 0.49"));
+    }
+}
+
+TEST_CASE("an error map is black where images are equal and brighter where they differ more") {
+  const Scratch s;
+  // Green against ever more blue, in steps from the left: none at first, further than FLIP's
+  // filters reach, all of it at last.
+  constexpr int kWidth = 128, kHeight = 16;
+  Image b = flat(kWidth, kHeight, 0);
+  Image a = b;
+  for (size_t c = 0; c < 3; ++c)
+    for (size_t i = 0; i < static_cast<size_t>(kWidth * kHeight); ++i) {
+      const float blue = static_cast<float>(i % kWidth / 32) / 3;
+      b.channels[c].pixels[i] = b.channels[c].name == "G" ? 1.0f : 0.0f;
+      a.channels[c].pixels[i] = a.channels[c].name == "G"   ? 1 - blue
+                                : a.channels[c].name == "B" ? blue
+                                                            : 0.0f;
+    }
+  write_exr(a, s / "a.exr");
+  write_exr(b, s / "b.exr");
+  REQUIRE(
+      run("compare " + s / "a.exr" + " " + s / "b.exr" + " --error-map " + s / "map.png").status ==
+      0);
+  const Picture map = read_png(s / "map.png", 1);
+  REQUIRE(map.width == kWidth);
+  REQUIRE(map.height == kHeight);
+  const std::vector<double> flip = hdr_flip(planes_of(a, "", "a"), planes_of(b, "", "b"));
+  // The stops of --error-map's help, with straight lines between them.
+  const double stops[4][3] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {1, 1, 1}};
+  for (size_t i = 0; i < flip.size(); ++i)
+    for (size_t c = 0; c < 3; ++c) {
+      const size_t below = std::min<size_t>(2, static_cast<size_t>(flip[i] * 3));
+      const double part = flip[i] * 3 - static_cast<double>(below);
+      const double wanted = stops[below][c] * (1 - part) + stops[below + 1][c] * part;
+      REQUIRE(std::fabs(map.rgb[3 * i + c] - 255 * wanted) <= 0.5 + 1e-9);
+    }
+  const auto light = [&](size_t pixel) {
+    return map.rgb[3 * pixel] + map.rgb[3 * pixel + 1] + map.rgb[3 * pixel + 2];
+  };
+  CHECK(light(0) == 0);
+  const auto worst = std::max_element(flip.begin(), flip.end()) - flip.begin();
+  CHECK(flip[static_cast<size_t>(worst)] > 2.0 / 3);
+  CHECK(light(static_cast<size_t>(worst)) > 2 * 255);
 }
 
 TEST_CASE("compare refuses what cannot be compared, in one line") {

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "golden/plan/plan_file.hpp"
 #include "golden/scene/scene.hpp"
 #include "golden/unit/photon_file.hpp"
 #include "tests/catch.hpp"
@@ -65,6 +66,11 @@ TEST_CASE("photons writes the map that it says, equal for equal seeds") {
   REQUIRE(report["photons"] == global.photons.size());
   REQUIRE(report["paths_emitted"] == *global.paths);
   REQUIRE(global.scene_hash == load_scene(scene).hash);
+  Rgb power(0);
+  for (const Photon& p : global.photons) power += p.power;
+  REQUIRE(power.y != power.z);
+  for (int c = 0; c < 3; ++c)
+    REQUIRE(report["power"][static_cast<size_t>(c)].get<double>() == Approx(power[c]));
   for (const Photon& p : global.photons) REQUIRE(holds(*global.cube, p.position));
   for (const Photon& p : caustic.photons) REQUIRE(p.bounce > 0);
 }
@@ -88,9 +94,14 @@ TEST_CASE("gather answers what its help says, in both arithmetics") {
     REQUIRE(golden.status == 0);
     REQUIRE(run(files + options + " --arithmetic reference -o " + s / "reference.jsonl").status ==
             0);
-    const auto g = lines_of(s / "golden.jsonl"), r = lines_of(s / "reference.jsonl");
+    REQUIRE(run(files + options + " --arithmetic reference --kernel epanechnikov -o " +
+                s / "epanechnikov.jsonl")
+                .status == 0);
+    const auto g = lines_of(s / "golden.jsonl"), r = lines_of(s / "reference.jsonl"),
+               e = lines_of(s / "epanechnikov.jsonl");
     REQUIRE(g.size() == queries.size());
     REQUIRE(r.size() == queries.size());
+    REQUIRE(e.size() == queries.size());
     for (size_t i = 0; i < queries.size(); ++i) {
       INFO("query " << i);
       // The reference from scratch.
@@ -117,6 +128,11 @@ TEST_CASE("gather answers what its help says, in both arithmetics") {
       const double c = near.size() == k ? (static_cast<double>(k) - 1) / static_cast<double>(k) : 1;
       REQUIRE(r[i]["irradiance"][0].get<double>() ==
               Approx(flux.x * c / (M_PI * r2)).margin(1e-300));
+      Rgb weighted(0);
+      for (const auto& [d2, p] : near) weighted += file.photons[p].power * (2 * (1 - d2 / r2));
+      for (int channel = 0; channel < 3; ++channel)
+        REQUIRE(e[i]["irradiance"][static_cast<size_t>(channel)].get<double>() ==
+                Approx(weighted[channel] / (M_PI * r2)).margin(1e-300));
 
       // Golden: distances of the photons it names, in its units, from the files alone.
       REQUIRE(g[i]["query"] == i);
@@ -144,8 +160,63 @@ TEST_CASE("gather answers what its help says, in both arithmetics") {
                           golden_flux[channel]) <= std::ldexp(max_component(golden_flux) * 3, -9));
       if (g[i]["full"]) REQUIRE(g[i]["r2"] == g[i]["d2"].back());
       REQUIRE(g[i]["r2_scene"].get<double>() == Approx(g[i]["r2"].get<double>() * unit * unit));
+      REQUIRE(g[i]["full"] == (count == k));
+      const double golden_c = count == k ? 1 - 1 / static_cast<double>(k) : 1;
+      const double divisor =
+          M_PI * std::max(g[i]["r2"].get<double>(), static_cast<double>(Plan{}.r2_floor)) * unit *
+          unit;
+      for (size_t channel = 0; channel < 3; ++channel)
+        REQUIRE(g[i]["irradiance"][channel].get<double>() ==
+                Approx(g[i]["flux"][channel].get<double>() * golden_c / divisor).margin(1e-300));
     }
   }
+}
+
+TEST_CASE("gather gives photons of one channel their colour back, and counts what it rounds") {
+  const Scratch s;
+  PhotonFile file;
+  const auto gathers = [&](const std::string& more) {
+    write_photon_file(file, s / "p.ply");
+    write_file(s / "q.ply",
+               "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float "
+               "y\nproperty float z\nproperty float nx\nproperty float ny\nproperty float "
+               "nz\nend_header\n0 0 0 0 0 1\n");
+    const Outcome o = run("gather --k 9 --radius 1 --photons " + s / "p.ply" + " --queries " +
+                          s / "q.ply" + " " + more + " -o " + s / "out");
+    INFO(o.err);
+    REQUIRE(o.status == 0);
+    return o.err;
+  };
+  const auto photons = [&](const std::vector<Rgb>& powers) {
+    file.photons.clear();
+    for (const Rgb& power : powers)
+      file.photons.push_back({Vec3(0.1 * static_cast<double>(file.photons.size()), 0, 0),
+                              Vec3(0, 0, 1), power, file.photons.size(), 1});
+  };
+  // Powers that a mantissa of nine bits holds exactly.
+  const Rgb colour(0.25, 1, 0.5);
+  photons({colour * 8.0, colour * 2.0});
+  gathers("--set photon.channels=1 --set 'photon.channel_color=[0.25, 1, 0.5]'");
+  const json one = lines_of(s / "out")[0];
+  REQUIRE(one["count"] == 2);
+  CHECK(one["flux_units"].size() == 1);
+  gathers("");
+  const json three = lines_of(s / "out")[0];
+  CHECK(three["flux_units"].size() == 3);
+  for (const json& answer : {one, three})
+    for (int c = 0; c < 3; ++c)
+      CHECK(answer["flux"][static_cast<size_t>(c)].get<double>() == colour[c] * (8.0 + 2.0));
+
+  // A plan's power unit, for photons far below it and one far above its largest code.
+  const std::string scene = source("scenes/cornell_balls.xml");
+  REQUIRE(
+      run("plan " + scene + " --photons 200 --caustic-photons 100 -o " + s / "plan.toml").status ==
+      0);
+  const Plan plan = read_plan(s / "plan.toml");
+  const double unit = std::ldexp(1.0, plan.global.power_exponent);
+  photons({Rgb(unit * 0x1p-9), Rgb(0), Rgb(unit * 0x1p9), Rgb(unit * 0x1p-7), Rgb(unit * 0x1p50)});
+  CHECK_THAT(gathers("--plan " + s / "plan.toml"),
+             ContainsSubstring("; 2 photons became zero, 1 saturated\n"));
 }
 
 TEST_CASE("integers wider than 53 bits leave as decimal strings") {

@@ -3,6 +3,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "golden/image/image.hpp"
 #include "golden/numeric/output_file.hpp"
 #include "golden/plan/plan_file.hpp"
 #include "tests/catch.hpp"
@@ -74,6 +75,37 @@ TEST_CASE("info: photons are of the hardware where a surface gathers them") {
     CHECK(info["needs"]["caustic_map"] == gathered);
     CHECK(info["bsdfs"][0]["hardware"][0] ==
           (gathered ? "caustic photons that it throws" : "nothing: the host follows its light"));
+  }
+}
+
+TEST_CASE(
+    "info: surroundings of several colours may take three channels, as the plan's photons do") {
+  const Scratch scratch;
+  std::ofstream(scratch / "s.xml")
+      << "<scene version=\"0.6.0\"><sensor type=\"perspective\"/><shape type=\"sphere\"/>"
+         "<emitter type=\"envmap\"><string name=\"filename\" "
+         "value=\"sky.exr\"/></emitter></scene>";
+  for (const bool coloured : {false, true}) {
+    photonloom::Image sky;
+    sky.width = 8;
+    sky.height = 4;
+    // A red half and a blue one; or one channel, brighter in one half.
+    for (const char* name : {"R", "G", "B"}) {
+      if (!coloured && *name != 'R') continue;
+      auto& pixels = sky.add(coloured ? name : "Y").pixels;
+      for (size_t i = 0; i < pixels.size(); ++i)
+        pixels[i] = *name == (i % 8 < 4 ? 'R' : 'B') ? 2.0f : 1.0f;
+    }
+    write_exr(sky, scratch / "sky.exr");
+    const Outcome info = run("info --json '" + scratch / "s.xml" + "'");
+    INFO(info.err);
+    REQUIRE(info.status == 0);
+    const Outcome plan = run("plan --photons 500 '" + scratch / "s.xml" + "' -o -");
+    INFO(plan.err);
+    REQUIRE(plan.status == 0);
+    const int channels = photonloom::parse_plan(plan.out, "plan").channels;
+    CHECK(channels == (coloured ? 3 : 1));
+    CHECK(nlohmann::json::parse(info.out)["needs"]["channels_at_most"] == channels);
   }
 }
 

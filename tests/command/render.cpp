@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // render and plan as a user runs them.
+#include <fcntl.h>
 #include <fmt/core.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <thread>
 
 #include "golden/image/image.hpp"
 #include "golden/plan/plan_file.hpp"
@@ -338,6 +342,28 @@ TEST_CASE("a plan may come from a pipe") {
                             "' plan" + box() + "--plan /dev/fd/3 --board ulx3s-85f -o" +
                             quoted(scratch / "board.toml") + " 3<&0 >/dev/null";
   CHECK(std::system(board.c_str()) == 0);
+}
+
+TEST_CASE("a plan may go into a pipe, whose reader gets it whole before the pipe's first end") {
+  const Scratch scratch;
+  const std::string plan = "plan" + box() + kSmall + kPhotons + " -o", pipe = scratch / "pipe.toml";
+  good(plan + quoted(scratch / "plan.toml"));
+  REQUIRE(mkfifo(pipe.c_str(), 0600) == 0);
+  std::string got;
+  int rest = -1;  // lets a program go on that opens the pipe a second time
+  std::thread reader([&] {
+    got = read_file(pipe);
+    rest = open(pipe.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+  });
+  const Outcome o = run(plan + quoted(pipe));
+  // Ends the wait of a reader whom nobody has written to.
+  const int end = open(pipe.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC);
+  close(end);
+  reader.join();
+  close(rest);
+  INFO(o.err);
+  CHECK(o.status == 0);
+  CHECK(got == read_file(scratch / "plan.toml"));
 }
 
 TEST_CASE("a plan that is edited in its place keeps the reasons of what stays") {

@@ -6,6 +6,7 @@
 #include <bit>
 #include <deque>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -31,7 +32,11 @@ class BoardDouble {
   bool stuck = false;                        // takes queries and answers none
   bool one_photon_too_many = false;
   bool mute = false;
-  uint64_t asked = 0, loads = 0;  // queries that came in; configuration words written
+  uint32_t clock_khz = 0;
+  std::optional<uint32_t> flags;   // what it says, instead of what is so
+  uint64_t replay_cycles = 0;      // that it says a replay took
+  uint64_t full = 0, clamped = 0;  // results of the last replay's last pass, without the flush
+  uint64_t asked = 0, loads = 0;   // queries that came in; configuration words written
 
   // What the maps must be for results to be right, as a load over the link writes them.
   void set_maps(const PhotonMap& global, const PhotonMap& caustic) {
@@ -167,7 +172,13 @@ class BoardDouble {
         return output_first_;
       case kRegOutputEnd:
         return output_end();
+      case kRegClockKhz:
+        return clock_khz;
+      case kRegReplayCycles:
+      case kRegReplayCycles + 1:
+        return half(replay_cycles);
       case kRegFlags:
+        if (flags) return *flags;
         return kFlagMemoryReady | (waiting_.empty() && input_.empty() ? 0 : kFlagQueriesInside);
       case kRegReplayControl:
         return replay_control_;
@@ -258,6 +269,11 @@ class BoardDouble {
       query.unpack(&replay_words_.at(i * stride), &queries[i]);
       queries[i].want_photons = 0;
     }
+    if (replay_set_[2] & kReplayReordered) {
+      std::vector<GatherQuery> ordered;
+      make_golden_reorder_buffer(plan_)->process(queries, ordered);
+      queries = ordered;
+    }
     replay_results_ = queries.size() * uint64_t{replay_set_[1]};
     replay_signature_ = 0;
     for (uint32_t pass = 0; pass < replay_set_[1]; ++pass) {
@@ -265,7 +281,9 @@ class BoardDouble {
       std::vector<GatherPhoton> photons;
       gatherer_->process(queries, results, photons);
       const PacketLayout layout = PacketLayout::of<GatherResult>(plan_);
+      full = clamped = 0;
       for (const GatherResult& r : results) {
+        if (!r.flush) full += r.full, clamped += r.clamped;
         std::vector<uint32_t> words(layout.words() + 1, 0);
         layout.pack(&r, words.data());
         for (size_t i = 0; i < layout.words(); i += 2)

@@ -4,6 +4,13 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <tuple>
+
+#include "golden/numeric/octahedral.hpp"
+#include "golden/planner/plan_fit.hpp"
 #include "tests/catch.hpp"
 #include "tests/oracles/scenes.hpp"
 
@@ -24,7 +31,8 @@ const World& small_room() {
   return world;
 }
 
-PlannedFrame planned(size_t photons, std::vector<std::string> set, int gather_rays = 16) {
+PlannedFrame planned(size_t photons, std::vector<std::string> set, int gather_rays = 16,
+                     std::optional<double> format_error = {}) {
   PhotonPass pass;
   for (size_t i = 0; i < photons; ++i) {
     const double along = static_cast<double>(i) / static_cast<double>(photons);
@@ -36,6 +44,7 @@ PlannedFrame planned(size_t photons, std::vector<std::string> set, int gather_ra
   PlanRequest request;
   request.set = std::move(set);
   request.gather_rays = gather_rays;
+  request.format_error = format_error;
   return make_plan(small_room(), request, pass, {});
 }
 
@@ -61,9 +70,84 @@ TEST_CASE("photons in a small part of the cube are warned of, whoever wrote its 
   plan.position_bits = 24;
   plan.extent = 0x1p13;
   CHECK(why_positions_are_coarse(plan, pass) == "");
+  // Each halving of the part takes a bit more; three too few are borne, four are not.
+  plan.extent = 0x1p14;
+  CHECK(why_positions_are_coarse(plan, pass) == "");
+  plan.extent = 0x1p15;
+  CHECK_THAT(
+      why_positions_are_coarse(plan, pass),
+      ContainsSubstring("within 2^-15 of scene.extent, too little for positions of 24 bits"));
   for (const size_t few : {2, 1, 0}) {
     pass.photons.resize(few, pass.photons[0]);
     CHECK(why_positions_are_coarse(plan, pass).empty() == (few < 2));
+  }
+}
+
+TEST_CASE("directions have the fewest bits whose cells at the horizon carry less than the error") {
+  // Light within an angle of the horizon is the square of its sine of all; the angle is the widest
+  // cell's, from corner to corner.
+  const auto carried = [](int bits) {
+    const uint32_t cells = 1u << bits;
+    double widest = 0;
+    for (uint32_t u = 0; u + 1 < cells; ++u)
+      for (uint32_t v = 0; v + 1 < cells; ++v) {
+        const auto centre = [bits](uint32_t x, uint32_t y) {
+          const IVec3 o = oct_decode({x, y}, bits);
+          return glm::normalize(Vec3(o[0], o[1], o[2]));
+        };
+        for (const Vec3& across : {glm::cross(centre(u, v), centre(u + 1, v + 1)),
+                                   glm::cross(centre(u + 1, v), centre(u, v + 1))})
+          widest = std::max(widest, glm::dot(across, across));
+      }
+    return widest;
+  };
+  for (const int bits : {6, 7, 8, 9}) {
+    CAPTURE(bits);
+    const double error = std::ldexp(1.0, -bits);
+    const int direction_bits = planned(100, {}, 16, error).plan.direction_bits;
+    CHECK(carried(direction_bits) <= error);
+    CHECK(carried(direction_bits - 1) > error);
+  }
+}
+
+TEST_CASE("a batch has as many whole tiles as a million samples have room for") {
+  constexpr uint64_t kMillion = uint64_t{1} << 20;
+  const auto frame = [](int width, int height, int spp, int tile) {
+    return planned(100,
+                   {fmt::format("frame.width={}", width), fmt::format("frame.height={}", height),
+                    fmt::format("frame.spp={}", spp), fmt::format("frame.tile={}", tile)})
+        .plan.batch_tiles;
+  };
+  CHECK(frame(256, 256, 16, 16) == 0);  // just fit
+  for (const auto& [width, height, spp, tile] :
+       {std::tuple{256, 257, 16, 16}, {512, 512, 16, 16}, {512, 512, 5, 8}, {1025, 1024, 1, 16}}) {
+    CAPTURE(width, height, spp, tile);
+    const auto tiles = static_cast<uint64_t>(frame(width, height, spp, tile));
+    const auto samples = static_cast<uint64_t>(tile * tile * spp);
+    CHECK(tiles * samples <= kMillion);
+    CHECK((tiles + 1) * samples > kMillion);
+  }
+}
+
+TEST_CASE("one channel holds photons of its colour alone, in whichever channel they differ") {
+  Plan plan;
+  plan.channels = 1;
+  plan.channel_color = {0.5, 1, 0.25};
+  const Rgb colour(0.5, 1, 0.25);
+  const auto holds_photon = [&](const Rgb& power) {
+    return channels_hold(
+        plan, {{Vec3(0), Vec3(0, 0, 1), colour, 0, 1}, {Vec3(0), Vec3(0, 0, 1), power, 1, 1}});
+  };
+  CHECK(holds_photon(colour * 3.0));
+  CHECK(holds_photon(Rgb(0)));
+  for (int channel = 0; channel < 3; ++channel) {
+    Rgb other = colour * 3.0;
+    other[channel] *= 0.75;
+    CAPTURE(channel);
+    CHECK_FALSE(holds_photon(other));
+    plan.channels = 3;
+    CHECK(holds_photon(other));
+    plan.channels = 1;
   }
 }
 
