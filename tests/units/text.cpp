@@ -55,6 +55,7 @@ TEST_CASE("a reader of CSV gets each field back") {
   }
   CHECK(read == fields);
   CHECK(csv_field("plain") == "plain");
+  CHECK(csv_field("a\rb") == "\"a\rb\"");
 }
 
 TEST_CASE("seconds are said in units that a person counts in") {
