@@ -3,8 +3,10 @@
 // link to it in time of its own that changes bytes: a double for tests of the host.
 #pragma once
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <deque>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -33,10 +35,12 @@ class BoardDouble {
   bool one_photon_too_many = false;
   bool mute = false;
   uint32_t clock_khz = 0;
-  std::optional<uint32_t> flags;   // what it says, instead of what is so
-  uint64_t replay_cycles = 0;      // that it says a replay took
-  uint64_t full = 0, clamped = 0;  // results of the last replay's last pass, without the flush
-  uint64_t asked = 0, loads = 0;   // queries that came in; configuration words written
+  std::optional<uint32_t> flags;        // what it says, instead of what is so
+  uint64_t replay_cycles = 0;           // that it says a replay took
+  uint64_t full = 0, clamped = 0;       // results of the last replay's last pass, without the flush
+  uint64_t asked = 0, loads = 0;        // queries that came in; configuration words written
+  std::array<uint64_t, 12> counters{};  // as registers show them: modulo 2^40
+  std::array<uint64_t, 12> each_adds{};  // what each query adds to them beyond its own counts
 
   // What the maps must be for results to be right, as a load over the link writes them.
   void set_maps(const PhotonMap& global, const PhotonMap& caustic) {
@@ -66,6 +70,9 @@ class BoardDouble {
     const Bytes answer = execute(*content);
     return encode_frame(answer.empty() ? Bytes{0, 0xFF} : answer);
   }
+
+  // Words of photon lines that came over the link, by address.
+  const std::map<uint64_t, uint32_t>& lines() const { return lines_; }
 
   // Whether all of the maps came over the link.
   bool loaded() const {
@@ -188,8 +195,11 @@ class BoardDouble {
       case kRegReplaySignature + 1:
         return half(replay_signature_);
       default:
-        return 0;
+        break;
     }
+    if (address >= kRegCounters && address < kRegCounters + 2 * counters.size())
+      return half(counters[(address - kRegCounters) / 2]);
+    return 0;
   }
 
   uint32_t write(uint32_t address, uint32_t value) {
@@ -246,6 +256,10 @@ class BoardDouble {
       std::vector<GatherResult> results;
       std::vector<GatherPhoton> photons;
       gatherer_->process({&q, 1}, results, photons);
+      const std::array<uint64_t, 12> own{0, !q.flush, results[0].nodes, results[0].leaves,
+                                         results[0].insertions};
+      for (size_t i = 0; i < counters.size(); ++i)
+        counters[i] = (counters[i] + own[i] + each_adds[i]) % (uint64_t{1} << 40);
       if (one_photon_too_many && !photons.empty()) photons.push_back(photons.back());
       if (!loaded()) results[0].flux = {};  // it has no map
       const auto record = [&](uint32_t kind, const PacketLayout& layout, const void* packet) {

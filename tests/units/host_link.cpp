@@ -165,6 +165,30 @@ TEST_CASE("registers are those of docs/host-link.md") {
     CHECK(registers.at((*at)[2]) == std::stoul((*at)[1]));
   }
   CHECK(rows == registers.size());
+
+  // The page's words for the counters, in its order.
+  const std::pair<const char*, const char*> counters[] = {
+      {"cycles with a packet inside", "busy"},
+      {"queries", "queries"},
+      {"nodes", "nodes"},
+      {"leaves", "leaves"},
+      {"insertions", "insertions"},
+      {"lines requested", "line requests"},
+      {"cycles the input waited", "stalls in"},
+      {"cycles a result waited", "stalls results"},
+      {"cycles a photon waited", "stalls photons"},
+      {"reorder packets in", "reordered"},
+      {"lines served by the photon memory", "lines served"},
+      {"its busy cycles", "memory busy"}};
+  std::string line = fmt::format("| {} ... | counters | two words each: ", int{kRegCounters});
+  std::vector<std::string> names;
+  for (const auto& [words, name] : counters) {
+    line += fmt::format("{}{}", names.empty() ? "" : ", ", words);
+    names.push_back(name);
+  }
+  CHECK_THAT(page, ContainsSubstring(line + "; 40 bits count |"));
+  const auto listed = link_counter_names();
+  CHECK(std::vector<std::string>(listed.begin(), listed.end()) == names);
 }
 
 TEST_CASE("a board answers as golden does") {
@@ -182,6 +206,69 @@ TEST_CASE("a board answers as golden does") {
   CHECK(run.counters.at("link frames again") == 0);
   CHECK(scratch.entries() == 1);
   CHECK(std::filesystem::is_empty(scratch / "work"));  // no journal is left
+}
+
+TEST_CASE("lines of both maps go where docs/host-link.md has them, compressed ones too") {
+  for (const uint64_t further : {0, 25, 700}) {
+    INFO("photon.further_percent " << further);
+    Plan plan = LinkCase(0).plan;
+    plan.bucket = 16;
+    plan.photon_bytes = 10;
+    plan.photon_lines = further ? PhotonLines::kCompressed : PhotonLines::kPlain;
+    plan.further_percent = static_cast<int>(further);
+    // The global map's lines as the page counts them: L + ceil(L * P / 100).
+    const uint64_t leaves = (203 + 15) / 16, first = leaves + (leaves * further + 99) / 100;
+    PhotonGathererImage image;
+    image.lines[0].resize(160 * first);
+    image.lines[1].resize(160 * 3);
+    std::map<uint64_t, uint32_t> due;
+    uint64_t at = 0;
+    for (std::vector<uint8_t>& bytes : image.lines)
+      for (uint8_t& byte : bytes) {
+        byte = static_cast<uint8_t>(hash_bits(1, at, 0, 0));
+        due[at / 4] |= uint32_t{byte} << (8 * (at % 4));
+        ++at;
+      }
+    BoardDouble double_(plan);
+    Board board(std::make_unique<FaultyLink>(double_, Faults{}, 1), 10);
+    board.load(plan, image);
+    CHECK((double_.lines() == due));
+  }
+}
+
+TEST_CASE("a board's counters go on behind 2^40, and stalls out are results' and photons'") {
+  const LinkCase c;
+  const Scratch scratch;
+  const auto board = c.board();
+  board->counters.fill((uint64_t{1} << 40) - 7);
+  board->each_adds = {10, 0, 0, 0, 0, 1, 2, 3, 4, 5, 6, 7};
+  const Run run =
+      run_on(c, {.open = [&] { return std::make_unique<FaultyLink>(*board, Faults{}, 1); },
+                 .device = "double",
+                 .work_dir = scratch / "work"});
+  check_equal(c, run);
+  Counters due{{"queries", 0}, {"nodes", 0}, {"leaves", 0}, {"insertions", 0}};
+  for (const GatherResult& r : c.results) {
+    due["queries"] += !r.flush;
+    due["nodes"] += r.nodes;
+    due["leaves"] += r.leaves;
+    due["insertions"] += r.insertions;
+  }
+  const uint64_t n = c.queries.size();
+  due.insert({{"busy", 10 * n},
+              {"cycles", 10 * n},
+              {"line requests", n},
+              {"stalls in", 2 * n},
+              {"stalls results", 3 * n},
+              {"stalls photons", 4 * n},
+              {"stalls out", 7 * n},
+              {"reordered", 5 * n},
+              {"lines served", 6 * n},
+              {"memory busy", 7 * n}});
+  for (const auto& [name, count] : due) {
+    INFO(name);
+    CHECK(run.counters.at(name) == count);
+  }
 }
 
 TEST_CASE("harmed bytes cost time and no packet") {
@@ -431,6 +518,29 @@ TEST_CASE("a board that stays away is given up, and the next run goes on") {
   }
 }
 
+TEST_CASE("a journal keeps answers with as many photons as a plan can have") {
+  LinkCase c(20);
+  c.plan.k = 256;  // the most
+  const Scratch scratch;
+  GatherResult result{};
+  result.count = 256;
+  std::vector<GatherPhoton> photons(256);
+  for (size_t i = 0; i < photons.size(); ++i) photons[i].index = static_cast<uint32_t>(i % 200);
+  {
+    Journal journal(c.plan, "map", scratch / "work", true);
+    for (const GatherQuery& q : c.queries) journal.add(q, result, photons);
+  }
+  Journal journal(c.plan, "map", scratch / "work", true);
+  CHECK(journal.kept() == c.queries.size());
+  for (const GatherQuery& q : c.queries) {
+    GatherResult kept;
+    std::vector<GatherPhoton> kept_photons;
+    REQUIRE(journal.take(q, kept, kept_photons));
+    CHECK((kept == result));
+    CHECK((kept_photons == photons));
+  }
+}
+
 TEST_CASE("what answers must be this plan's bitstream") {
   const LinkCase c(10);
   const auto board = c.board();
@@ -481,6 +591,50 @@ TEST_CASE("a link on which no frame comes through whole is told as such") {
       said, std::regex("double: no whole answer for 0.1 seconds, [1-9][0-9]* damaged ones?;")));
 }
 
+TEST_CASE("a silent board is asked again after a second, and then every two") {
+  const LinkCase c(1);
+  const auto board = c.board();
+  board->mute = true;
+  Connection connection(std::make_unique<FaultyLink>(*board, Faults{}, 1), 60);
+  CHECK_THROWS_WITH(connection.read(kRegMagic, 1), "double: no answer for 60 seconds");
+  CHECK(connection.counts().frames == 1);
+  CHECK(connection.counts().repeated == 30);  // after 1, 3, 5 ... 59 seconds
+  CHECK(connection.counts().timeouts == 30);
+}
+
+TEST_CASE("noise full of frame ends asks once for each frame that is unanswered") {
+  // What the host reads first is a burst of small damaged frames.
+  constexpr size_t kDamaged = 500;
+  class NoisyLink final : public ByteLink {
+   public:
+    explicit NoisyLink(BoardDouble& board) : wire_(board, Faults{}, 1) {}
+    const std::string& name() const override { return wire_.name(); }
+    double now() const override { return wire_.now(); }
+    void write(std::span<const uint8_t> bytes) override { wire_.write(bytes); }
+    size_t read(std::span<uint8_t> to, double seconds) override {
+      if (std::exchange(heard_, true)) return wire_.read(to, seconds);
+      for (size_t i = 0; i < 2 * kDamaged; ++i) to[i] = i % 2 ? 0xC0 : 0x55;
+      return 2 * kDamaged;
+    }
+
+   private:
+    FaultyLink wire_;
+    bool heard_ = false;
+  };
+  const LinkCase c(1);
+  const auto board = c.board();
+  Connection connection(std::make_unique<NoisyLink>(*board), 60);
+  connection.set_window(1000);
+  int answers = 0;
+  const Bytes body{kRegMagic, 0, 0, 0, 1};
+  for (int i = 0; i < 3; ++i)
+    connection.send(LinkCommand::kRead, body, [&](std::span<const uint8_t>) { ++answers; });
+  connection.drain();
+  CHECK(answers == 3);
+  CHECK(connection.counts().bad_answers == kDamaged);
+  CHECK(connection.counts().repeated == 3);
+}
+
 TEST_CASE("a board that hangs or says too much") {
   const LinkCase c(40);
   const Scratch scratch;
@@ -514,14 +668,21 @@ TEST_CASE("a replay through the link") {
   CHECK(two.results == 2 * c.queries.size());
   CHECK(one.signature != two.signature);
   CHECK_THROWS_WITH(board.replay(c.plan, {}, 1, 0), ContainsSubstring("holds 1 to 512"));
+  // The number behind the greatest is not 0, which starts nothing.
+  const uint32_t greatest = 0xffffffff;
+  REQUIRE(board.connection().write_status(kRegReplayControl, {&greatest, 1}) == 0);
+  CHECK(board.replay(c.plan, c.queries, 3, 0).results == 3 * c.queries.size());
+  CHECK(board.connection().read(kRegReplayControl, 1)[0] == 1);
 }
 
 TEST_CASE("names of devices") {
   CHECK(parse_device("/dev/ttyUSB0").path == "/dev/ttyUSB0");
   CHECK(parse_device("/dev/ttyUSB0").baud == kDefaultBaud);
   CHECK(parse_device("/dev/ttyUSB0@3000000").baud == 3000000);
+  CHECK(parse_device("/dev/ttyUSB0@300").baud == 300);  // the least
   CHECK(parse_device("/dev/a@b@115200").path == "/dev/a@b");
-  for (const char* wrong : {"", "@115200", "/dev/ttyUSB0@", "/dev/ttyUSB0@fast", "/dev/ttyUSB0@1"})
+  for (const char* wrong :
+       {"", "@115200", "/dev/ttyUSB0@", "/dev/ttyUSB0@fast", "/dev/ttyUSB0@1", "/dev/ttyUSB0@299"})
     CHECK_THROWS_AS(parse_device(wrong), std::runtime_error);
 }
 
