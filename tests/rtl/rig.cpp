@@ -11,6 +11,7 @@
 #include "golden/packet/layout.hpp"
 #include "rtl/generate/sources.hpp"
 #include "tests/catch.hpp"
+#include "verilator_tb/rig/compare.hpp"
 #include "verilator_tb/unit/backends.hpp"
 #include "verilator_tb/unit/compare_units.hpp"
 
@@ -362,4 +363,32 @@ TEST_CASE("a report's command shows its cycle, also where a waveform missed it")
     CHECK(text.ends_with(" --wave-cycles " + std::to_string(cycle - 1000) + ":" +
                          std::to_string(cycle + 50) + "\n    gtkwave reorder_buffer.fst"));
   }
+}
+
+TEST_CASE("a counter that golden or the rig has and the hardware lacks is an error") {
+  const Counters golden{{"queries", 7}, {"nodes", 9},   {"photons out", 3},
+                        {"flushes", 1}, {"clamped", 0}, {"full", 2}};
+  const Counters hardware{{"queries", 7},     {"nodes", 9},           {"stalls in", 4},
+                          {"stalled in", 4},  {"stalls out", 5},      {"stalled photons", 2},
+                          {"busy", 50},       {"stalled results", 3}, {"line requests", 6},
+                          {"cache misses", 6}};
+  CHECK_NOTHROW(check_counters("unit", golden, hardware, 100));
+  for (const char* name : {"queries", "nodes", "stalled in", "stalled results", "cache misses"}) {
+    INFO(name);
+    Counters fewer = hardware;
+    fewer.erase(name);
+    CHECK_THROWS_WITH(
+        check_counters("unit", golden, fewer, 100),
+        ContainsSubstring(std::string("unit unit: has no counter ") + name + ", which "));
+    Counters wrong = hardware;
+    ++wrong[name];
+    CHECK_THROWS_WITH(check_counters("unit", golden, wrong, 100), ContainsSubstring("expected"));
+  }
+  CHECK_THROWS_WITH(check_counters("unit", golden, hardware, 49),
+                    ContainsSubstring("counts 50 busy, expected no more than the 49 cycles"));
+  // What golden alone counts of one unit it does not of another.
+  CHECK_THROWS_WITH(check_counters("unit", {{"flushes", 1}}, {{"stalls in", 4}}, 100),
+                    ContainsSubstring("has no counter flushes, which golden has"));
+  // A kernel has no ports to count at.
+  CHECK_NOTHROW(check_counters("unit", golden, {{"nodes", 9}}, 100));
 }

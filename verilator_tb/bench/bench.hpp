@@ -73,6 +73,8 @@ struct StreamCase {
   std::function<std::vector<In>(const Plan&, BenchRandom&)> make;
   // What the unit's page says that it counts for this input when nobody holds it back; optional.
   Counters (*unstalled)(const Plan&, const std::vector<In>&) = nullptr;
+  // Throws where what golden and the hardware count then does not go together; optional.
+  void (*together)(const Plan&, const Counters& golden, const Counters& hardware) = nullptr;
 };
 
 template <class Unit>
@@ -82,7 +84,7 @@ int stream_bench_main(int argc, char** argv, std::vector<BenchPlan> plans,
   Bench bench{unit_name<Unit>, std::move(plans), {}};
   for (const StreamCase<In>& c : cases)
     bench.cases.push_back(
-        {c.name, [make = c.make, unstalled = c.unstalled](
+        {c.name, [make = c.make, unstalled = c.unstalled, together = c.together](
                      const Plan& plan, const RunOptions& options, const CompareContext& context,
                      BenchRandom& random, BenchTotals& totals) {
            const std::vector<In> in = make(plan, random);
@@ -96,6 +98,8 @@ int stream_bench_main(int argc, char** argv, std::vector<BenchPlan> plans,
            check_counters(context.unit, golden->counters(), rtl->counters(), rtl->cycles());
            if (unstalled && runs_freely(options))
              check_promised(context.unit, unstalled(plan, in), rtl->counters());
+           if (together && runs_freely(options))
+             together(plan, golden->counters(), rtl->counters());
            totals.compared += both->compared();
            totals.cycles += rtl->cycles();
          }});

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The bench of gather_engine: a cluster of gatherers on its photon memory, with the gatherer's
 // cases, each as it is and through the reorder buffer.
+#include <fmt/core.h>
+
 #include "golden/packet/trace.hpp"
 #include "verilator_tb/bench/bench.hpp"
 #include "verilator_tb/bench/gather_cases.hpp"
@@ -268,6 +270,17 @@ void run_case(const ClusterCase& c, const Plan& bench_plan, const RunOptions& op
     ask_all();
   }
   rtl->finish();
+  const Counters counted = rtl->counters();
+  check_counters(context.unit, golden->counters(), counted, rtl->cycles());
+  const auto expect = [&](const std::string& name, uint64_t due) {
+    if (counted.at(name) != due)
+      throw std::runtime_error(fmt::format("unit {}: counts {} {}, expected {}", context.unit,
+                                           counted.at(name), name, due));
+  };
+  expect("reordered", c.reordered ? counted.at("packets in") : 0);
+  expect("faults", 0);
+  // An SDRAM's are fetched ahead too.
+  if (plan.photon_memory == PhotonMemory::kBlockRam) expect("memory lines", counted.at("lines"));
   totals.compared += compare_results.compared() + compare_photons.compared();
   totals.cycles += rtl->cycles();
 }

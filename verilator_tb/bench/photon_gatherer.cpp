@@ -295,6 +295,21 @@ void run_case(const GatherCase& c, const Plan& bench_plan, const RunOptions& opt
         fmt::format("unit {}: {} lines were found in the cache, expected none with bit 63 of "
                     "0x800004",
                     context.unit, hits->second));
+  const Counters due = golden->counters();
+  // A leaf's one line is found in the cache or fetched.
+  if (counted.contains("cache hits") && !plan.compressed() &&
+      counted.at("cache hits") + counted.at("cache misses") != due.at("leaves"))
+    throw std::runtime_error(fmt::format(
+        "unit {}: counts {} lines found in the cache and {} fetched, expected the {} leaves' in "
+        "all",
+        context.unit, counted.at("cache hits"), counted.at("cache misses"), due.at("leaves")));
+  // A query has one subtree, and each node divides one: all end as leaves or are dropped.
+  if (counted.contains("dropped") && plan.leaf_limit == 0 && global.lines > 0 &&
+      caustic.lines > 0 && !in.reload &&
+      counted.at("dropped") + due.at("leaves") != due.at("nodes") + due.at("queries"))
+    throw std::runtime_error(fmt::format(
+        "unit {}: counts {} dropped, expected {} nodes + {} queries - {} leaves", context.unit,
+        counted.at("dropped"), due.at("nodes"), due.at("queries"), due.at("leaves")));
   if (const auto faults = counted.find("faults"); faults != counted.end() && faults->second)
     throw std::runtime_error(fmt::format("unit {}: counts {} faults of memory, expected none",
                                          context.unit, faults->second));

@@ -87,9 +87,9 @@ class StreamComparer {
   uint64_t first_cycle_ = kNoCycle;
 };
 
-// What golden counts under a name of the hardware's, and what the rig sees at its ports, the
-// hardware has counted too; a RigError names the counter. To be called once nothing is
-// under way.
+// What golden counts, but for a few that golden alone has, and what the rig sees at its ports, the
+// hardware has counted too; a RigError names the counter. A kernel (docs/hls.md) may have none. To
+// be called once nothing is under way.
 void check_counters(const std::string& unit, const Counters& golden, const Counters& hardware,
                     uint64_t cycles);
 
