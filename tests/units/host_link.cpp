@@ -8,7 +8,9 @@
 
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <regex>
+#include <utility>
 
 #include "golden/numeric/output_file.hpp"
 #include "host/photon_gatherer.hpp"
