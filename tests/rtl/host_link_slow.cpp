@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Longer runs of the board's side of docs/host-link.md: more seeds, and photons in SDRAM with its
 // clock at several ratios.
+#include <bit>
+
 #include "tests/rtl/link_bench.hpp"
 #include "verilator_tb/bench/bench.hpp"
 
@@ -33,6 +35,37 @@ TEST_CASE("host link: compressed lines, most leaves of several") {
       CHECK(bench.write(kLines + words, {0}) == 1);
       CHECK(soak_on(bench, ++seed, 100, damaged) > 0);
     }
+}
+
+TEST_CASE("host link: a cold replay is as the first one, in lines and in cycles") {
+  Plan plan = small_plan();
+  plan.gatherers = 1;
+  plan.cache_bytes = 65536;  // all lines, in 512 sets, which take as many cycles to be forgotten
+  test::Bench bench(plan, {.work_dir = "cosim"});
+  bench.load(90);
+  const size_t words = PacketLayout::of<GatherQuery>(plan).words();
+  Words memory;
+  for (const GatherQuery& q : queries(plan, 64, 90, false)) {
+    Words one = packed(plan, q);
+    one.resize(std::bit_ceil(words));
+    memory.insert(memory.end(), one.begin(), one.end());
+  }
+  REQUIRE(bench.write(kQueries, memory) == 0);
+  Words lines, cycles;
+  uint32_t control = 0;
+  for (const uint32_t mode : {0u, 0u, 2u, 2u}) {
+    const uint32_t before = bench.reg(42);
+    REQUIRE(bench.write(17, {64, 1, mode}) == 0);
+    REQUIRE(bench.write(kControl, {++control}) == 0);
+    for (int i = 0; bench.reg(kFlags) != 2; ++i) REQUIRE(i < 2000);
+    lines.push_back(bench.reg(42) - before);
+    cycles.push_back(bench.reg(20));
+  }
+  CHECK(lines[0] > 64);
+  CHECK(lines == Words{lines[0], 0, lines[0], lines[0]});
+  CHECK(cycles[1] < cycles[0]);
+  CHECK(cycles[2] == cycles[0]);
+  CHECK(cycles[3] == cycles[0]);
 }
 
 TEST_CASE("host link: boards of random plans") {
