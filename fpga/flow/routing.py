@@ -77,15 +77,20 @@ def legalises_for_ever(log: str, until: float, since: float) -> bool:
             since > max(LEGALISING_LEAST, LEGALISING_SHARE * until))
 
 
-def routes_for_ever(log: str, share: float = 1) -> bool:
+def arcs_left(log: str) -> int | None:
+    """Arcs that nextpnr's router has left, of which it says after each thousand steps; None before these."""
+    said = re.findall(r"^Info: +\d+ \|[^|]*\|[^|]*\| *(\d+)\|", log, re.M)
+    return int(said[-1]) if said else None
+
+
+def routes_for_ever(looks: Sequence[tuple[float, int]]) -> bool:
     """Whether nextpnr's router does not come near its end: at its pace in the last third of its time, it would need ROUTER_MORE s more.
-    Of each thousand steps it says how many arcs are left and when that was, by the clock on the wall, of which it had a `share`."""
-    said = [(int(left), float(at)) for left, at in re.findall(r"^Info: +\d+ \|[^|]*\|[^|]*\| *(\d+)\| *[\d.]+ +([\d.]+)\|", log, re.M)]
-    if not said or share * said[-1][1] < ROUTER_LEAST:
+    looks: (s of a core that nextpnr had had, arcs left), from the first time on that it said these."""
+    if not looks or looks[-1][0] - looks[0][0] < ROUTER_LEAST:
         return False
-    left, now = said[-1]
-    left_before, before = next((step for step in reversed(said) if step[1] <= now * 2 / 3), said[0])
-    return share * left * (now - before) > ROUTER_MORE * max(0, left_before - left)
+    begun, (now, left) = looks[0][0], looks[-1]
+    before, left_before = next(look for look in reversed(looks) if look[0] - begun <= (now - begun) * 2 / 3)
+    return left * (now - before) > ROUTER_MORE * max(0, left_before - left)
 
 
 def seconds_of_group(group: int) -> float:
@@ -107,14 +112,16 @@ def watch(command: Sequence[str], log: Path, placer_log: Path | None, router_log
     places of cells that stand together, of which a LUT RAM has six LUTs of one tile's eight. The router hardly gets on where wires are
     scarce. placer_log: of the static placer; None of another, which is left alone."""
     with open(log, "w") as out:
-        begun = time.monotonic()
         said, said_at = "", 0.0
+        looks: list[tuple[float, int]] = []
         with started(command, out) as running:
             while running.poll() is None:
                 time.sleep(POLL)
                 had = seconds_of_group(running.pid)
-                if router_log.is_file() and routes_for_ever(read_text(router_log), min(1, had / (time.monotonic() - begun))):
-                    return False
+                if router_log.is_file() and (left := arcs_left(read_text(router_log))) is not None:
+                    looks.append((had, left))
+                    if routes_for_ever(looks):
+                        return False
                 if not placer_log or not placer_log.is_file():
                     continue
                 if (text := read_text(placer_log)) != said:
