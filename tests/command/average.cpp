@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "golden/image/image.hpp"
 #include "tests/catch.hpp"
 #include "tests/command/run.hpp"
+#include "tests/flat_image.hpp"
 
 using namespace photonloom;
 using photonloom::test::Outcome;
@@ -11,11 +11,7 @@ using photonloom::test::Scratch;
 namespace {
 
 Image uniform(int width, int height, float value) {
-  Image image;
-  image.width = width;
-  image.height = height;
-  for (const char* name : {"R", "G", "B", "Z"})
-    for (float& v : image.add(name).pixels) v = value;
+  Image image = photonloom::test::flat_image(width, height, value, {"R", "G", "B", "Z"});
   image.metadata["scene"] = "flat";
   return image;
 }

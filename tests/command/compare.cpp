@@ -4,11 +4,11 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "golden/image/image.hpp"
 #include "golden/image/metrics.hpp"
 #include "golden/image/sheet.hpp"
 #include "tests/catch.hpp"
 #include "tests/command/run.hpp"
+#include "tests/flat_image.hpp"
 
 using namespace photonloom;
 using photonloom::test::Outcome;
@@ -18,12 +18,8 @@ using photonloom::test::Scratch;
 namespace {
 
 Image flat(int width, int height, float value) {
-  Image image;
-  image.width = width;
-  image.height = height;
-  for (const char* name : {"R", "G", "B", "direct.R", "direct.G", "direct.B"})
-    for (float& v : image.add(name).pixels) v = value;
-  return image;
+  return photonloom::test::flat_image(width, height, value,
+                                      {"R", "G", "B", "direct.R", "direct.G", "direct.B"});
 }
 
 }  // namespace

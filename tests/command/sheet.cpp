@@ -3,25 +3,17 @@
 
 #include <array>
 
-#include "golden/image/image.hpp"
 #include "tests/catch.hpp"
 #include "tests/command/run.hpp"
+#include "tests/flat_image.hpp"
 
 using namespace photonloom;
+using photonloom::test::flat_image;
 using photonloom::test::Outcome;
 using photonloom::test::run;
 using photonloom::test::Scratch;
 
 namespace {
-
-Image flat(int width, int height, float value) {
-  Image image;
-  image.width = width;
-  image.height = height;
-  for (const char* name : {"R", "G", "B"})
-    for (float& v : image.add(name).pixels) v = value;
-  return image;
-}
 
 std::array<int, 3> at(const Picture& p, int x, int y) {
   const uint8_t* rgb = p.rgb.data() + (y * p.width + x) * 3;
@@ -36,9 +28,9 @@ const Pixel kWhite = {255, 255, 255}, kBlack = {0, 0, 0}, kPaper = {250, 250, 25
 TEST_CASE("a sheet has its tiles row by row, each where its column and row are") {
   const Scratch s;
   // Tiles of 40 x 30 once shrunk; the last is smaller and stands at its place's top left.
-  write_exr(flat(80, 60, 1.0f), s / "white.exr");
-  write_exr(flat(80, 60, 0.0f), s / "black.exr");
-  Image halves = flat(16, 20, 0.0f);
+  write_exr(flat_image(80, 60, 1.0f), s / "white.exr");
+  write_exr(flat_image(80, 60, 0.0f), s / "black.exr");
+  Image halves = flat_image(16, 20, 0.0f);
   for (size_t p = 0; p < 16 * 20; ++p)
     if (p % 2 == 0) halves.channels[1].pixels[p] = 1;  // G, in every other column
   write_exr(halves, s / "halves.exr");
@@ -73,8 +65,8 @@ TEST_CASE("a sheet has its tiles row by row, each where its column and row are")
 
 TEST_CASE("each row of a sheet is exposed by its first EXR") {
   const Scratch s;
-  write_exr(flat(10, 10, 0.8f), s / "a.exr");
-  write_exr(flat(10, 10, 0.4f), s / "b.exr");
+  write_exr(flat_image(10, 10, 0.8f), s / "a.exr");
+  write_exr(flat_image(10, 10, 0.4f), s / "b.exr");
   REQUIRE(run("sheet --columns 2 " + s / "a.exr" + " " + s / "b.exr" + " " + s / "b.exr" + " -o " +
               s / "sheet.png")
               .status == 0);
@@ -87,7 +79,7 @@ TEST_CASE("each row of a sheet is exposed by its first EXR") {
 
 TEST_CASE("a sheet takes any label, and tells an image too small to be shrunk") {
   const Scratch s;
-  write_exr(flat(3, 2, 1.0f), s / "a.exr");
+  write_exr(flat_image(3, 2, 1.0f), s / "a.exr");
   const auto sheet = [&](const std::string& label, const std::string& out) {
     return run("sheet '" + label + "=" + s / "a.exr" + "' -o " + s / out);
   };
@@ -95,7 +87,7 @@ TEST_CASE("a sheet takes any label, and tells an image too small to be shrunk") 
   REQUIRE(sheet("???", "asked.png").status == 0);
   CHECK(read_file(s / "marks.png") == read_file(s / "asked.png"));
   // A file's whole name goes before a label.
-  write_exr(flat(60, 2, 1.0f), s / "b=a.exr");
+  write_exr(flat_image(60, 2, 1.0f), s / "b=a.exr");
   REQUIRE(run("sheet '" + s / "b=a.exr" + "' -o " + s / "named.png").status == 0);
   REQUIRE(run("sheet 'b=" + s / "b=a.exr" + "' -o " + s / "b.png").status == 0);
   CHECK(read_file(s / "named.png") != read_file(s / "b.png"));
