@@ -595,7 +595,7 @@ class Loader {
           scene_.textures[static_cast<size_t>(index)].kind == TextureKind::kVertexColor;
       if (colors && !is_mesh)
         fail(e, fmt::format("{} has a texture of vertex colors, which only meshes have, expected a "
-                            "ply, obj or serialized shape",
+                            "ply or serialized shape",
                             describe(e)));
       if (!is_mesh) return;
       if (colors && s.mesh.colors.empty())
