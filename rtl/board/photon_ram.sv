@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // Photon lines in block RAM, shared by Gatherers gatherers: both maps behind one another (docs/photon_memory.md). The memory
 // has two read ports, a beat a cycle each; gatherers of even number share one, those of odd number the other, in turn. Where
-// the beats of a line are stored side by side, a port reads a line a cycle, and each gatherer's beats leave by themselves.
+// the beats of a line are stored side by side, a port reads a line a cycle, and each gatherer's beats leave by themselves. There,
+// with trees of two nodes a cycle, so that no tree binds, the last of an odd number of gatherers uses both ports, a line from
+// each in turn, so that both have as much to do.
 // Where beats hold whole photons, a plain one takes only its PhotonBits.
 //
 // Line ports are those of photon_gatherer, side by side, gatherer 0 lowest: a reply is the line's beats in order, one a
-// cycle, always taken. Latency from a request to its first beat 4 cycles where nobody else asks.
+// cycle, always taken. Latency from a request to its first beat 4 cycles where nobody else asks, 3 where one uses both ports and
+// there is one map.
 //
 // Words of 32 bits are written at word addresses of the lines, global map first, then the caustic one, without gaps, while
 // no query is in flight; words behind the last line are taken and dropped. Some 5 cycles a word, 32 where neither a line's
@@ -71,6 +74,8 @@ module photon_ram #(
   localparam int unsigned RowBeats = Rows ? Beats : 1;
   localparam int unsigned RowBits = RowBeats * StoredBits;
   localparam int unsigned Senders = Rows ? Gatherers : 2;
+  localparam bit Both = Rows && Ports == 2 && Gatherers % 2 == 1 && photonloom_pkg::NodesPerCycle > 1;  // the last one uses both ports
+  localparam bit AtOnce = Both && (GlobalLines == 0 || CausticLines == 0);  // a line is its row's address
   localparam int unsigned RowsALine = Beats / RowBeats;
   localparam int unsigned AddressBits = Depth / RowBeats > 1 ? $clog2(Depth / RowBeats) : 1;
 
@@ -257,6 +262,25 @@ module photon_ram #(
   end
   assign read_raw = raw[0+:BeatBits];
 
+  // Of the gatherer at both ports, by port: its line waits there, starts, was started within the last beats, is read; and of
+  // what is read the tag, and that it is beyond its map.
+  /* verilator lint_off UNUSEDSIGNAL */  // mostly nobody is
+  logic [1:0] both_valid, both_ready, both_waits, both_starts, both_sending, both_read, both_beyond;
+  logic [2*TagBits-1:0] both_tag;
+  /* verilator lint_on UNUSEDSIGNAL */
+  if (Both) begin : gen_both
+    // It stays with a port until that has taken its line, so that no arbiter passes it over twice.
+    logic next_q;
+    assign both_valid = {next_q, !next_q} & {2{line_req_valid_i[Gatherers-1]}};
+    assign line_req_ready_o[Gatherers-1] = both_ready != '0;
+    always_ff @(posedge clk_i) begin
+      if (both_ready != '0) next_q <= !next_q;
+      if (rst_i) next_q <= 1'b0;
+    end
+  end else begin : gen_not_both
+    assign {both_valid, both_ready, both_waits, both_starts, both_sending, both_read, both_beyond, both_tag} = '0;
+  end
+
   for (genvar port = 0; port < 2; port++) begin : gen_port
     case (port >= Ports ? 0 : Rows ? 2 : 1)
       1: begin : gen_used  // reads a beat a cycle
@@ -358,22 +382,31 @@ module photon_ram #(
         end
       end
       2: begin : gen_used  // reads a row a cycle
-        localparam int unsigned Group = (Gatherers - port + Ports - 1) / Ports;
+        localparam int unsigned Group = Both ? Gatherers / 2 + 1 : (Gatherers - port + Ports - 1) / Ports;
         localparam int unsigned SourceBits = Group > 1 ? $clog2(Group) : 1;
         logic [Group-1:0] req_valid, req_ready;
         logic [Group*(LineBits+1+TagBits)-1:0] req;
         logic ask_valid, ask_ready;
         logic [LineBits+TagBits:0] ask;
         logic [SourceBits-1:0] ask_source;
-        logic [TagBits-1:0] ask_tag, tag_q, read_tag_q;
+        logic [TagBits-1:0] ask_tag;
+        /* verilator lint_off UNUSEDSIGNAL */  // stages that are not there AtOnce, nor a bit of the map
+        logic [TagBits-1:0] tag_q, read_tag_q;
         logic [LineBits:0] ask_line;
         logic [Group-1:0] target_q, read_target_q;
         logic [AddressBits-1:0] address_q;
+        /* verilator lint_on UNUSEDSIGNAL */
 
         for (genvar g = 0; g < Group; g++) begin : gen_gatherer
-          localparam int unsigned I = port + Ports * g;
-          assign req_valid[g] = line_req_valid_i[I];
-          assign line_req_ready_o[I] = req_ready[g];
+          localparam bit AtBoth = Both && g == Group - 1;
+          localparam int unsigned I = AtBoth ? Gatherers - 1 : port + Ports * g;
+          if (AtBoth) begin : gen_in_turn
+            assign req_valid[g] = both_valid[port];
+            assign both_ready[port] = req_ready[g];
+          end else begin : gen_alone
+            assign req_valid[g] = line_req_valid_i[I];
+            assign line_req_ready_o[I] = req_ready[g];
+          end
           assign req[(LineBits+1+TagBits)*g+:LineBits+1+TagBits] = {
             line_req_addr_i[(LineBits+1)*I+:LineBits+1], line_req_tag_i[TagBits*I+:TagBits]
           };
@@ -397,20 +430,28 @@ module photon_ram #(
 
         // A word to write takes port a, which then starts no line; one that it was reading is not needed by anybody, since
         // lines change only while no query is in flight.
-        assign read_address[AddressBits*port+:AddressBits] = address_q;
+        assign read_address[AddressBits*port+:AddressBits] = AtOnce ? AddressBits'(ask_line) : address_q;
         if (Rows) begin : gen_row_port
           // A line a cycle, each gatherer's only when the beats of its last one have been read.
           logic [Beats-2:0] started_q[0:Group-1];  // of each gatherer, in the last cycles, the latest lowest
           logic [Group-1:0] sending;
           logic [StoredBits-1:0] row[0:Beats-1];
+          /* verilator lint_off UNUSEDSIGNAL */  // AtOnce
           logic asked_beyond_q, read_beyond_q;
+          /* verilator lint_on UNUSEDSIGNAL */
 
-          assign ask_ready = !sending[ask_source] && !(port == 0 && write_valid);
+          // Where both ports have a line for the same gatherer, port 0 is first.
+          if (Both && port == 1) begin : gen_second
+            assign ask_ready = !sending[ask_source] && both_waits != '1;
+          end else begin : gen_first
+            assign ask_ready = !sending[ask_source] && !(port == 0 && write_valid);
+          end
           always_comb begin
             for (int unsigned g = 0; g < Group; g++) begin
               sending[g]  = started_q[g] != '0;
               target_q[g] = started_q[g][0];
             end
+            if (Both && both_sending != '0) sending[Group-1] = 1'b1;
             for (int unsigned beat = 0; beat < Beats; beat++) row[beat] = read_data[RowBits*port+StoredBits*beat+:StoredBits];
           end
           assign reading[port] = target_q != '0;
@@ -436,21 +477,52 @@ module photon_ram #(
             assign asked_beyond_q = 1'b0;
             assign read_beyond_q  = asked_beyond_q;
           end
-          for (genvar g = 0; g < Group; g++) begin : gen_sender
-            localparam int unsigned I = port + Ports * g;
+          if (Both) begin : gen_to_both
+            assign both_waits[port] = ask_valid && ask_source == SourceBits'(Group - 1);
+            assign both_starts[port] = AtOnce ? both_waits[port] && ask_ready : target_q[Group-1];
+            assign both_sending[port] = started_q[Group-1] != '0;
+            assign both_read[port] = AtOnce ? target_q[Group-1] : read_target_q[Group-1];
+            assign both_beyond[port] = AtOnce ? asked_beyond_q : read_beyond_q;
+            assign both_tag[TagBits*port+:TagBits] = AtOnce ? tag_q : read_tag_q;
+          end
+          for (genvar g = 0; g < Group - (Both && port == 1 ? 1 : 0); g++) begin : gen_sender
+            localparam bit AtBoth = Both && g == Group - 1;
+            localparam int unsigned I = AtBoth ? Gatherers - 1 : port + Ports * g;
             logic [BeatNumberBits-1:0] beat_q;  // the next one to leave; 0 where none is under way
             logic [StoredBits-1:0] data_q;
             logic [TagBits-1:0] out_tag_q;
             logic valid_q, beyond_q;
 
+            // What begins, and the beat that leaves, where the gatherer is at both ports.
+            /* verilator lint_off UNUSEDSIGNAL */
+            logic begins, beyond;
+            logic [TagBits-1:0] tag;
+            logic [StoredBits-1:0] leaving;
+            /* verilator lint_on UNUSEDSIGNAL */
+            if (AtBoth) begin : gen_either
+              logic from_q;  // the port that the line comes from
+              logic [StoredBits-1:0] rows[0:2*Beats-1];
+              // The last beat of a line leaves no later than the next line starts.
+              always_ff @(posedge clk_i) if (both_starts != '0) from_q <= both_starts[1];
+              always_comb for (int unsigned b = 0; b < 2 * Beats; b++) rows[b] = read_data[StoredBits*b+:StoredBits];
+              assign begins = both_read != '0;
+              assign beyond = both_beyond[from_q];
+              assign tag = from_q ? both_tag[TagBits+:TagBits] : both_tag[0+:TagBits];
+              assign leaving = rows[(from_q?Beats : 0)+32'(beat_q)];
+            end else begin : gen_own
+              assign begins = AtOnce ? target_q[g] : read_target_q[g];
+              assign beyond = AtOnce ? asked_beyond_q : read_beyond_q;
+              assign tag = AtOnce ? tag_q : read_tag_q;
+              assign leaving = '0;
+            end
             always_ff @(posedge clk_i) begin
-              if (read_target_q[g] || beat_q != '0) beat_q <= beat_q == BeatNumberBits'(Beats - 1) ? '0 : beat_q + 1'b1;
-              valid_q <= read_target_q[g] || beat_q != '0;
-              if (read_target_q[g]) begin
-                out_tag_q <= read_tag_q;
-                beyond_q  <= read_beyond_q;
+              if ((Both ? begins : read_target_q[g]) || beat_q != '0) beat_q <= beat_q == BeatNumberBits'(Beats - 1) ? '0 : beat_q + 1'b1;
+              valid_q <= (Both ? begins : read_target_q[g]) || beat_q != '0;
+              if (Both ? begins : read_target_q[g]) begin
+                out_tag_q <= Both ? tag : read_tag_q;
+                beyond_q  <= Both ? beyond : read_beyond_q;
               end
-              data_q <= row[beat_q];
+              data_q <= AtBoth ? leaving : row[beat_q];
               if (I == 0 && write_valid) begin
                 beat_q  <= write_back ? '0 : write_beat;
                 valid_q <= 1'b0;

@@ -93,6 +93,29 @@ std::vector<BenchPlan> plans() {
     p.cache_bytes = 4 * p.line_bytes();
     p.beat_bits = 128;
   });
+  // The last of three gatherers uses both ports: lines of two maps, of which a line's row is a sum.
+  add("both_ports", [](Plan& p) {
+    p.bucket = p.lanes = 2;
+    p.nodes_per_cycle = 2;
+    p.global.photons = 2048;
+    p.caustic.photons = 1024;
+    p.cache_bytes = 4 * p.line_bytes();
+    p.cache_misses = 4;
+    p.beat_bits = 4 * p.line_bytes();
+    p.reorder_key = ReorderKey::kNone;
+    p.parity = true;
+  });
+  // And of one map, whose lines are the rows, of four beats.
+  add("both_ports_at_once", [](Plan& p) {
+    p.bucket = 4;
+    p.nodes_per_cycle = 2;
+    p.global.photons = 4096;
+    p.caustic = {};
+    p.cache_bytes = 4 * p.line_bytes();
+    p.beat_bits = 128;
+    p.reorder_key = ReorderKey::kNone;
+    p.parity = true;
+  });
   // Rows of two beats, straight to the lanes of five gatherers without leaf caches.
   add("uncached", [](Plan& p) {
     p.bucket = 4;
