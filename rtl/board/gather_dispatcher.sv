@@ -21,8 +21,8 @@ module gather_dispatcher #(
     // Of a gatherer 64, four for each of its contexts where that is more: results leave in order, so a slow query holds up the
     // others once so many are behind it.
     parameter int unsigned Pending = (4 * photonloom_pkg::Contexts > 64 ? 4 * photonloom_pkg::Contexts : 64) * Gatherers,
-    // Gatherers of so many contexts fill the part, and the buffers of their photons lie far from what says whose turn it is.
-    parameter bit TurnLater = photonloom_pkg::FarGatherers != 0 && photonloom_pkg::Contexts > 16,
+    // Gatherers of so many contexts or nodes fill the part, and the buffers of their photons lie far from what says whose turn it is.
+    parameter bit TurnLater = photonloom_pkg::FarGatherers != 0 && (photonloom_pkg::Contexts > 16 || photonloom_pkg::NodesPerCycle > 1),
     localparam int unsigned QueryBits = photonloom_pkg::GatherQueryPacketBits,
     localparam int unsigned ResultBits = photonloom_pkg::GatherResultPacketBits,
     localparam int unsigned PhotonBits = photonloom_pkg::GatherPhotonPacketBits

@@ -314,7 +314,8 @@ module photon_gatherer_beats #(
       .LoadBits(LoadBits),
       .MantissasBits(MantissasBits),
       .ExponentBits(ExponentBits),
-      .UsedGiven(Compressed)
+      .UsedGiven(Compressed),
+      .FromRegister(Sets == 0 && photonloom_pkg::FarGatherers != 0 && photonloom_pkg::NodesPerCycle > 1)
   ) lanes (
       .clk_i(clk_i),
       .rst_i(rst_i),

@@ -2,7 +2,7 @@
 // Beats of leaf lines, Lanes photons each, to beats of candidates. Each lane computes its photon's exact squared
 // distance and drops it when the slot is unused or it is beyond the bound of that moment (a bound only shrinks, so
 // this never drops what the list would take). A line that keeps none leaves by empty_*; else beats that keep a photon,
-// and the last of the line, are kept, for a photon_gatherer_beat_queue. Latency 5; one beat a cycle.
+// and the last of the line, are kept, for a photon_gatherer_beat_queue. Latency 5, with FromRegister 4; one beat a cycle.
 module photon_gatherer_lanes #(
     parameter int unsigned PositionBits = 16,
     parameter int unsigned Contexts = 16,
@@ -12,6 +12,7 @@ module photon_gatherer_lanes #(
     parameter int unsigned MantissasBits = 27,
     parameter int unsigned ExponentBits = 5,
     parameter bit UsedGiven = 1'b0,            // which slots are used is said, not in their photons
+    parameter bit FromRegister = 1'b0,         // what brings the beats is a register, so none is here; not with UsedGiven
     localparam int unsigned R2Bits = 2 * PositionBits + 2,
     localparam int unsigned PhotonBits = 3 * PositionBits + LoadBits,
     localparam int unsigned ContextBits = Contexts > 1 ? $clog2(Contexts) : 1,
@@ -52,11 +53,15 @@ module photon_gatherer_lanes #(
 
   // ---- register | differences | squares | sum | compare ----
   localparam int unsigned Stages = 5;
+  /* verilator lint_off UNUSEDSIGNAL */  // the first stage
   logic [Stages-1:0] valid_q, last_q;
   logic [ContextBits-1:0] context_q[0:Stages-1];
   logic [BeatBits-1:0] beat_q[0:Stages-1];
+  /* verilator lint_on UNUSEDSIGNAL */
   logic [Lanes*LoadBits-1:0] load_q[1:Stages-1];
+  /* verilator lint_off UNUSEDSIGNAL */
   logic [Lanes*PhotonBits-1:0] photons_q;
+  /* verilator lint_on UNUSEDSIGNAL */
   logic [Lanes-1:0] used_q[1:Stages-2];
   /* verilator lint_off UNUSEDSIGNAL */
   logic [Lanes-1:0] given_q;
@@ -65,14 +70,14 @@ module photon_gatherer_lanes #(
   logic [Lanes*R2Bits-1:0] d2, d2_q;
   logic [R2Bits-1:0] bound_q;
 
-  assign query_context_o = context_q[0];
+  assign query_context_o = FromRegister ? in_context_i : context_q[0];
   assign bound_context_o = context_q[2];
 
   for (genvar lane = 0; lane < Lanes; lane++) begin : gen_lane
     logic [PhotonBits-1:0] photon;
     logic beyond;
     logic [3*(P+1)-1:0] offset_q;
-    assign photon = photons_q[PhotonBits*lane+:PhotonBits];
+    assign photon = FromRegister ? in_photons_i[PhotonBits*lane+:PhotonBits] : photons_q[PhotonBits*lane+:PhotonBits];
 
     always_ff @(posedge clk_i) begin
       for (int unsigned axis = 0; axis < 3; axis++)
@@ -102,15 +107,16 @@ module photon_gatherer_lanes #(
   end
 
   always_ff @(posedge clk_i) begin
-    valid_q <= {valid_q[Stages-2:0], in_valid_i};
-    last_q <= {last_q[Stages-2:0], in_beat_i == BeatBits'(Beats - 1)};
+    valid_q <= FromRegister ? {valid_q[Stages-2:1], in_valid_i, 1'b0} : {valid_q[Stages-2:0], in_valid_i};
+    last_q <= FromRegister ? {last_q[Stages-2:1], in_beat_i == BeatBits'(Beats - 1), 1'b0} :
+        {last_q[Stages-2:0], in_beat_i == BeatBits'(Beats - 1)};
     context_q[0] <= in_context_i;
     beat_q[0] <= in_beat_i;
     photons_q <= in_photons_i;
     given_q <= in_used_i;
     for (int unsigned i = 1; i < Stages; i++) begin
-      context_q[i] <= context_q[i-1];
-      beat_q[i] <= beat_q[i-1];
+      context_q[i] <= FromRegister && i == 1 ? in_context_i : context_q[i-1];
+      beat_q[i] <= FromRegister && i == 1 ? in_beat_i : beat_q[i-1];
     end
     for (int unsigned i = 2; i < Stages; i++) load_q[i] <= load_q[i-1];
     for (int unsigned i = 2; i < Stages - 1; i++) used_q[i] <= used_q[i-1];
