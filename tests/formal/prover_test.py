@@ -11,7 +11,7 @@ from fractions import Fraction
 from pathlib import Path
 
 from flow.shell import ROOT, Failure
-from prover import bounds, elastic, engines, formula, golden, paths, properties, report, script, sources, steps, tools
+from prover import bounds, commands, elastic, engines, formula, golden, model, paths, properties, report, script, sources, steps, tools
 from prover.properties import Property
 
 ENTRY = """
@@ -72,6 +72,14 @@ class Sources(unittest.TestCase):
         self.assertEqual([path.name for path in self.of(f"localparam int unsigned Reciprocals = 1; {word}")], ["p.sv", "m.sv", "h.sv"])
         with self.assertRaisesRegex(Failure, "p.sv: has no Reciprocals, which m.sv reads"):
             self.of(f"localparam int unsigned ReciprocalBits = 1; {word}")
+
+
+class Model(unittest.TestCase):
+    def test_a_name_that_yosys_makes_up_is_an_error(self) -> None:
+        said = "a.sv:3: Warning: Identifier `\\gen_a[0]' is implicitly declared.\n"
+        with unittest.mock.patch.object(model.commands, "run", return_value=commands.Finished(0, said, 1.0, True)):
+            with self.assertRaisesRegex(Failure, "implicitly declared.*make formal takes a newer one"):
+                model.aiger(tools.Tools("yosys", "", ""), Path(), table(ENTRY.format(method="bmc", more="depth = 3"))[0], [], Path("m"), Path("log"))
 
 
 class Paths(unittest.TestCase):

@@ -5,6 +5,7 @@ package photonloom_pkg;
   localparam int unsigned FarGatherers = 1;
   localparam int unsigned Gatherers = 2;
   localparam int unsigned Contexts = 0;
+  localparam int unsigned NodesPerCycle = 1;
 
   localparam int unsigned GatherQueryPacketBits = 7;
   typedef struct packed {

@@ -5,6 +5,7 @@ package photonloom_pkg;
   localparam int unsigned FarGatherers = 0;
   localparam int unsigned Gatherers = 2;
   localparam int unsigned Contexts = 0;
+  localparam int unsigned NodesPerCycle = 1;
   localparam int unsigned QueuedBeats = 16;
   localparam int unsigned PositionBits = 1;
   localparam int unsigned ReorderKey = 1;

@@ -17,6 +17,9 @@ def _yosys(tools: Tools, script: str, log: Path) -> float:
     if done.status != 0:
         said = [line for line in done.text.splitlines() if "ERROR" in line]
         raise Failure(f"yosys: {said[0] if said else 'ended with status ' + str(done.status)} (log: {log})")
+    # A name that Yosys makes up is one that it does not find, and any value then: older ones read no fields of a structure in a loop.
+    if made_up := [line for line in done.text.splitlines() if "is implicitly declared" in line]:
+        raise Failure(f"yosys: {made_up[0]}: {tools.yosys} does not read this as it stands (make formal takes a newer one; log: {log})")
     return done.seconds
 
 
