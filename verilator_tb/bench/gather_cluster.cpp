@@ -73,7 +73,7 @@ std::vector<BenchPlan> plans() {
   });
   // 1,536 lines of two beats, which stand side by side in a row; three gatherers, so that one port
   // has two of them.
-  add("rows", [](Plan& p) {
+  const auto rows = [](Plan& p) {
     p.bucket = p.lanes = 2;
     p.global.photons = 2048;
     p.caustic.photons = 1024;
@@ -82,7 +82,8 @@ std::vector<BenchPlan> plans() {
     p.beat_bits = 4 * p.line_bytes();
     p.reorder_key = ReorderKey::kNone;
     p.parity = true;
-  });
+  };
+  add("rows", rows);
   // 1,024 lines of 12 words in rows of three beats, which cut photons.
   add("rows_of_three", [](Plan& p) {
     p.bucket = 4;
@@ -94,16 +95,9 @@ std::vector<BenchPlan> plans() {
     p.beat_bits = 128;
   });
   // The last of three gatherers uses both ports: lines of two maps, of which a line's row is a sum.
-  add("both_ports", [](Plan& p) {
-    p.bucket = p.lanes = 2;
+  add("both_ports", [&](Plan& p) {
+    rows(p);
     p.nodes_per_cycle = 2;
-    p.global.photons = 2048;
-    p.caustic.photons = 1024;
-    p.cache_bytes = 4 * p.line_bytes();
-    p.cache_misses = 4;
-    p.beat_bits = 4 * p.line_bytes();
-    p.reorder_key = ReorderKey::kNone;
-    p.parity = true;
   });
   // And of one map, whose lines are the rows, of four beats.
   add("both_ports_at_once", [](Plan& p) {
