@@ -231,6 +231,7 @@ module gather_cluster #(
 
     photon_gatherer #(
         .LineBeatBits(BeatBits),
+        .EarlyReplies(1'b0),
         .OwnNodes(OwnNodes)
     ) gatherer (
         .clk_i(clk_i),

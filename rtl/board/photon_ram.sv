@@ -7,8 +7,8 @@
 // Where beats hold whole photons, a plain one takes only its PhotonBits.
 //
 // Line ports are those of photon_gatherer, side by side, gatherer 0 lowest: a reply is the line's beats in order, one a
-// cycle, always taken. Latency from a request to its first beat 4 cycles where nobody else asks, 3 where one uses both ports and
-// there is one map.
+// cycle, always taken. Latency from a request to its first beat 4 cycles where nobody else asks; 3, for all gatherers, where one uses
+// both ports and there is one map.
 //
 // Words of 32 bits are written at word addresses of the lines, global map first, then the caustic one, without gaps, while
 // no query is in flight; words behind the last line are taken and dropped. Some 5 cycles a word, 32 where neither a line's

@@ -3,8 +3,8 @@
 // empty map; search_o tells the other modules, which write their part of the context. A flush takes no context.
 //
 // Meanwhile the list of the context is emptied by a token, two cycles at most and five stages later: before a lane asks
-// for its bound, 8 cycles after the start at the earliest, and before the end of a query in an empty map is noted. A list with
-// codes may keep the token waiting: so with TokenFirst a query takes its context, and starts when the list is empty.
+// for its bound, and before the end of a query in an empty map is noted. A list with codes may keep the token waiting, and a lane asks
+// sooner than 8 cycles after the start where a line may come at once: there, with TokenFirst, a query takes its context and starts when the list is empty.
 //
 // Latency 1 from the query to its start; starts are at least two cycles apart, so what they need is looked up a cycle
 // ahead. hold_i: the tree goes on with another query in this cycle; of several trees: the query that started last is not in

@@ -110,6 +110,20 @@ std::vector<GatherCase> gather_cases() {
       {"empty", [](const Plan& plan, BenchRandom& random) { return stimulus(plan, random, 0, 0); }},
       {"one_photon",
        [](const Plan& plan, BenchRandom& random) { return stimulus(plan, random, 1, 1); }},
+      // The root is a leaf: of all leaves it comes first to the lanes. A query amid the photons is
+      // followed by one far from them, to which the bound of the one before would be too small.
+      {"one_leaf",
+       [](const Plan& plan, BenchRandom& random) {
+         const auto leaf = static_cast<uint64_t>(plan.bucket);
+         GatherStimulus s = stimulus(plan, random, leaf, leaf);
+         const auto near = static_cast<uint32_t>(ones(plan.position_bits) / 8);
+         for (auto* map : {&s.global, &s.caustic})
+           for (PackedPhoton& p : *map)
+             for (uint32_t& x : p.position) x &= near;
+         for (size_t i = 0; i < s.queries.size(); ++i)
+           for (uint32_t& x : s.queries[i].position) x = i % 2 ? ~near & x : near & x;
+         return s;
+       }},
       {"fewer_than_k",
        [](const Plan& plan, BenchRandom& random) {
          return stimulus(plan, random, static_cast<uint64_t>(plan.k) - 1,

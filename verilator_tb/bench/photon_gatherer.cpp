@@ -155,9 +155,18 @@ std::vector<BenchPlan> plans() {
     p.nodes_per_cycle = p.candidates_per_cycle = p.powers_per_cycle = 2;
     p.reciprocal_bits = 0;
   });
+  // One context and no leaf cache: a leaf is asked for as soon as its query starts.
+  add("uncached_alone", [](Plan& p) {
+    p.k = 3;
+    p.contexts = 1;
+    p.cache_bytes = 0;
+    p.beat_bits = 8 * p.line_bytes();
+    p.lanes = 8;
+  });
   // The one nearest photon, without a leaf cache: two reciprocals beside one sum.
   add("nearest", [](Plan& p) {
     p.k = 1;
+    p.contexts = 6;
     p.cache_bytes = 0;
     p.lanes = 4;
     p.beat_bits = 8 * p.photon_bytes * p.lanes;
