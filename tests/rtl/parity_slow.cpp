@@ -210,6 +210,10 @@ TEST_CASE("faults: flipped bits of memories with parity") {
   rows.global.photons = 2048;
   rows.cache_bytes = 4 * rows.line_bytes();
   REQUIRE(rows.photon_ram_row() == 2);
+  // One of three gatherers uses both ports.
+  Plan both_ports = rows;
+  both_ports.gatherers = 3;
+  both_ports.nodes_per_cycle = 2;
   // As many, of more than four a line: banks behind one another.
   Plan banks = board;
   banks.bucket = 8;
@@ -238,6 +242,7 @@ TEST_CASE("faults: flipped bits of memories with parity") {
        400},
       {"`photon_ram`", board, make_engine, {"memory.gen_one"}, false, 60},
       {"`photon_ram`, rows", rows, make_engine, {"memory.gen_rows"}, false, 150},
+      {"`photon_ram`, rows, both ports", both_ports, make_engine, {"memory.gen_rows"}, false, 150},
       {"`photon_ram`, banks", banks, make_engine, {"memory.gen_banks"}, false, 150},
       {"`photon_sdram`, cache", sdram, make_engine, {"memory.lines"}, true, 250},
   };
@@ -284,6 +289,52 @@ TEST_CASE("a board counts wrong words, and its results tell of them") {
   layout.unpack(out.words.data() + 1, &result);
   CHECK(result.faulty == 1);
   CHECK(bench.reg(27) > 0);
+}
+
+TEST_CASE("a board's results tell of lines beyond their map") {
+  Plan one = parity_plan();
+  one.bucket = one.lanes = 2;
+  one.global.photons = 2052;  // the last lines, of so many, are near the tree's lowest corner
+  one.cache_bytes = 4 * one.line_bytes();
+  Plan three = one, both_ports = one;
+  three.gatherers = both_ports.gatherers = 3;
+  both_ports.nodes_per_cycle = 2;
+  const uint32_t lines = one.lines(one.global);
+  // Two in three stand in that corner.
+  std::vector<GatherQuery> list = queries(one, 60, 1, false);
+  for (uint32_t i = 0; i < list.size(); ++i)
+    if (i % 3) list[i].position = {i % 4, i % 5, i % 7};
+  const PacketLayout layout = PacketLayout::of<GatherResult>(one);
+  const auto results = [&](const Plan& plan) {
+    test::Bench bench(plan, {.work_dir = "cosim"});
+    bench.load(1);
+    // A line more than there are, behind a node where the caustic map's have a word that none uses.
+    // It is read from the caustic map's first.
+    REQUIRE(bench.write(kCfg + 2 * lines, {0, 0}) == 0);
+    REQUIRE(bench.write(kCfg + 2 * 0x800000, {lines + 1, 0}) == 0);
+    REQUIRE(bench.write(kSession, {5}) == 0);
+    std::vector<GatherResult> got;
+    uint32_t place = 0, from = 0;
+    for (const GatherQuery& q : list) {
+      place = bench.push(place, packed(plan, q)).next;
+      bench.run(4000);
+      const auto size = static_cast<uint8_t>(1 + layout.words());
+      const test::Bench::Pulled out = bench.pull(from, size, from);
+      REQUIRE(out.words.size() == size);
+      from += size;
+      layout.unpack(out.words.data() + 1, &got.emplace_back());
+    }
+    CHECK(bench.reg(27) > 0);
+    return got;
+  };
+  const std::vector<GatherResult> due = results(one);
+  std::array<int, 2> flagged{}, right{};  // of the global map and the caustic one
+  for (size_t i = 0; i < due.size(); ++i) ++(due[i].faulty ? flagged : right)[list[i].map];
+  INFO(flagged[0] << " flagged, " << right[0] << " not, " << flagged[1] << " of the caustic map");
+  CHECK(flagged[0] > 10);
+  CHECK(flagged[1] == 0);
+  CHECK(results(three) == due);
+  CHECK(results(both_ports) == due);
 }
 
 TEST_CASE("faults: a board tries itself when it is switched on") {

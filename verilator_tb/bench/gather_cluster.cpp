@@ -110,6 +110,37 @@ std::vector<BenchPlan> plans() {
     p.reorder_key = ReorderKey::kNone;
     p.parity = true;
   });
+  // Both, and no leaf caches: five far gatherers, whose lanes take a beat from the memory's
+  // registers.
+  add("both_ports_uncached", [](Plan& p) {
+    p.k = 12;
+    p.gatherers = 5;
+    p.bucket = 4;
+    p.lanes = 2;
+    p.contexts = 6;
+    p.nodes_per_cycle = 2;
+    p.global.photons = 5000;
+    p.caustic = {};
+    p.cache_bytes = 0;
+    p.beat_bits = 4 * p.line_bytes();
+    p.reorder_key = ReorderKey::kNone;
+    p.parity = true;
+  });
+  // Of seven the last; rows of three beats, two of which are what lanes take; the caustic map
+  // alone.
+  add("both_ports_of_seven", [](Plan& p) {
+    p.k = 9;
+    p.gatherers = 7;
+    p.lanes = p.bucket = 4;
+    p.contexts = 4;
+    p.nodes_per_cycle = 2;
+    p.global = {};
+    p.caustic.photons = 5000;
+    p.photon_bytes = 12;
+    p.cache_bytes = 0;
+    p.beat_bits = 4 * p.line_bytes();
+    p.reorder_key = ReorderKey::kNone;
+  });
   // Rows of two beats, straight to the lanes of five gatherers without leaf caches.
   add("uncached", [](Plan& p) {
     p.bucket = 4;
@@ -119,6 +150,14 @@ std::vector<BenchPlan> plans() {
     p.cache_bytes = 0;
     p.beat_bits = 4 * p.line_bytes();
     p.gatherers = 5;
+    p.reorder_key = ReorderKey::kNone;
+  });
+  // One gatherer and one query: a leaf that is its map's root comes as soon after a start as any.
+  add("uncached_alone", [](Plan& p) {
+    p.k = 3;
+    p.gatherers = p.contexts = 1;
+    p.cache_bytes = 0;
+    p.lanes = p.bucket;
     p.reorder_key = ReorderKey::kNone;
   });
   // Five gatherers of lists of 12 places: results and photons come from far.

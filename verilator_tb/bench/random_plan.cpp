@@ -185,16 +185,41 @@ Plan at_ends(const Plan& drawn, RoleRandom& random) {
   return plan;
 }
 
+// Half of the boards: lines side by side in rows of block RAM, for which other maps are too small.
+// Their last gatherer uses both ports where it is one of an odd number with two nodes a cycle.
+Plan with_rows(const Plan& drawn, RoleRandom& random) {
+  Plan plan = drawn;
+  maybe(plan, random, 2, [&](Plan& p) {
+    p.photon_memory = PhotonMemory::kBlockRam;
+    change_line(p, [&] {
+      p.bucket = random.below(2) ? 2 : 4;
+      p.lanes = std::min(p.lanes, p.bucket);
+      p.photon_lines = PhotonLines::kPlain;
+      fewest_bytes(p);
+    });
+    if (random.below(2)) p.cache_bytes = 0;
+    const int beats = p.bucket == 2 || random.below(2) ? 2 : 4;
+    p.beat_bits = 8 * p.line_bytes() / beats;
+    MapPlan& map = p.global.present ? p.global : p.caustic;
+    const auto lines = 2100 / static_cast<uint64_t>(beats) + random.below(400);
+    map.photons = lines * static_cast<uint64_t>(p.bucket);
+    if (random.below(2)) p.gatherers = 3 + 2 * static_cast<int>(random.below(3));
+    if (p.cache_bytes == 0) p.lanes = std::max(p.lanes, p.bucket / beats);  // at least a beat
+  });
+  return plan;
+}
+
 }  // namespace
 
 Plan random_plan(uint64_t seed, RandomPlans which, bool on_board) {
   const bool ends = which == RandomPlans::kEnds;
   RoleRandom random(seed, ends ? "plan at ends of ranges" : "plan"),
-      rare(seed, ends ? "ends of ranges" : "rare lines of a plan");
+      rare(seed, ends ? "ends of ranges" : "rare lines of a plan"), rows(seed, "rows of a board");
   for (;;) {
     const Plan drawn = draw(random);
     if (find_problem(drawn)) continue;
-    const Plan plan = ends ? at_ends(rarer(drawn, rare), rare) : rarer(drawn, rare);
+    Plan plan = ends ? at_ends(rarer(drawn, rare), rare) : rarer(drawn, rare);
+    if (on_board) plan = with_rows(plan, rows);
     if (!on_board || !board_problem(plan)) return plan;
   }
 }
