@@ -4,6 +4,7 @@ import tempfile
 import unittest
 from pathlib import Path
 from typing import Any
+from unittest import mock
 
 from flow.goals import CoarseGoals, headline_goals
 from flow.headline import page, tables
@@ -108,13 +109,15 @@ class Plans(unittest.TestCase):
                                ("", "clock is missing, expected a table of MHz")):
             with self.assertRaisesRegex(Failure, f"headline.toml: {expected}"):
                 clocks(text)
-        for name in read_toml(VARIANTS)["clock"]:
+        name = "sdram_k16"
+        with mock.patch("flow.headline.plans.clock_of", lambda of: 75.0 if of == name else None):
             plan = find_plan(name, self.work)
-            self.assertEqual(plan.clock, clock_of(name))
+            self.assertEqual(plan.clock, 75)
             self.assertEqual(find_plan(str(plan.path), self.work), plan)
             own = self.work / f"{name}.toml"
             own.write_text(plan.path.read_text())
             self.assertEqual(find_plan(str(own), self.work), HeadlinePlan(name, own))
+            self.assertIsNone(find_plan("sdram_k8", self.work).clock)
 
     def test_what_is_wrong_with_the_file_of_plans(self) -> None:
         """All of it is told before anything is built."""
@@ -128,8 +131,8 @@ class Plans(unittest.TestCase):
                                 "rejected.sdram_k16_contexts16.why is empty, expected why it"),
                                ("why = ", "because = ", "rejected.sdram_k16_contexts16.why is missing, expected why it"),
                                ("shows = ", "tells = ", "variant.block_ram_k1.shows is missing, expected what it shows"),
-                               ("sdram_k16 = 75", 'sdram_k16 = "75"', "clock.sdram_k16 is '75', expected MHz of the core"),
-                               ("sdram_k16 = 75", "sdram_k17 = 75", "clock.sdram_k17 is of no plan, ")):
+                               ("[clock]", '[clock]\nsdram_k16 = "75"', "clock.sdram_k16 is '75', expected MHz of the core"),
+                               ("[clock]", "[clock]\nsdram_k17 = 75", "clock.sdram_k17 is of no plan, ")):
             self.assertIn(old, right)
             variants.write_text(right.replace(old, new))
             with self.subTest(new), self.assertRaisesRegex(Failure, f"headline.toml: {said}"):
