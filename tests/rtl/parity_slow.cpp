@@ -4,6 +4,7 @@
 // takes rows of docs/faults.md from here.
 #include <fmt/core.h>
 
+#include <array>
 #include <set>
 
 #include "tests/fault_report.hpp"
@@ -299,6 +300,7 @@ TEST_CASE("a board's results tell of lines beyond their map") {
   Plan three = one, both_ports = one;
   three.gatherers = both_ports.gatherers = 3;
   both_ports.nodes_per_cycle = 2;
+  REQUIRE(both_ports.photon_ram_row() == 2);  // else no gatherer uses both
   const uint32_t lines = one.lines(one.global);
   // Two in three stand in that corner.
   std::vector<GatherQuery> list = queries(one, 60, 1, false);

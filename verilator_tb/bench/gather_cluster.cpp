@@ -126,7 +126,7 @@ std::vector<BenchPlan> plans() {
     p.reorder_key = ReorderKey::kNone;
     p.parity = true;
   });
-  // Of seven the last; rows of three beats, two of which are what lanes take; the caustic map
+  // Of seven the last; both beats of a row are one part of a line for the lanes; the caustic map
   // alone.
   add("both_ports_of_seven", [](Plan& p) {
     p.k = 9;
