@@ -100,7 +100,7 @@ struct SdramOfBoard {
   bool shared_nodes;
   int refreshes_ahead;
 };
-constexpr SdramOfBoard kSdramK8{110000, false, 0}, kSdramK16{105000, true, 255},
+constexpr SdramOfBoard kSdramK8{110000, false, 0}, kSdramK16{100000, true, 255},
     kSdramK50{110000, false, 255};
 
 // What the command line's plans are: a memory and a k each, with as many gatherers as nextpnr finds
