@@ -24,6 +24,17 @@ constexpr const char* kCounterNames[] = {
 constexpr size_t kRegisters = kRegCounters + 2 * std::size(kCounterNames);
 static_assert(kRegisters <= kMaxFrameWords, "one READ takes all registers at one time");
 
+// Whether a count of two words may have carried between them, for the second is read later than the
+// first (docs/host-link.md). One that is as it was `before` stands still.
+bool may_have_carried(std::span<const uint32_t> now, std::span<const uint32_t> before) {
+  const auto may = [&](size_t i) {
+    return now[i] >= 0xFF000000u && (before.empty() || now[i] != before[i]);
+  };
+  bool any = may(kRegReplayCycles) || may(kRegReplayResults);
+  for (size_t i = kRegCounters; i < kRegisters; i += 2) any |= may(i);
+  return any;
+}
+
 }  // namespace
 
 std::span<const char* const> link_counter_names() { return kCounterNames; }
@@ -52,7 +63,9 @@ Board::Board(std::unique_ptr<ByteLink> link, double patience)
 }
 
 BoardState Board::state() {
-  const std::vector<uint32_t> r = connection_.read(0, kRegisters);
+  std::vector<uint32_t> r = connection_.read(0, kRegisters);
+  for (std::vector<uint32_t> before; may_have_carried(r, before);)
+    before = std::exchange(r, connection_.read(0, kRegisters));
   const auto both = [&r](size_t i) { return r[i] | uint64_t{r[i + 1]} << 32; };
   BoardState s;
   s.version = r[kRegVersion];

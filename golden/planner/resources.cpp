@@ -191,7 +191,10 @@ Memories gatherer_memories(const Plan& p, bool own_nodes = true) {
   m.add(2 + p.line_bits() + 3 * (p.position_bits + 1) + p.r2_bits() +
             clog2(static_cast<uint64_t>(p.epsilon_factor)),
         contexts_of(p.trees()) * power_of_two(p.line_bits() + 1) / 2, 2 * p.trees());
-  const uint64_t rows = uint64_t{1} << clog2(std::max<uint64_t>(16, 2 * parts) + 16);
+  const bool many_behind =
+      p.list_code_bits() == 0 && (p.contexts + lists - 1) / lists > 16 && parts <= 2;
+  const uint64_t rows = uint64_t{1}
+                        << clog2(std::max<uint64_t>(16, 2 * parts) + (many_behind ? 48 : 16));
   m.place("beats of candidates");
   m.add(p.lanes * load_bits(p), rows, lists);
   m.add(2 * p.lanes * p.direction_bits, rows, lists);

@@ -50,7 +50,7 @@ module gather_cluster #(
     input  logic [                      63:0] cfg_data_i,
     output logic                              busy_o,            // a packet is inside, or waits at an output; or a line is fetched ahead
     // counted since reset
-    output logic [                      39:0] count_busy_o,  // cycles with a packet inside
+    output logic [                      39:0] count_busy_o,  // cycles with a packet inside or a line fetched ahead
     output logic [                      39:0] count_queries_o,  // results fetched, flushes apart
     output logic [                      39:0] count_nodes_o,  // inner nodes, of those
     output logic [                      39:0] count_leaves_o,  // leaves, of those

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A gather cluster and the photon memory of the plan, photon_ram or photon_sdram: everything that answers queries on a board.
 // Queries in, results and photons out as gather_cluster's; maps come in by cfg_* (nodes and registers) and write_* (words of
-// the lines), both while busy_o is 0. Any cfg write makes all caches forget their lines.
+// the lines), both while busy_o is 0; a word is in the memory when write_ready_o is 1 again, and no query comes before. Any cfg write makes all caches forget their lines.
 //
 // The SDRAM's pins are in the domain of clk_sdram_i, which may have any frequency and phase; without SDRAM they are idle
 // and the clock is not used.
@@ -33,7 +33,7 @@ module gather_engine #(
     input  logic [                   27:0] write_address_i,
     input  logic [                   31:0] write_data_i,
     output logic                           memory_ready_o,  // lines can be read and written
-    output logic                           busy_o,  // a packet is inside, or waits at an output
+    output logic                           busy_o,  // a packet is inside, or waits at an output, or a line is fetched ahead
     // SDRAM
     input  logic                           clk_sdram_i,
     output logic                           sdram_cke_o,
@@ -48,7 +48,7 @@ module gather_engine #(
     output logic [                   15:0] sdram_dq_o,
     output logic                           sdram_dq_oe_o,
     // counted since reset; see gather_cluster
-    output logic [                   39:0] count_busy_o,  // cycles with a packet inside
+    output logic [                   39:0] count_busy_o,  // cycles with a packet inside or a line fetched ahead
     output logic [                   39:0] count_queries_o,  // results fetched, flushes apart
     output logic [                   39:0] count_nodes_o,  // inner nodes, of those
     output logic [                   39:0] count_leaves_o,  // leaves, of those

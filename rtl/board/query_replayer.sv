@@ -5,7 +5,7 @@
 //
 // start_i takes queries_i, passes_i and mode_i; mode_i[0]: the cluster's reorder buffer is used (reorder_o), mode_i[1]:
 // before the first query a write to node 0, which no map uses, makes all caches forget, and they are given time to.
-// stop_i ends a replay early: no query follows but, to empty the reorder buffer, a flush. want_photons is taken as 0.
+// stop_i ends a replay early: no query follows but two at most that were read and, to empty the reorder buffer, a flush. want_photons is taken as 0.
 // busy_o falls when nothing is inside any more. A query a cycle.
 module query_replayer (
     input  logic                           clk_i,

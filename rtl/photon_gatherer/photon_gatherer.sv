@@ -27,7 +27,7 @@ module photon_gatherer #(
     parameter int unsigned CacheWays = photonloom_pkg::CacheWays,
     parameter int unsigned CacheMisses = photonloom_pkg::CacheMisses,
     parameter int unsigned LineBeatBits = photonloom_pkg::LineBeatBits,
-    parameter bit EarlyReplies = 1'b1,  // a line's first beat may come sooner than 4 cycles after its request
+    parameter bit EarlyReplies = 1'b1,  // a line's first beat may come sooner than 4 cycles after its request, 3 with two trees, 5 of two levels at once
     parameter bit OwnNodes = 1'b1,  // else it reads a node memory that it shares, by shared_node_*
     localparam int unsigned TagBits = CacheBytes == 0 ? (Contexts > 1 ? $clog2(Contexts) : 1) :
         CacheMisses > 1 ? $clog2(CacheMisses) : 1,

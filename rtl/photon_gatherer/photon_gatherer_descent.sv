@@ -13,7 +13,7 @@ module photon_gatherer_descent #(
     parameter int unsigned Sets = 64,  // of the cache
     parameter bit Wide = 1'b0,  // of several trees and lists
     parameter bit OwnNodes = 1'b1,  // a node memory of its own
-    parameter bit EarlyReplies = 1'b1,  // sooner than 4 cycles after a line was asked for
+    parameter bit EarlyReplies = 1'b1,  // sooner than 4 cycles after a line was asked for, 3 with two trees, 5 of two levels at once
     localparam int unsigned ContextBits = Contexts > 1 ? $clog2(Contexts) : 1,
     localparam int unsigned TreeContexts = (Contexts + Trees - 1) / Trees,
     localparam int unsigned TreeContextBits = TreeContexts > 1 ? $clog2(TreeContexts) : 1,

@@ -121,9 +121,11 @@ module photon_gatherer_leaves #(
 );
   // Between a beat's place in the FIFO and its candidates' loads: the beat in hand, 8 pairs tested and to be tested, the
   // pair that waits, the pair in hand and 3 stages of the list. Where more beats may wait, fewer: photon_gatherer_candidates takes
-  // none of which that would be too many.
-  localparam int unsigned Behind = photonloom_pkg::QueuedBeats > 16 ? 32 - photonloom_pkg::QueuedBeats : 16;
+  // none of which that would be too many. Of lists without codes it does not. There beats of which no pair is kept pass the pair in hand,
+  // some 6 where there are as many: of many contexts whose lines are few beats, which may all be such. They have twice the rows.
   localparam int unsigned Beats = photonloom_pkg::Bucket / Lanes;
+  localparam int unsigned Behind = photonloom_pkg::ListCodeBits == 0 && ListContexts > 16 && Beats <= 2 ? 48 :
+      photonloom_pkg::QueuedBeats > 16 ? 32 - photonloom_pkg::QueuedBeats : 16;
   localparam int unsigned BeatBits = Beats > 1 ? $clog2(Beats) : 1;
   localparam int unsigned RowBits = $clog2((2 * Beats > 16 ? 1 << $clog2(2 * Beats) : photonloom_pkg::QueuedBeats) + Behind);
 

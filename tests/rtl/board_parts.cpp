@@ -173,11 +173,71 @@ TEST_CASE("board parts: counters are read with all their bits, lost bytes one by
     CHECK(read(32 + 2 * i) == (counters[i] & 0xffffffff));
     CHECK(read(33 + 2 * i) == counters[i] >> 32);
   }
+  // A counter that runs, read as a frame reads it: wrong only where its low word tells that it may
+  // be.
+  constexpr uint64_t kCarry = uint64_t{1} << 32;
+  for (uint64_t from = kCarry - 24; from < kCarry + 8; ++from) {
+    uint64_t count = from;
+    const auto read_while_it_runs = [&](uint64_t address) {
+      part.set("address_i", address);
+      for (int i = 0; i < 4; ++i) {
+        part.set("counters_i", count++);
+        part.cycle();
+      }
+      return part.get("word_o");
+    };
+    part.set("first_i", 1);
+    const uint64_t low = read_while_it_runs(32);
+    part.set("first_i", 0);
+    for (int i = 0; i < 40; ++i) read_while_it_runs(33);
+    const uint64_t joined = read_while_it_runs(33) << 32 | low;
+    const bool had_it = joined >= from && joined < from + 8;
+    INFO("a counter from " << from << " on, read as " << joined);
+    CHECK((had_it || low >= kCarry - 2));
+  }
+  part.set("first_i", 1);
   for (const uint64_t lost : {1, 7, 65536 - 9, 10}) {
     const uint64_t before = read(14);
     part.set("byte_lost_i", 1);
     for (uint64_t i = 0; i < lost; ++i) part.cycle();
     part.set("byte_lost_i", 0);
     CHECK(read(14) == (before + lost) % 65536);
+  }
+}
+
+TEST_CASE(
+    "board parts: a reset of any length holds both domains until each has had an edge in it") {
+  Part part(small_plan(), "reset_bridge");
+  RoleRandom random(4, "resets");
+  INFO("seed 4");
+  for (const double ratio : {0.21, 0.5, 1.0, 1.03, 2.7, 11.0}) {  // the other clock's period
+    double until_edge = 0;
+    for (int n = 0; n < 40; ++n) {
+      const auto length = 1 + random.below(4);
+      bool other_reset = false;
+      uint64_t held = 0;
+      for (uint64_t i = 0; i < 200; ++i) {
+        part.set("rst_i", i < length);
+        part.settle();
+        INFO("ratio " << ratio << ", reset of " << length << ", cycle " << i);
+        if (part.get("rst_o")) {
+          REQUIRE(held == i);  // it does not come back
+          ++held;
+        } else {
+          REQUIRE(i >= length);
+          REQUIRE(other_reset);
+          REQUIRE(part.get("other_rst_o") == 0);
+        }
+        for (until_edge -= 1; until_edge <= 0; until_edge += ratio) {
+          other_reset |= part.get("other_rst_o") != 0;
+          part.set("other_clk_i", 0);
+          part.settle();
+          part.set("other_clk_i", 1);
+          part.settle();
+        }
+        part.cycle();
+      }
+      REQUIRE(held < 200);
+    }
   }
 }

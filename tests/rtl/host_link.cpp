@@ -327,6 +327,105 @@ TEST_CASE("host link: queries in any pieces, results in any windows") {
   }
 }
 
+TEST_CASE("host link: each counter stands where its page has it") {
+  Plan plan = small_plan();
+  plan.photon_memory = PhotonMemory::kSdram;
+  plan.beat_bits = 8 * plan.photon_bytes;
+  plan.board_cache_bytes = 8 * plan.line_bytes();
+  Bench bench(plan);
+  bench.load(12);
+  REQUIRE(bench.write(kSession, {5}) == 0);
+  const auto counted = [&] {
+    const Words words = bench.read(32, 24);
+    std::vector<uint64_t> counts;
+    for (size_t i = 0; i < words.size(); i += 2)
+      counts.push_back(words[i] | uint64_t{words[i + 1]} << 32);
+    return counts;
+  };
+  enum {
+    kBusy,
+    kAsked,
+    kNodes,
+    kLeaves,
+    kInsertions,
+    kRequests,
+    kIn,
+    kResults,
+    kPhotons,
+    kReordered,
+    kServed,
+    kMemoryBusy
+  };
+  // Queries until the board is full of what nobody takes out; then all of it.
+  uint32_t next = 0, taken = 0;
+  const auto fill = [&](const std::vector<GatherQuery>& list) {
+    const Words in = packed(plan, list);
+    const uint32_t first = next;
+    const auto push = [&] {
+      const auto from = in.begin() + (next - first);
+      const auto n = std::min<ptrdiff_t>(60, in.end() - from);
+      const uint32_t before = next;
+      next = bench.push(next, Words(from, from + n)).next;
+      return next != before;
+    };
+    for (int idle = 0; idle < 4;) {
+      idle = push() ? 0 : idle + 1;
+      bench.run(4000);
+    }
+    REQUIRE(next - first < in.size());
+    const std::vector<uint64_t> full = counted();
+    for (int silent = 0; silent < 8 || next - first < in.size();) {
+      if (next - first < in.size()) push();
+      const Bench::Pulled got = bench.pull(taken, 64, taken);
+      taken += static_cast<uint32_t>(got.words.size());
+      silent = got.words.empty() ? silent + 1 : 0;
+      bench.run(1000);
+    }
+    REQUIRE(bench.reg(kFlags) == 2);
+    return full;
+  };
+
+  std::vector<GatherQuery> list = queries(plan, 400, 12, false);
+  for (GatherQuery& q : list) q.flush = 0;
+  golden_records(bench, list);
+  const std::vector<uint64_t> results = fill(list);
+  CHECK(results[kIn] > 10000);
+  CHECK(results[kResults] > 10000);
+  CHECK(results[kPhotons] == 0);
+  const std::vector<uint64_t> now = counted();
+  const Counters due = bench.golden().counters();
+  CHECK(now[kAsked] == due.at("queries"));
+  CHECK(now[kNodes] == due.at("nodes"));
+  CHECK(now[kLeaves] == due.at("leaves"));
+  CHECK(now[kInsertions] == due.at("insertions"));
+  // Of the leaves some lines are in a gatherer's cache, of the rest some in the board's; an SDRAM
+  // takes more cycles for a line than there are halfwords in it.
+  CHECK(now[kRequests] < now[kLeaves]);
+  CHECK(now[kServed] < now[kRequests]);
+  CHECK(now[kServed] > 100);
+  CHECK(now[kMemoryBusy] > now[kServed] * static_cast<uint64_t>(plan.line_bytes()) / 4);
+  CHECK(now[kBusy] > now[kResults]);
+  CHECK(now[kReordered] == 0);
+
+  for (GatherQuery& q : list) q.want_photons = 1;
+  const std::vector<uint64_t> photons = fill(list);
+  CHECK(photons[kPhotons] > 10000);
+
+  const uint32_t replayed = 20;
+  list[replayed - 1].flush = 1;  // else they stay in the reorder buffer
+  Words words;
+  for (uint32_t i = 0; i < replayed; ++i) {
+    Words one = packed(plan, list[i]);
+    one.resize(std::bit_ceil(one.size()));
+    words.insert(words.end(), one.begin(), one.end());
+  }
+  REQUIRE(bench.write(kQueries, words) == 0);
+  REQUIRE(bench.write(17, {replayed, 1, 1}) == 0);
+  REQUIRE(bench.write(kControl, {1}) == 0);
+  for (int i = 0; bench.reg(kFlags) != 2; ++i) REQUIRE(i < 1000);
+  CHECK(counted()[kReordered] == replayed);
+}
+
 TEST_CASE("host link: queries are dealt in turn, also where all gatherers are idle") {
   Bench bench;
   bench.load(61);

@@ -297,7 +297,9 @@ TEST_CASE("a board's results tell of lines beyond their map") {
   one.bucket = one.lanes = 2;
   one.global.photons = 2052;  // the last lines, of so many, are near the tree's lowest corner
   one.cache_bytes = 4 * one.line_bytes();
-  Plan three = one, both_ports = one;
+  Plan three = one, both_ports = one, sdram = one;
+  sdram.photon_memory = PhotonMemory::kSdram;
+  sdram.board_cache_bytes = 8 * sdram.line_bytes();
   three.gatherers = both_ports.gatherers = 3;
   both_ports.nodes_per_cycle = 2;
   REQUIRE(both_ports.photon_ram_row() == 2);  // else no gatherer uses both
@@ -337,6 +339,7 @@ TEST_CASE("a board's results tell of lines beyond their map") {
   CHECK(flagged[1] == 0);
   CHECK(results(three) == due);
   CHECK(results(both_ports) == due);
+  CHECK(results(sdram) == due);
 }
 
 TEST_CASE("faults: a board tries itself when it is switched on") {

@@ -111,6 +111,25 @@ TEST_CASE("what is written comes back, in bursts of 8, three clocks after READ")
   }
 }
 
+TEST_CASE("DQM masks bytes of a READ two clocks later") {
+  Driver d;
+  d.initialise();
+  d.active(0, 1);
+  d.idle(2);
+  for (unsigned i = 0; i < 8; ++i) d.write(0, i, static_cast<uint16_t>(0x1100 + i));
+  d.read(0, 0);
+  d.idle(1);
+  d.command(true, true, true, 0, 0, false, 0, 2);  // after this edge beat 0 is driven
+  d.idle(1);
+  // Beat 1, its high byte masked: noise.
+  CHECK((d.chip.data(d.time + 6'000) & 0xff) == 1);
+  bool noise = false;
+  for (int i = 0; i < 8; ++i) noise |= d.chip.data(d.time + 6'000 + i) >> 8 != 0x11;
+  CHECK(noise);
+  d.idle(1);
+  CHECK(d.chip.data(d.time + 6'000) == 0x1102);
+}
+
 TEST_CASE("a READ takes over from the one before without a gap") {
   Driver d;
   d.initialise();
@@ -264,6 +283,13 @@ TEST_CASE("a legal sequence breaks nothing, each rule broken is named") {
   SdramTimes slow_clock;
   slow_clock.clock_3 = 10'001;
   CHECK(broken_later([](Driver&) {}, slow_clock) == "tCK");
+  CHECK(broken_later([](Driver& d) { d.chip.edge(d.time + kClock, SdramPins{}); }) == "CKE");
+  CHECK(broken([](Driver& d) {
+          d.power_up();
+          d.precharge_all();
+          d.idle(3);
+          d.command(false, false, false, 1, 0x233);
+        }) == "LOAD MODE");
   CHECK(broken([](Driver& d) {
           d.power_up();
           SdramPins pins;

@@ -41,6 +41,7 @@ class BoardDouble {
   uint64_t asked = 0, loads = 0;        // queries that came in; configuration words written
   std::array<uint64_t, 12> counters{};  // as registers show them: modulo 2^40
   std::array<uint64_t, 12> each_adds{};  // what each query adds to them beyond its own counts
+  uint64_t busy_adds = 0;  // what each frame that reads adds to the first, which runs meanwhile
 
   // What the maps must be for results to be right, as a load over the link writes them.
   void set_maps(const PhotonMap& global, const PhotonMap& caustic) {
@@ -111,6 +112,7 @@ class BoardDouble {
         if (body.size() != 5 || n_of(4) < 1 || n_of(4) > 64) return {};
         for (size_t i = 0; i < n_of(4); ++i)
           put_u32(answer, read(get_u32(body, 0) + static_cast<uint32_t>(i)));
+        counters[0] += busy_adds;
         return answer;
       case 2: {
         if (body.size() < 8 || body.size() % 4) return {};
@@ -198,7 +200,8 @@ class BoardDouble {
         break;
     }
     if (address >= kRegCounters && address < kRegCounters + 2 * counters.size())
-      return half(counters[(address - kRegCounters) / 2]);
+      return half(counters[(address - kRegCounters) / 2] +
+                  (address == kRegCounters + 1 && busy_adds ? 2 : 0));
     return 0;
   }
 

@@ -170,7 +170,7 @@ TEST_CASE("registers are those of docs/host-link.md") {
 
   // The page's words for the counters, in its order.
   const std::pair<const char*, const char*> counters[] = {
-      {"cycles with a packet inside", "busy"},
+      {"cycles with a packet inside or a line fetched ahead", "busy"},
       {"queries", "queries"},
       {"nodes", "nodes"},
       {"leaves", "leaves"},
@@ -270,6 +270,23 @@ TEST_CASE("a board's counters go on behind 2^40, and stalls out are results' and
   for (const auto& [name, count] : due) {
     INFO(name);
     CHECK(run.counters.at(name) == count);
+  }
+}
+
+TEST_CASE("a count that may have carried between its two words is read again") {
+  const LinkCase c(1);
+  const auto double_ = c.board();
+  Board board(std::make_unique<FaultyLink>(*double_, Faults{}, 1), 10);
+  constexpr uint64_t kCarry = uint64_t{1} << 32;
+  for (const uint64_t at : {kCarry - 3, kCarry - 2, kCarry - 1, kCarry, kCarry + 1}) {
+    double_->busy_adds = 0;
+    double_->counters.fill(at);
+    CHECK(board.state().counters.at("busy") == at);  // it stands still
+    double_->busy_adds = 1000;
+    const uint64_t busy = board.state().counters.at("busy");
+    INFO(at << " became " << busy);
+    CHECK(busy >= at);
+    CHECK(busy <= at + 1000);
   }
 }
 

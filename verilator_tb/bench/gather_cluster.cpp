@@ -110,6 +110,18 @@ std::vector<BenchPlan> plans() {
     p.reorder_key = ReorderKey::kNone;
     p.parity = true;
   });
+  // Replies three cycles after their request to a list without codes, of a leaf that is the root.
+  add("both_ports_early", [](Plan& p) {
+    p.bucket = 4;
+    p.k = 5;
+    p.contexts = 2;
+    p.nodes_per_cycle = 2;
+    p.global.photons = 4096;
+    p.caustic = {};
+    p.cache_bytes = 0;
+    p.beat_bits = 4 * p.line_bytes();
+    p.reorder_key = ReorderKey::kNone;
+  });
   // Both, and no leaf caches: five far gatherers, whose lanes take a beat from the memory's
   // registers.
   add("both_ports_uncached", [](Plan& p) {

@@ -126,6 +126,13 @@ std::vector<BenchPlan> plans() {
     p.cache_misses = 8;
   });
   // Lists of whole keys beside several trees, whose ends meet at one sum with two reciprocals.
+  // Lists without codes of many contexts: beats of which no pair is kept pass those that wait.
+  add("many_behind", [](Plan& p) {
+    p.k = 16;
+    p.contexts = 64;
+    p.lanes = p.bucket / 2;
+    p.cache_bytes = 64 * p.line_bytes();
+  });
   add("one_sum", [](Plan& p) {
     p.k = 8;
     p.contexts = 24;

@@ -112,6 +112,9 @@ void SdramChip::edge(int64_t time, const SdramPins& pins) {
   // What is driven from this edge on.
   was_driving_ = driving_;
   previous_ = current_;
+  previous_floating_ = floating_;
+  floating_ = static_cast<uint16_t>((dqm_ & 1 ? 0x00ff : 0) | (dqm_ & 2 ? 0xff00 : 0));
+  dqm_ = pins.dqm;
   driving_ = !beats_.empty() && beats_.front().edge == edge_;
   if (driving_) {
     current_ = beats_.front().data;
@@ -126,8 +129,10 @@ void SdramChip::edge(int64_t time, const SdramPins& pins) {
 
   const unsigned command =
       pins.cs_n ? 7u : (pins.ras_n ? 4u : 0u) | (pins.cas_n ? 2u : 0u) | (pins.we_n ? 1u : 0u);
+  if (!pins.cke && (command != 7 || commanded_))
+    fail("CKE", command != 7 ? "a command while it is low" : "power down is not modelled");
   if (command != 7) {
-    if (!pins.cke) fail("CKE", "a command while it is low");
+    commanded_ = true;
     if (now_ - first_edge_ < times_.power_up)
       fail("power up", "a command before the pause is over");
     if (mode_set_ && edge_ - mode_edge_ < static_cast<uint64_t>(times_.mode_clocks))
@@ -188,6 +193,7 @@ void SdramChip::edge(int64_t time, const SdramPins& pins) {
         } else
           ++init_refreshes_;
       } else {
+        if (pins.bank) fail("LOAD MODE", "reserved bits are set");
         load_mode(pins.address);
       }
       break;
@@ -204,9 +210,12 @@ void SdramChip::edge(int64_t time, const SdramPins& pins) {
 
 uint16_t SdramChip::data(int64_t time) {
   const int64_t access = latency_ == 2 ? times_.access_2 : times_.access_3;
-  if (driving_ && time - now_ >= access) return current_;
-  if (was_driving_ && time - now_ <= times_.hold) return previous_;
   noise_ = mix64(noise_ + static_cast<uint64_t>(time));
+  const auto seen = [this](uint16_t driven, uint16_t floating) {
+    return static_cast<uint16_t>((driven & ~floating) | (noise_ & floating));
+  };
+  if (driving_ && time - now_ >= access) return seen(current_, floating_);
+  if (was_driving_ && time - now_ <= times_.hold) return seen(previous_, previous_floating_);
   return static_cast<uint16_t>(noise_);
 }
 

@@ -96,7 +96,8 @@ class SdramChip {
   int64_t now_ = kLongAgo, period_ = 0, first_edge_ = 0, last_activate_ = kLongAgo,
           last_refresh_ = kLongAgo, initialised_at_ = 0;
   uint64_t edge_ = 0, mode_edge_ = 0;
-  bool started_ = false, all_precharged_ = false, mode_set_ = false, initialised_ = false;
+  bool started_ = false, all_precharged_ = false, mode_set_ = false, initialised_ = false,
+       commanded_ = false;
   int init_refreshes_ = 0;
   uint64_t refreshes_ = 0, reads_ = 0, row_changes_ = 0;
   // When each row was refreshed last; the chip counts the rows itself.
@@ -106,6 +107,9 @@ class SdramChip {
   std::deque<Beat> beats_;
   bool driving_ = false, was_driving_ = false;
   uint16_t current_ = 0, previous_ = 0;
+  // Bytes of a READ that DQM masks two clocks later: nobody drives them.
+  unsigned dqm_ = 3;
+  uint16_t floating_ = 0, previous_floating_ = 0;
   uint64_t noise_ = 1;
 };
 

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cstring>
 
@@ -28,6 +30,14 @@ class RtlGatherEngine final : public GathererUnit {
     GathererUnit::finish();
     if (rig_.get("busy_o"))
       throw RigError("gather_engine", ", port busy_o: is 1 although every packet has come out");
+    if (!sdram_) return;
+    const uint64_t lines = rig_.get("count_memory_lines_o");
+    const uint64_t bursts = static_cast<uint64_t>(plan_.line_bytes()) / 16;
+    if (lines * bursts != sdram_->chip().reads())
+      throw RigError("gather_engine",
+                     fmt::format(": counts {} memory lines of {} bursts, expected the {} that the "
+                                 "SDRAM has read",
+                                 lines, bursts, sdram_->chip().reads()));
   }
 
  private:
@@ -48,9 +58,9 @@ class RtlGatherEngine final : public GathererUnit {
       first_line = plan_.memory_lines(plan_.global);
     }
     if (plan_.photon_memory == PhotonMemory::kBlockRam) write_behind_the_lines();
+    // What is taken is in the memory when it would take another.
+    while (!rig_.get("write_ready_o")) rig_.cycle();
     configure(image.cfg);
-    // The last word is on its way into the memory for a while.
-    for (int i = 0; i < 100; ++i) rig_.cycle();
     loaded_ = std::move(image);
   }
 

@@ -69,6 +69,8 @@ class GathererUnit : public ClockedPhotonGatherer {
     Counters c{{"packets in", in_.stream().accepted()},
                {"cycles", rig_.cycles() - load_cycles_},
                {"stalls in", in_.stream().stalled()},
+               {"stalls results", results_.stream().stalled()},
+               {"stalls photons", photons_.stream().stalled()},
                {"stalls out", results_.stream().stalled() + photons_.stream().stalled()}};
     add_own_counters(c);
     add_port_counters(rig_, c);
