@@ -2,7 +2,7 @@
 // sources: rtl/common/lut_ram.sv rtl/common/fifo.sv tests/formal/harness/stubs/block_ram.sv rtl/photon_gatherer/photon_gatherer_beat_queue.sv
 // photon_gatherer_beat_queue: one beat that is kept, any, is followed. It comes out as it went in, once, behind all that were
 // kept before it and before all that were kept after it, and stays offered until it is taken; its directions are read when it is
-// taken, with DistanceRows its distance too, its loads while at most Behind - 1 beats have left after it. Room is promised exactly where there is some; with Ahead
+// taken, with DistanceRows its distance too, its loads until 31 beats have been kept after it. Room is promised exactly where there is some; with Ahead
 // only where there is some, and where all of it has been free for two cycles. A line is
 // announced by issue_i only where ready_o is 1, and its beats come later, kept or not.
 //
@@ -85,12 +85,12 @@ module beat_queue_beats #(
   always_ff @(posedge clk_i) started_q <= 1'b1;
   always_comb assume (rst_i == !started_q);
 
-  // Beats that are due, those inside, and those that are inside and go before the one that is followed, which is picked,
-  // comes out, and has beats behind it that have come out too.
+  // Beats that are due, those inside, and those that are inside and go before the one that is followed, which is picked and
+  // comes out, and has others that were kept after it.
   logic [W-1:0] due_q, inside_q, ahead_q;
   logic picked_q, out_q;
   logic [1:0] empty_q;  // cycles in which nothing was due or inside
-  logic [4:0] behind_q;  // at most 16
+  logic [4:0] since_q;  // at most 31: then its row may have another
   logic [RowBits-1:0] row_q;
   logic [BeatBits+3:0] word_q;
   logic d2_q;
@@ -120,9 +120,9 @@ module beat_queue_beats #(
     end
     if (comes && takes) out_q <= 1'b1;
     if (comes) row_q <= out_row;
-    if (out_q && takes && behind_q != 5'(Behind)) behind_q <= behind_q + 1'b1;
+    if (picked_q && keeps && since_q != '1) since_q <= since_q + 1'b1;
     directed_q <= comes ? direction_read_i : directed_q && !direction_read_i;
-    loaded_q <= (comes && load_row_i == out_row) || (out_q && behind_q < 5'(Behind) && load_row_i == row_q);
+    loaded_q <= (comes && load_row_i == out_row) || (out_q && since_q != '1 && load_row_i == row_q);
     stalled_q <= out_valid && !out_ready_i;
     empty_q <= due_q != '0 || inside_q != '0 || issue_i ? '0 : empty_q == 2'd2 ? 2'd2 : empty_q + 1'b1;
     shown_q <= word;
@@ -132,7 +132,7 @@ module beat_queue_beats #(
       inside_q <= '0;
       picked_q <= 1'b0;
       out_q <= 1'b0;
-      behind_q <= '0;
+      since_q <= '0;
       directed_q <= 1'b0;
       loaded_q <= 1'b0;
       stalled_q <= 1'b0;
@@ -200,20 +200,18 @@ module beat_queue_beats #(
         if (Ahead != 0 && empty_q != '0) assert (room == W'(Places) && !issue);
       end
       if (!rst_i && Order == 1) begin
-        assert (behind_q <= 5'(Behind));
-        if (!out_q) assert (behind_q == '0);
-        if (!picked_q) assert (!directed_q);
+        if (!picked_q) assert (!directed_q && since_q == '0);
         if (DistanceRows && picked_q) assert (!word_q[0]);
-        if (picked_q) assert (behind_q == 5'(Behind) || (row_load == load_q && row_directions == load_q[1:0] && (!DistanceRows || row_distance == d2_q)));
+        if (picked_q) assert (since_q == '1 || (row_load == load_q && row_directions == load_q[1:0] && (!DistanceRows || row_distance == d2_q)));
         if (picked_q && !out_q) begin
-          assert (ahead_q < inside_q);
+          assert (ahead_q < inside_q && since_q == 5'(inside_q - ahead_q - 1'b1));
           assert (placed == {word_q[BeatBits+3:3], watched, word_q[2:1], DistanceRows ? d2_q : word_q[0]});
           // As many beats have come behind it as there are in the FIFO behind it.
           assert (row == RowBits'(watched + inside_q - ahead_q));
         end
         if (out_q) begin
           assert (picked_q && row_q == watched);
-          assert (behind_q == 5'(Behind) || row == RowBits'(watched + inside_q + behind_q + 1'b1));
+          assert (since_q == '1 || row == RowBits'(watched + since_q + 1'b1));
         end
       end
     end
