@@ -10,6 +10,7 @@
 
 #include "golden/planner/resources.hpp"
 #include "rtl/generate/board.hpp"
+#include "rtl/generate/clocks.hpp"
 
 namespace photonloom {
 namespace {
@@ -119,18 +120,24 @@ std::string misfit(const BoardNeeds& needs, const BoardDescription& board,
              {"FF", "FF", needs.ff, share.logic},
              {"MULT18X18D", "MULT18X18D", needs.dsp, 1},
              {kBlockRam, kBlockRam, needs.blocks, share.blocks}};
+  // What lacks most.
+  double worst = 1;
+  std::string why;
   for (const auto& need : all) {
     const double has = std::floor(need.share * board.resources.at(need.name));
-    if (std::ceil(need.needed) > has)
-      return fmt::format("needs {:.0f} {}, and {} has {:.0f} for it", std::ceil(need.needed),
-                         need.unit, board.name, has);
+    const double needed = std::ceil(need.needed);
+    if (needed <= worst * has) continue;
+    worst = needed / has;
+    why = fmt::format("needs {:.0f} {}, and {} has {:.0f} for it", needed, need.unit, board.name,
+                      has);
   }
-  return "";
+  return why;
 }
 
 std::string misfit(const Plan& plan, const BoardDescription& board, const BoardShare& share) {
-  if (const auto problem = board_problem(plan, board))
-    return fmt::format("has {}, which {}", problem->line, problem->what);
+  auto problem = board_problem(plan, board);
+  if (!problem) problem = clock_problem(plan, board);
+  if (problem) return fmt::format("has {}, which {}", problem->line, problem->what);
   return misfit(other_needs(plan) + plan.gatherers * gatherer_needs(plan), board, share);
 }
 

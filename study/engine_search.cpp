@@ -14,6 +14,7 @@
 #include <stdexcept>
 
 #include "golden/unit/photon_gatherer.hpp"
+#include "rtl/generate/clocks.hpp"
 #include "study/cycle_fit.hpp"
 #include "study/frame_gathers.hpp"
 #include "study/gather_cost.hpp"
@@ -268,7 +269,8 @@ std::string too_many_wires(const Plan& p) {
   const int most = cached ? kEngineWires : kUncachedWires;
   if (p.gatherers * p.beat_bits <= most) return "";
   return fmt::format(
-      "needs beats of {} bits together, and no top {} leaf caches with more than {} was routed",
+      "needs beats of {} bits together, and no faster top {} leaf caches with more than {} was "
+      "routed",
       p.gatherers * p.beat_bits, cached ? "with" : "without", most);
 }
 
@@ -418,7 +420,7 @@ EngineSearch fastest_engine(const Plan& given, const PhotonMap& global, const Ph
         "another");
   const bool has_sdram = board.tops.count("sdram") && board.sdram;
   Plan plan = given;
-  if (has_sdram) plan.sdram_khz = std::min(plan.sdram_khz, board.sdram->clock_khz);
+  if (has_sdram) plan.sdram_khz = sdram_clock(board, plan.sdram_khz);
   const Load load = load_of(plan, global, caustic, queries);
   const LineVisits& visits = load.searches.visits;
 
@@ -524,7 +526,8 @@ EngineSearch fastest_engine(const Plan& given, const PhotonMap& global, const Ph
     throw std::runtime_error(
         why_smallest.empty()
             ? fmt::format("--board: no engine for {} can be planned: {}", board.name, why_no_plan)
-            : fmt::format("--board: no engine fits {}: the smallest {}", board.name, why_smallest));
+            : fmt::format("--board: no engine fits {}: the smallest {}{}", board.name, why_smallest,
+                          why_no_plan.empty() ? "" : "; others cannot be planned: " + why_no_plan));
 
   // ---- the fastest, and of those as fast the smallest ----
   std::vector<const Candidate*> left;
@@ -637,14 +640,18 @@ EngineSearch fastest_engine(const Plan& given, const PhotonMap& global, const Ph
   if (strides(plan).size() > 1)
     tell_width("photon.photon_bytes", &Widths::stride, strides(plan));
   else if (!plan.compressed())
-    found.reasons["photon.photon_bytes"] = "no fewer hold a photon";
+    found.reasons["photon.photon_bytes"] =
+        "no fewer hold a photon and make lines of whole 16 bytes";
   found.reasons["gatherer.cache_ways"] = "of every engine with leaf caches";
   if (made.cache_bytes == 0)
     found.reasons["gatherer.cache_ways"] = found.reasons["gatherer.cache_misses"] =
         "used where gatherer.cache_bytes is not 0";
   if (has_sdram)
-    found.reasons["board.sdram_khz"] =
-        fmt::format("of every engine; {} has {} at most", board.name, board.sdram->clock_khz);
+    found.reasons["board.sdram_khz"] = fmt::format(
+        "of every engine; {} has {} at most{}", board.name, board.sdram->clock_khz,
+        plan.sdram_khz == std::min(given.sdram_khz, board.sdram->clock_khz)
+            ? ""
+            : fmt::format(", and makes no {} beside its core's clock", given.sdram_khz));
   // As the search sets it, half and double of it.
   {
     std::vector<std::pair<std::string, Plan>> others;

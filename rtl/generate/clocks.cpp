@@ -42,12 +42,19 @@ bool choose_dividers(const PllLimits& pll, long in_khz, BoardClocks& clocks) {
   return best_distance >= 0;
 }
 
+// Clocks of an SDRAM that are looked for.
+constexpr int kSdramStepKHz = 1250;
+
+bool makes(const BoardDescription& board, int core_khz, int sdram_khz) {
+  BoardClocks clocks{.core_khz = core_khz, .sdram_khz = sdram_khz};
+  return choose_dividers(*board.pll, board.oscillator_khz, clocks);
+}
+
 // Core clocks in MHz that the PLL makes, for a message; "" where there are none.
 std::string examples(const BoardDescription& board, int sdram_khz) {
   std::string text;
   for (const int khz : {25000, 50000, 60000, 62500, 75000, 100000}) {
-    BoardClocks clocks{.core_khz = khz, .sdram_khz = sdram_khz};
-    if (!choose_dividers(*board.pll, board.oscillator_khz, clocks)) continue;
+    if (!makes(board, khz, sdram_khz)) continue;
     text += fmt::format("{}{:g}", text.empty() ? "--clock of for example " : ", ", khz / 1000.0);
   }
   return text;
@@ -63,11 +70,9 @@ std::string sdram_examples(const BoardDescription& board, int core_khz) {
   std::string text;
   int told = 0;
   for (int khz = std::min(board.sdram->clock_khz, kSdramMostKHz); khz >= kSdramLeastKHz && told < 3;
-       khz -= 1250) {
-    BoardClocks clocks{.core_khz = core_khz, .sdram_khz = khz};
-    if (!choose_dividers(*board.pll, board.oscillator_khz, clocks)) continue;
-    text += fmt::format("{}{}", told++ ? ", " : "a board.sdram_khz of for example ", khz);
-  }
+       khz -= kSdramStepKHz)
+    if (makes(board, core_khz, khz))
+      text += fmt::format("{}{}", told++ ? ", " : "a board.sdram_khz of for example ", khz);
   return text;
 }
 
@@ -114,6 +119,26 @@ void check_sdram(const BoardDescription& board, const std::string& rtl_dir) {
 }
 
 }  // namespace
+
+int sdram_clock(const BoardDescription& board, int most_khz) {
+  const int most = std::min(most_khz, board.sdram->clock_khz);
+  if (makes(board, board.core_khz, most)) return most;
+  for (int khz = most / kSdramStepKHz * kSdramStepKHz; khz >= kSdramLeastKHz; khz -= kSdramStepKHz)
+    if (makes(board, board.core_khz, khz)) return khz;
+  return most;
+}
+
+std::optional<PlanProblem> clock_problem(const Plan& plan, const BoardDescription& board) {
+  if (plan.photon_memory != PhotonMemory::kSdram || !board.has_core() ||
+      makes(board, board.core_khz, plan.sdram_khz))
+    return std::nullopt;
+  const std::string others = sdram_examples(board, board.core_khz);
+  return PlanProblem{
+      "board.sdram_khz",
+      fmt::format("is {}, expected {}, which the PLL of {} makes beside {:g} MHz of its core",
+                  plan.sdram_khz, others.empty() ? "one" : others, board.name,
+                  board.core_khz / 1000.0)};
+}
 
 BoardClocks board_clocks(const BoardDescription& board, int core_khz, int sdram_khz,
                          const std::string& rtl_dir) {

@@ -2,8 +2,10 @@
 // What follows from the frequencies of a board: dividers of its PLL, rate of its link, whether the
 // SDRAM is served.
 #pragma once
+#include <optional>
 #include <string>
 
+#include "golden/plan/plan_file.hpp"
 #include "rtl/generate/board_file.hpp"
 
 namespace photonloom {
@@ -23,5 +25,12 @@ struct BoardClocks {
 // one in `rtl_dir` does not serve, naming the key.
 BoardClocks board_clocks(const BoardDescription& board, int core_khz, int sdram_khz,
                          const std::string& rtl_dir);
+
+// The fastest clock of the board's SDRAM, at most `most_khz`, that its PLL makes beside the core's
+// default one; `most_khz` or the board's most where there is none.
+int sdram_clock(const BoardDescription& board, int most_khz);
+
+// A board.sdram_khz of an SDRAM that the board's PLL cannot make beside the core's default clock.
+std::optional<PlanProblem> clock_problem(const Plan& plan, const BoardDescription& board);
 
 }  // namespace photonloom

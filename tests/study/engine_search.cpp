@@ -16,6 +16,8 @@
 #include "golden/plan/plan_file.hpp"
 #include "golden/planner/resources.hpp"
 #include "golden/unit/photon_gatherer.hpp"
+#include "rtl/generate/clocks.hpp"
+#include "rtl/generate/sources.hpp"
 #include "study/board_room.hpp"
 #include "study/gather_cost.hpp"
 #include "tests/catch.hpp"
@@ -286,13 +288,15 @@ TEST_CASE("beats wider together than in any routed top are no engine for a board
   plan.cache_bytes = 2048;
   plan.lut_ram_words = 64;
   CHECK(engine_misfit(plan, board) ==
-        "needs beats of 1536 bits together, and no top with leaf caches with more than 1152 was "
+        "needs beats of 1536 bits together, and no faster top with leaf caches with more than 1152 "
+        "was "
         "routed");
   plan.cache_bytes = 0;
   CHECK(engine_misfit(plan, board) == "");
   plan.gatherers = 4;
   CHECK(engine_misfit(plan, board) ==
-        "needs beats of 2048 bits together, and no top without leaf caches with more than 1920 was "
+        "needs beats of 2048 bits together, and no faster top without leaf caches with more than "
+        "1920 was "
         "routed");
 }
 
@@ -489,7 +493,39 @@ TEST_CASE("a board without room for one gatherer, and a frame without gathers, s
   board.resources["DP16KD"] = 10;
   CHECK_THROWS_WITH(
       fastest_engine(load.plan, load.map, {}, load.queries, board),
-      Catch::Matchers::StartsWith("--board: no engine fits ulx3s-85f: the smallest needs "));
+      Catch::Matchers::StartsWith("--board: no engine fits ulx3s-85f: the smallest needs ") &&
+          ContainsSubstring(" DP16KD, and ulx3s-85f has 9 for it"));
+  // Of what lacks that which lacks most.
+  CHECK(misfit(BoardNeeds{.lut = 84000, .blocks = 300}, board, {}) ==
+        "needs 300 DP16KD, and ulx3s-85f has 10 for it");
+  board.resources["DP16KD"] = 299;
+  CHECK(misfit(BoardNeeds{.lut = 90000, .blocks = 300}, board, {}) ==
+        "needs 90000 LUT-equivalents, and ulx3s-85f has 83640 for it");
+  CHECK(misfit(BoardNeeds{.lut = 83640, .blocks = 299}, board, {}) == "");
+}
+
+TEST_CASE("an engine before an SDRAM has a clock that its board's PLL makes") {
+  BoardDescription board = predicted_board("ulx3s-85f");
+  board.tops.erase("block_ram");
+  Load load = make_load(8192, 8);
+  load.plan.photon_memory = PhotonMemory::kSdram;
+  load.plan.sdram_khz = 105000;
+  const std::string why =
+      "has board.sdram_khz, which is 105000, expected a board.sdram_khz of for "
+      "example 110000, 100000, ";
+  CHECK_THAT(engine_misfit(load.plan, board), Catch::Matchers::StartsWith(why));
+  const EngineSearch found = fastest_engine(load.plan, load.map, {}, load.queries, board);
+  CHECK_THAT(found.misfit, Catch::Matchers::StartsWith(why));
+  CHECK(found.best.plan.sdram_khz == 100000);
+  CHECK(
+      found.reasons.at("board.sdram_khz") ==
+      "of every engine; ulx3s-85f has 110000 at most, and makes no 105000 beside its core's clock");
+  for (const int most : {50000, 72000, 100000, 105000, 109999, 110000, 133000}) {
+    INFO(most);
+    const int khz = sdram_clock(board, most);
+    CHECK(khz <= std::min(most, board.sdram->clock_khz));
+    CHECK_NOTHROW(board_clocks(board, board.core_khz, khz, default_rtl_dir()));
+  }
 }
 
 TEST_CASE("predicted cycles of engines on block RAM are within 15 % of simulated ones", "[slow]") {
