@@ -23,7 +23,7 @@ from flow.shell import ROOT, Failure, data_lock, field, locked, read_toml, say, 
 from flow.synthesis import Counts, synthesise
 from flow.tables import between, markdown, replace_between
 from flow.tools import Tools, find_tools, require_same
-from flow.typed_json import checked_json, require_fields
+from flow.typed_json import checked_json, require_fields, require_rows
 
 FAST = ROOT / "fpga" / "fast"
 DATA = ROOT / "fpga" / "fast.json"
@@ -249,6 +249,8 @@ def main() -> int:
     board, placer = read_board(goals.board), o.placer or "static"
     if o.check or o.render or o.cycles:
         made = read_data()
+        if o.check:
+            require_rows(DATA, (row["plan"] for row in made["rows"]), names(), "scripts/fpga-fast {}")
         stale = stale_rows(made, board)
         if o.cycles:
             take_cycles(made, stale, checked_json(CYCLES, Bench)["photon_gatherer"])

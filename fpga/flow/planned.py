@@ -28,7 +28,7 @@ from flow.shell import ROOT, Failure, data_lock, field, read_toml, said_json, sa
 from flow.synthesis import Counts
 from flow.tables import between, markdown, replace_between
 from flow.tools import find_tools, nextpnr_is_slow, require_same
-from flow.typed_json import checked_json, require_fields
+from flow.typed_json import checked_json, require_fields, require_rows
 
 DATA = ROOT / "fpga" / "planned.json"
 PAGE = ROOT / "docs" / "planner.md"
@@ -219,6 +219,9 @@ def main() -> int:
     board = read_board(goals.board)
     if o.check or o.render:
         made = read_data()
+        if made and o.check:
+            require_rows(DATA, (row["scene"] for row in made["rows"]), known, "scripts/plan-boards {}")
+            require_planned_alike(made, goals)
         stale = stale_rows(made, board) if made else []
         text = page(made, stale)
         if o.render:

@@ -75,3 +75,11 @@ def require_fields(table: Mapping[str, object], names: Iterable[str], kind: type
     for name in names:
         if name not in table:
             raise Failure(f"{path}: {where}.{name} is missing, expected {expected(kind)}")
+
+
+def require_rows(path: Path, names: Iterable[str], expected: Iterable[str], command: str) -> None:
+    """That there is a row of each name that is expected; `command`, with the name in the place of {}, makes it."""
+    there = set(names)
+    for name in expected:
+        if name not in there:
+            raise Failure(f"{path}: has no row of {name}; {command.format(name)} makes it")

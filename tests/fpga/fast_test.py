@@ -3,12 +3,14 @@
 import contextlib
 import io
 import json
+import sys
 import tempfile
 import unittest
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from unittest import mock
 
+from flow import fast
 from flow.boards import read_board
 from flow.fast import CycleRow, Data, Row, cycles_of, fewer, names, page, rate, slowest, stale_rows, take_cycles, there, verdict
 from flow.goals import FastGoals, fast_goals
@@ -117,6 +119,13 @@ class Fast(unittest.TestCase):
         self.assertEqual(fewer(row("k8", [80.0], 1, 1), row("k8", [80.0, 81.0], 1, 1)), ["MISSED: 1 seeds routed, 2 in the row that this one replaces"])
         self.assertEqual(fewer(row("k8", [80.0], 1, 1), row("k8", [80.0], 1, 1)), [])
         self.assertEqual(fewer(row("k8", [80.0], 1, 1), None), [])
+
+    def test_a_plan_without_a_row_fails_the_check(self) -> None:
+        data = fast.read_data()
+        data["rows"] = data["rows"][1:]
+        with mock.patch.object(fast, "read_data", lambda: data), mock.patch.object(sys, "argv", ["fpga-fast", "--check"]), \
+                self.assertRaisesRegex(Failure, "fast.json: has no row of k8; scripts/fpga-fast k8 makes it"):
+            fast.main()
 
     def test_every_plan_has_its_goals(self) -> None:
         self.assertEqual(names(), ["k8", "narrow_k8", "k16", "narrow_k16", "k50", "narrow_k50"])

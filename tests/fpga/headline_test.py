@@ -15,14 +15,14 @@ from typing import Any
 from unittest import mock
 
 from flow.boards import LUT_EQ, read_board
-from flow.goals import HEADLINE, GainGoals, Growth, ImageGoals, headline_goals
+from flow.goals import HEADLINE, GainGoals, Growth, ImageGoals, headline_goals, headline_names
 from flow.headline import command, images, page, replay, tables, tops
 from flow.headline.command import check_predictions, digests_today, misses, processor
 from flow.headline.data import Cores, Data, ImageTime, Rate, Replay, Row, SdramLoad, merge, read_data
 from flow.headline.images import ON_A_BOARD, image_time, render_options, time_images
 from flow.headline.link import link_of
 from flow.headline.netlist import netlist_digest, plan_digest
-from flow.headline.plans import HeadlinePlan, find_plan, rejected_names, rejected_plan, variant_names, variant_plan, why_rejected
+from flow.headline.plans import HeadlinePlan, base_of, find_plan, rejected_names, rejected_plan, variant_names, variant_plan, why_rejected
 from flow.headline.rows import gatherers_that_fit, rows_of
 from flow.headline.simulation import Bench, Timed, simulate, time_core
 from flow.headline.tops import Routing, Top, prepare, route, route_seed
@@ -119,6 +119,11 @@ class Simulations(Folder):
         again("another clock of the SDRAM", routed(placement(1, 100, 97)))
         self.scene.write_text("another scene")
         again("another scene")
+        self.scene.write_text('<string name="filename" value="m.obj"/>')
+        (self.work / "m.obj").write_text("a mesh")
+        again("a mesh")
+        (self.work / "m.obj").write_text("another mesh")
+        again("another mesh")
         self.plan.path.write_text(PLAN + "# another")
         again("another plan")
         self.bench.throughput.write_text(SIMULATION + "# changed\n")
@@ -198,11 +203,22 @@ class KeptSeeds(Folder):
         self.assertNotIn("unrouted", route(self.top, dataclasses.replace(self.routing, seeds=1)))
 
     def test_other_tools_have_other_results(self) -> None:
-        self.assertNotEqual(tops.top_key("d", {"yosys": "1"}), tops.top_key("d", {"yosys": "2"}))
-        self.assertNotEqual(tops.top_key("d", {"yosys": "1"}), tops.top_key("e", {"yosys": "1"}))
+        key = tops.top_key("d", "--speed 6", {"yosys": "1"})
+        for other in (("d", "--speed 6", {"yosys": "2"}), ("d", "--speed 8", {"yosys": "1"}), ("e", "--speed 6", {"yosys": "1"})):
+            self.assertNotEqual(key, tops.top_key(*other))
+
+    def test_a_file_of_a_seed_that_was_cut_short(self) -> None:
+        self.write("p-key/seed1-static-route6.json", "{}")
+        with self.assertRaisesRegex(Failure, "seed1-static-route6.json: placed is missing, expected "):
+            route_seed(self.top, 1, "static", self.routing)
+
+    def test_seeds_alone_are_told_and_one_without_an_end_is_a_failure(self) -> None:
+        self.assertEqual(command.route_only([self.top], self.routing, 1), 0)
+        self.endless = {4, 6}
+        self.assertEqual(command.route_only([self.top], dataclasses.replace(self.routing, first_seed=4), 1), 2)
 
     def test_a_top_too_large_is_not_routed(self) -> None:
-        self.write("p-key/top.json", json.dumps({"binding": {"resource": "DP16KD", "used": 223, "of": 208}}))
+        self.write("p-key/top.json", json.dumps({"digest": "d", "versions": {}, "resources": {}, "binding": {"resource": "DP16KD", "used": 223, "of": 208}}))
         with self.assertRaisesRegex(Failure, "^p: its board needs 223 DP16KD, the part has 208$"):
             route_seed(self.top, 1, "static", self.routing)
 
@@ -696,6 +712,13 @@ class Page(MadeUp):
         with self.assertRaisesRegex(Failure, r"fpga/headline.json: rows\[1\].plan is README.md, expected one of block_ram_k16, "):
             digests_today(self.data, self.path.parent)
 
+    def test_a_plan_without_rows_fails_the_check(self) -> None:
+        self.data["rows"] = [self.row(plan=name) for name in headline_names()[1:]]
+        with mock.patch.object(command, "read_data", lambda: self.data), mock.patch.object(command, "digests_today", lambda *_: {}), \
+                mock.patch.object(command, "predicted_today", lambda data, _: data), \
+                self.assertRaisesRegex(Failure, f"headline.json: has no row of {headline_names()[0]}; scripts/headline {headline_names()[0]} --page makes it"):
+            command.of_page(False, headline_goals(), self.path.parent)
+
     def test_a_check_makes_no_folder(self) -> None:
         works: list[Path] = []
 
@@ -788,6 +811,14 @@ class Page(MadeUp):
         self.data["rows"].append(self.row(plan=name, rejected="what was said when it was measured"))
         self.assertIn(f"`{name}`: {why_rejected(name)}.\n", self.text())
         self.assertNotIn("what was said", self.text())
+
+    def test_a_rejected_plan_stands_beside_the_one_that_it_was_tried_against(self) -> None:
+        name = rejected_names()[0]
+        base = base_of("rejected", name)
+        for within_mean, cycles in ((False, 8.0), (True, 20.0)):
+            self.data["rows"] += [self.row(plan=base, within_mean=within_mean),
+                                  self.row(plan=name, rejected="r", within_mean=within_mean, cycles_per_gather=cycles)]
+        self.assertIn(f"`{name}`: {why_rejected(name)}. Its rates are 1.25 (no radius) and 0.50 (mean r²) times those of `{base}`.\n", self.text())
 
     def test_rows_that_were_measured_again_take_their_place(self) -> None:
         new = copy.deepcopy(self.data["rows"][1])

@@ -139,7 +139,7 @@ class RoutedAgain(InFolder):
         built.mkdir(parents=True, exist_ok=True)
         for name in (f"{board.top()}.json", f"{board.top()}_seed1_static.bit"):
             (built / name).touch()
-        (self.folder / "top.json").write_text(json.dumps({"binding": {"resource": "FF", "used": 1, "of": 2}}))
+        (self.folder / "top.json").write_text(json.dumps({"digest": "d", "versions": {}, "resources": {}, "binding": {"resource": "FF", "used": 1, "of": 2}}))
 
         def place(*_: object) -> None:
             found.extend(path.name for path in built.glob("*_seed1_*"))

@@ -1,17 +1,19 @@
 # SPDX-License-Identifier: Apache-2.0
 """What is said of the engines that are planned for a board and routed, on made-up figures."""
 import copy
+import sys
 import tempfile
 import unittest
 from pathlib import Path
 from unittest import mock
 
+from flow import planned
 from flow.boards import read_board
 from flow.goals import planned_goals
 from flow.headline.data import Link
 from flow.headline.plans import HeadlinePlan
 from flow.headline.tops import Routing, Top
-from flow.planned import Data, Planned, cells, first_to_end, merged, missed, page, predicted, row_of, stale_rows
+from flow.planned import Data, Planned, cells, first_to_end, merged, missed, page, predicted, read_data, row_of, stale_rows
 from flow.routing import Placement
 from flow.shell import ROOT, Failure
 
@@ -101,6 +103,17 @@ class PlannedEngines(unittest.TestCase):
             path.write_text("[gatherer]\nlanes = 4\n")
             with self.assertRaisesRegex(Failure, "p.toml: board.gatherers is missing, expected a count"):
                 row_of(HeadlinePlan("room", path), said, top, {}, placed, [])
+
+    def test_a_scene_without_a_row_and_other_options_fail_the_check(self) -> None:
+        data = read_data()
+        assert data
+        fewer, other = copy.deepcopy(data), copy.deepcopy(data)
+        gone = fewer["rows"].pop(0)["scene"]
+        other["options"] += ["--k", "50"]
+        for changed, told in ((fewer, f"has no row of {gone}; scripts/plan-boards"), (other, "options is .*, expected ")):
+            with mock.patch.object(planned, "read_data", return_value=changed), mock.patch.object(sys, "argv", ["plan-boards", "--check"]), \
+                    self.assertRaisesRegex(Failure, told):
+                planned.main()
 
     def test_the_goals_name_scenes_that_are_there(self) -> None:
         goals = planned_goals()

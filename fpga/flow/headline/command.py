@@ -9,8 +9,11 @@ without a radius and within the mean r^2 of the queries. Whole images by golden,
 Routed seeds and simulations are kept in build/headline by what they were made from, and are not made again; a run that was
 ended goes on where it was. Writes report.json there; with --page fpga/headline.json and docs/headline.md, which --render
 writes from it again and --check compares with it and with today's RTL. Exit status 1 where a row misses its multiple of one
-core or a clock, its share of its own bound or what it was to gain, or where reordering gains too little; but for rejected plans."""
+core or a clock, its share of its own bound or what it was to gain, or where reordering gains too little; but for rejected plans. With --route-only
+1 where nextpnr does not end with a seed."""
 import argparse
+import hashlib
+import json
 import os
 import tempfile
 from collections.abc import Sequence
@@ -18,24 +21,25 @@ from pathlib import Path
 
 from flow.arguments import LAST_SEED, folder, made_folder, megahertz, refuse_idle, whole
 from flow.boards import read_board
-from flow.goals import HEADLINE, HeadlineGoals, headline_goals
+from flow.goals import HEADLINE, HeadlineGoals, headline_goals, headline_names
 from flow.headline.data import DATA, Data, ImageTime, Link, Replay, Row, merge, of_headline, read_data
 from flow.headline.images import time_images
 from flow.headline.netlist import SHORT, plan_digest
 from flow.headline.page import check_page, images_of, page_texts, report, stale_plans, summary, write_page
 from flow.headline.plans import HeadlinePlan, check_plan_names, check_variants, find_plan, find_plans, known_names
-from flow.headline.replay import replay
+from flow.headline.replay import BOARD_SIM, replay
 from flow.headline.rows import coarse_of, gatherers_that_fit, rows_of
-from flow.headline.simulation import Bench, Simulated, sha256, simulate, time_core
+from flow.headline.simulation import Bench, Simulated, scene_sha256, sha256, simulate, time_core
 from flow.headline.tables import radius_of
 from flow.headline.tops import Routing, Top, prepare, route, route_seed
 from flow.headline.verdict import judge, judge_coarse, judge_gain
 from flow.jobs import each
-from flow.package import describe
+from flow.package import PHOTONLOOM, describe
 from flow.results import Entry
 from flow.routing import PLACERS
-from flow.shell import ROOT, Failure, data_lock, field, read_json, read_text, read_toml, say, warn, write_json
+from flow.shell import ROOT, Failure, data_lock, field, read_text, read_toml, say, warn, write_json
 from flow.tools import find_tools, nextpnr_is_slow
+from flow.typed_json import checked_json, require_rows
 
 
 def processor(path: Path = Path("/proc/cpuinfo")) -> str:
@@ -152,27 +156,28 @@ def check_predictions(data: Data, predicted: Data) -> None:
                           "predicts today; scripts/headline --render writes them")
 
 
-def route_only(tops: list[Top], routing: Routing, jobs: int) -> None:
-    """Each seed of each top, whichever is asked for."""
+def route_only(tops: list[Top], routing: Routing, jobs: int) -> int:
+    """Each seed of each top, whichever is asked for; how many nextpnr does not end with."""
     seeds = range(routing.first_seed, routing.first_seed + routing.seeds)
 
-    def one(job: tuple[Top, int]) -> None:
+    def one(job: tuple[Top, int]) -> bool:
         top, seed = job
         placed = route_seed(top, seed, routing.placer, routing)
         reached = (", ".join(f"{net} {c['achieved']:.1f} of {c['constraint']:g} MHz" for net, c in placed["clocks"].items())
                    if placed else "nextpnr does not end")
         say(f"{top.name}, seed {seed}: {reached}")
+        return placed is not None
 
-    each(jobs, one, [(top, seed) for seed in seeds for top in tops])
+    return each(jobs, one, [(top, seed) for seed in seeds for top in tops]).count(False)
 
 
 def play(plan: HeadlinePlan, goals: HeadlineGoals, work: Path) -> Replay:
-    """The replay of a plan's board, simulated unless that of the same netlist, plan and scene is kept: radii are in no netlist."""
+    """The replay of a plan's board, simulated unless that of the same netlist, plan, scene and programs is kept: radii are in no netlist."""
     digest = plan_digest(plan, read_board(goals.board))
-    kept = work / "replays" / f"{plan.name}-{digest[:SHORT]}-{sha256(plan.path)[:SHORT]}-{sha256(goals.scene)[:SHORT]}.json"
+    of = [digest, sha256(plan.path), scene_sha256(goals.scene), sha256(Path(PHOTONLOOM)), sha256(BOARD_SIM)]
+    kept = work / "replays" / f"{plan.name}-{hashlib.sha256(json.dumps(of).encode()).hexdigest()[:SHORT]}.json"
     if kept.is_file():
-        found: Replay = read_json(kept)
-        return found
+        return checked_json(kept, Replay)
     played = replay(plan, digest, goals.scene, work)
     kept.parent.mkdir(exist_ok=True)
     write_json(kept, played)
@@ -220,6 +225,7 @@ def of_page(render: bool, goals: HeadlineGoals, work: Path) -> None:
         write_json(DATA, data)
         write_page(texts)
     else:
+        require_rows(DATA, (row["plan"] for row in data["rows"]), headline_names(), "scripts/headline {} --page")
         check_predictions(data, predicted)
     check_page(data, goals, today)
     stale = stale_plans(data, today)
@@ -250,8 +256,7 @@ def main() -> int:
     plans = find_plans(o.plans, work)
     tops = [prepare(plan, work, routing) for plan in plans]
     if o.route_only:
-        route_only(tops, routing, o.jobs)
-        return 0
+        return 1 if route_only(tops, routing, o.jobs) else 0
     bench = Bench(work, goals.scene)
 
     def engine(job: tuple[HeadlinePlan, Top]) -> tuple[Entry, Simulated]:

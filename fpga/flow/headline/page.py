@@ -58,12 +58,21 @@ def coarse_text(judged: Judged, rows: Sequence[Row], goals: CoarseGoals, above: 
     return "\n".join(parts)
 
 
+def beside_its_base(name: str, judged: Judged, above: Judged) -> str:
+    """How fast a rejected plan is, where the one that it was tried against was measured too."""
+    base = base_of("rejected", name)
+    rates = {row["within_mean"]: verdict.board for row, verdict in above if row["plan"] == base}
+    times = [f"{verdict.board / rates[row['within_mean']]:.2f} ({radius_of(row, 'no radius')})" for row, verdict in judged
+             if row["plan"] == name and row["within_mean"] in rates]
+    return f" Its rates are {' and '.join(times)} times those of `{base}`." if times else ""
+
+
 def rejected_text(judged: Judged, above: Judged, whole: bool) -> str:
     """Why plans were rejected, and their rows."""
     parts = []
     for name in rejected_names():
         if name in measured(judged):
-            parts.append(f"`{name}`: {why_rejected(name)}.\n")
+            parts.append(f"`{name}`: {why_rejected(name)}.{beside_its_base(name, judged, above)}\n")
         elif whole:
             parts.append(f"`{name}`: not measured; `make headline PLAN={name} HEADLINE_FLAGS=--page` does.\n")
     if judged:

@@ -2,18 +2,20 @@
 """The cycles of a plan's gathers at the clocks that its top reaches, and one core on the same photons and queries.
 
 build/headline/simulations/NAME-KEY has the rows of throughput_gather_cluster and the photons and queries that it drew. KEY is
-made of everything that they come from: netlist, plan, scene, both clocks, program and its options."""
+made of everything that they come from: netlist, plan, scene and its meshes, both clocks, program and its options."""
 import hashlib
 import json
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, TypedDict
 
 from flow.headline.data import Cores, Rate
 from flow.headline.plans import HeadlinePlan
 from flow.results import Entry, core_clocks
-from flow.shell import ROOT, Failure, field, read_json, read_toml, run, say, warn, write_json
+from flow.shell import ROOT, Failure, field, read_json, read_text, read_toml, run, say, warn, write_json
+from flow.typed_json import checked_json
 
 CLOUDS = (".photons", ".queries")
 LEAST_RUNS = 7  # of one core, interleaved
@@ -30,6 +32,13 @@ class Bench:
     options: tuple[str, ...] = ()
 
 
+class Kept(TypedDict):
+    """rows.json. key: what it was made from; clouds: digests of photons and queries."""
+    key: dict[str, Any]
+    clouds: dict[str, str]
+    rows: list[dict[str, Any]]
+
+
 @dataclass(frozen=True)
 class Simulated:
     """folder: where photons and queries lie, as NAME.photons and NAME.queries."""
@@ -43,6 +52,12 @@ def sha256(path: Path) -> str:
         return hashlib.sha256(path.read_bytes()).hexdigest()
     except OSError as error:
         raise Failure(f"{path}: cannot be read: {error.strerror}") from error
+
+
+def scene_sha256(path: Path) -> str:
+    """Of a scene and of the files that it names."""
+    named = re.findall(r'name="filename"\s+value="([^"]*)"', read_text(path))
+    return hashlib.sha256("".join(map(sha256, [path, *(path.parent / name for name in named)])).encode()).hexdigest()
 
 
 def sdram_mhz(entry: Entry) -> float | None:
@@ -62,7 +77,7 @@ def clock_options(entry: Entry) -> list[str]:
 
 def made_from(plan: HeadlinePlan, entry: Entry, bench: Bench) -> dict[str, Any]:
     """Everything that a simulation comes from."""
-    return {"netlist": entry["digest"], "plan": sha256(plan.path), "scene": sha256(bench.scene),
+    return {"netlist": entry["digest"], "plan": sha256(plan.path), "scene": scene_sha256(bench.scene),
             "program": sha256(bench.throughput), "options": [*clock_options(entry), *bench.options]}
 
 
@@ -74,7 +89,7 @@ def simulate(plan: HeadlinePlan, entry: Entry, bench: Bench) -> Simulated:
     kept, written = folder / "rows.json", folder / "written.json"
     clouds = {end: folder / (plan.name + end) for end in CLOUDS}
     if kept.is_file() and all(path.is_file() for path in clouds.values()):
-        before = read_json(kept)
+        before = checked_json(kept, Kept)
         if before["key"] == key and before["clouds"] == {end: sha256(path) for end, path in clouds.items()}:
             return Simulated(plan.name, folder, before["rows"])
     folder.mkdir(parents=True, exist_ok=True)

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Routed tops of the headline's plans, each seed kept apart.
 
-build/headline/tops/NAME-KEY has what belongs to one netlist and one set of tools: the package, top.json with what was
-synthesized, and a file of each seed. KEY is made of both, so that such folders of several checkouts can be copied together
+build/headline/tops/NAME-KEY has what belongs to one netlist, one flow and one set of tools: the package, top.json with what was
+synthesized, and a file of each seed. KEY is made of netlist, flow and tools, so that such folders of several checkouts can be copied together
 and a seed that is there is not routed again."""
 import hashlib
 import json
@@ -20,9 +20,10 @@ from flow.headline.plans import HeadlinePlan
 from flow.package import generate
 from flow.results import Entry, add_placements
 from flow.routing import Placement, forget, place, placements
-from flow.shell import Failure, locked, read_json, say, write_json
+from flow.shell import Failure, locked, read_text, say, write_json
 from flow.synthesis import Binding, Counts, binding, synthesise
 from flow.tools import Tools
+from flow.typed_json import checked_json
 
 
 @dataclass(frozen=True)
@@ -72,12 +73,13 @@ class Seed(TypedDict):
     placed: Placement | None
 
 
-def top_key(digest: str, versions: dict[str, str]) -> str:
-    return hashlib.sha256((digest + json.dumps(versions, sort_keys=True)).encode()).hexdigest()[:16]
+def top_key(digest: str, flow: str, versions: dict[str, str]) -> str:
+    """flow: the package's Makefile, which has part, speed grade and options of the tools."""
+    return hashlib.sha256(json.dumps([digest, flow, versions], sort_keys=True).encode()).hexdigest()[:16]
 
 
 def prepare(plan: HeadlinePlan, work: Path, o: Routing) -> Top:
-    """Generates the package, and keeps it if none of the same netlist and tools is there."""
+    """Generates the package, and keeps it if none of the same netlist, flow and tools is there."""
     (work / "tops").mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(dir=work) as made:
         package = Path(made, "package")
@@ -88,7 +90,8 @@ def prepare(plan: HeadlinePlan, work: Path, o: Routing) -> Top:
             raise Failure(f"{plan.name}, by {asked}: {failure}") from failure
         digest = netlist_digest(package)
         link = link_of(package, 1000 * clock_mhz)
-        top = Top(plan.name, digest, work / "tops" / f"{plan.name}-{top_key(digest, o.tools.versions)}", clock_mhz,
+        key = top_key(digest, read_text(package / "Makefile"), o.tools.versions)
+        top = Top(plan.name, digest, work / "tops" / f"{plan.name}-{key}", clock_mhz,
                   {"baud": link.baud, "down": link.down, "up": link.up}, link.rate)
         with locked(top.lock):
             if not top.package.is_dir():
@@ -101,12 +104,11 @@ def synthesized(top: Top, o: Routing) -> Synthesized:
     kept = top.folder / "top.json"
     with locked(top.lock):
         if kept.is_file():
-            found: Synthesized = read_json(kept)
-            return found
+            return checked_json(kept, Synthesized)
         say(f"{top.name}: synthesis")
         module = o.board.top()
         counts = synthesise(top.package, o.board, module, module, o.tools)
-        found = {"digest": top.digest, "versions": o.tools.versions, "resources": counts, "binding": binding(counts, o.board)}
+        found: Synthesized = {"digest": top.digest, "versions": o.tools.versions, "resources": counts, "binding": binding(counts, o.board)}
         write_json(kept, found)
         return found
 
@@ -120,8 +122,7 @@ def route_seed(top: Top, seed: int, placer: str, o: Routing) -> Placement | None
     kept, netlist = seed_file(top, seed, placer, o.route_speed), o.board.top()
     with locked(kept.with_suffix(".lock")):
         if kept.is_file() and not o.again:
-            said: Seed = read_json(kept)
-            return said["placed"]
+            return checked_json(kept, Seed)["placed"]
         full = synthesized(top, o)["binding"]
         if full["used"] > full["of"]:  # nextpnr would look for places without end
             raise Failure(f"{top.name}: its board needs {full['used']} {full['resource']}, the part has {full['of']}")

@@ -7,7 +7,7 @@ from typing import TypedDict
 from flow.package import digest, generate, lock_of
 from flow.plans.catalogue import Catalogue, facts_of, plan_file
 from flow.routing import place
-from flow.shell import ROOT, Failure, beside, locked, say, write_json
+from flow.shell import ROOT, Failure, beside, locked, read_text, say, write_json
 from flow.synthesis import Counts, synthesise
 from flow.tools import Tools
 from flow.typed_json import checked_json, require_fields
@@ -91,7 +91,8 @@ def measure_in(folder: Path, job: Job, catalogue: Catalogue, tools: Tools, route
     name, unit, board = job["plan"], job["unit"], catalogue.board
     kept = beside(folder, ".json")
     package = generate(plan_file(name), folder, board, unit, versions=tools.versions)
-    key = digest(folder, tools.versions)
+    # Part, speed grade and options of the tools stand in the Makefile.
+    key = digest(folder, {**tools.versions, "Makefile": read_text(folder / "Makefile")})
     found = checked_json(kept, Kept) if kept.is_file() else Kept()
     if found.get("key") != key:
         found = {"key": key}
