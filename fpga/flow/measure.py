@@ -11,7 +11,7 @@ from pathlib import Path
 from flow.arguments import LAST_SEED, check_names, megahertz, refuse_idle, whole
 from flow.boards import BOARDS, FAMILIES, Board, UnknownBoard, board_names, read_board
 from flow.headline.netlist import netlist_digest
-from flow.measured_pages import README, README_BOARD, render, section
+from flow.measured_pages import README, README_BOARD, parts_of, render, section
 from flow.package import UNITS, PackageFacts, describe, digest, generate, lock_of
 from flow.results import Entry, Report, add_placements, clock_name, core_clock, entries_of, missed, missed_clocks, report_folder
 from flow.routing import DEFAULT_PLACER, PLACERS, NoEnd, place, placements
@@ -174,7 +174,7 @@ def parser() -> argparse.ArgumentParser:
     p = argparse.ArgumentParser(prog="fpga", description=__doc__)
     p.add_argument("plan", nargs="?", help="a plan.toml (default: fpga/gatherer.toml, that of make bench-rtl; for up5k "
                                            "the small fpga/up5k.toml; each board.toml names its own)")
-    p.add_argument("--board", default=README_BOARD, help=" or ".join(board_names()))
+    p.add_argument("--board", help=f"{' or '.join(board_names())} (default: {README_BOARD})")
     p.add_argument("--units", help="these alone, separated by commas: photon_gatherer, reorder_buffer, cdf_sampler, "
                                    "board (default: all that the plan has, and the board's top; on a UP5K the reorder buffer)")
     p.add_argument("--seeds", type=whole(1), help="placements of each (default: 3)")
@@ -217,7 +217,7 @@ def options() -> tuple[Options, list[str] | None, dict[Path, str]]:
     o = p.parse_args()
     of_seeds = ("seeds", "first_seed", "route_speed", "placer")
     if nothing := next((f"--{name}" for name in ("tools", "check", "render") if getattr(o, name)), None):
-        refuse_idle(p, o, (*of_seeds, "units", "clock", "synthesis_only", "readme", "page"), nothing, "measure")
+        refuse_idle(p, o, (*of_seeds, "units", "clock", "synthesis_only", "readme", "page") + (() if o.tools else ("board",)), nothing, "measure")
         if o.plan is not None:
             p.error(f"{nothing} is of no plan, expected none")
     if o.clock and (o.readme or o.page):
@@ -226,7 +226,7 @@ def options() -> tuple[Options, list[str] | None, dict[Path, str]]:
         refuse_idle(p, o, of_seeds, "--synthesis-only")
     seeds, first_seed = o.seeds or 3, 1 if o.first_seed is None else o.first_seed
     try:
-        board = read_board(o.board)
+        board = read_board(README_BOARD if o.board is None else o.board)
     except UnknownBoard as unknown:
         p.error(str(unknown))
     ecp5 = board.family is FAMILIES["ecp5"]
@@ -285,7 +285,11 @@ def main() -> int:
     folder = report_folder(o.board, what["hash"])
     folder.mkdir(parents=True, exist_ok=True)
     path = folder / "report.json"
-    read_entries(path)  # what is wrong with it is told before hours
+    kept = {e["name"] for e in read_entries(path)}  # what is wrong with it, or would be lost of a page, is told before hours
+    for page, mark in pages.items():
+        for part in parts_of(page, mark, o.plan):
+            if part not in units and part not in kept:
+                raise UsageError(f"--units: {page} has {part} of this plan and {path} has not, expected it among them")
     new = [measure(o, folder, unit, tools) for unit in units]
     others = [e["name"] for e in read_entries(path) if e["name"] not in units] if asked else []
     today = {name: digest_now(o, folder, name, tools) for name in others} if asked else None

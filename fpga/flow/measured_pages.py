@@ -51,6 +51,12 @@ def netlists_of(said: str) -> dict[str, str]:
     return dict(re.findall(r"(\w+) `([0-9a-f]+)`", said))
 
 
+def parts_of(page: Path, mark: str, plan: Path) -> list[str]:
+    """The parts that a page's table has of this plan."""
+    found = RECORDED.search(between(page, mark))
+    return list(netlists_of(found[2])) if found and (ROOT / found[1]).resolve() == plan.resolve() else []
+
+
 def today_of(text: str, board: Board) -> dict[str, str]:
     """part -> the short digest of its netlist today, of the parts that a section has."""
     if not (found := RECORDED.search(text)):

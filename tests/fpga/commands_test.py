@@ -19,7 +19,7 @@ from flow.plans import command as plans_command, measurements
 from flow.plans.catalogue import read_catalogue
 from flow.results import Entry
 from flow.routing import Placement
-from flow.shell import ROOT, Failure, read_json, said_json, write_json
+from flow.shell import ROOT, Failure, UsageError, read_json, said_json, write_json
 from flow.tools import Tools
 
 PLACED: Placement = {"seed": 1, "placer": "heap", "clocks": {}, "utilization": {}}
@@ -131,6 +131,23 @@ class Reports(Commands):
                 mock.patch.object(measure, "report_folder", return_value=self.folder):
             self.assertEqual(self.run_command(measure, "--units", "reorder_buffer"), 0)
         self.assertEqual([(e["name"], e["resources"]["LUT4"]) for e in read_json(report)["entries"]], [("reorder_buffer", 1), ("cdf_sampler", 2)])
+
+    def test_a_part_that_a_page_would_lose_is_told_before_anything_is_measured(self) -> None:
+        page = self.folder / "page.md"
+        page.write_text("<!-- ulx3s-85f -->\n\nNetlists of `fpga/gatherer.toml`: reorder_buffer `0123`, board `4567`.\n<!-- end of ulx3s-85f -->\n")
+        write_json(self.folder / "report.json", {"board": "ulx3s-85f", "plan": "0123", "versions": {}, "entries": [entry("board", "c")]})
+        with mock.patch.object(measure, "find_tools", return_value=TOOLS), mock.patch.object(measure, "measure", side_effect=AssertionError), \
+                mock.patch.object(measure, "describe", return_value={"hash": "0123", "units": ["cdf_sampler", "reorder_buffer"]}), \
+                mock.patch.object(measure, "report_folder", return_value=self.folder):
+            with self.assertRaisesRegex(UsageError, "^--units: .*page.md has reorder_buffer of this plan and .*report.json has not, expected it among them$"):
+                self.run_command(measure, "--units", "cdf_sampler", "--page", str(page))
+            for units in ("cdf_sampler,reorder_buffer", "reorder_buffer"):
+                with self.subTest(units), self.assertRaises(AssertionError):
+                    self.run_command(measure, "--units", units, "--page", str(page))
+
+    def test_pages_alone_are_of_every_board(self) -> None:
+        for option in ("--check", "--render"):
+            self.refused(f"--board is of what is measured, and {option} measures nothing", measure, option, "--board", "up5k")
 
     def test_what_did_not_route_says_nothing_of_routing(self) -> None:
         board = read_board("arty-a7-100t")

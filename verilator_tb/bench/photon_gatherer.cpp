@@ -319,6 +319,16 @@ void run_case(const GatherCase& c, const Plan& bench_plan, const RunOptions& opt
         "unit {}: counts {} lines found in the cache and {} fetched, expected the {} leaves' in "
         "all",
         context.unit, counted.at("cache hits"), counted.at("cache misses"), due.at("leaves")));
+  // What enters a list was a candidate, and candidates are photons of the leaves.
+  if (const auto candidates = counted.find("candidates"); candidates != counted.end()) {
+    const uint64_t most = due.at("leaves") * static_cast<uint64_t>(plan.bucket);
+    if (candidates->second < due.at("insertions") ||
+        (!plan.compressed() && candidates->second > most))
+      throw std::runtime_error(fmt::format(
+          "unit {}: counts {} candidates, expected at least the {} that entered lists and at most "
+          "the {} photons of the leaves",
+          context.unit, candidates->second, due.at("insertions"), most));
+  }
   // A query has one subtree, and each node divides one: all end as leaves or are dropped.
   if (counted.contains("dropped") && plan.leaf_limit == 0 && global.lines > 0 &&
       caustic.lines > 0 && !in.reload &&
