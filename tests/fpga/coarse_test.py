@@ -10,7 +10,7 @@ from flow.goals import CoarseGoals, headline_goals
 from flow.headline import page, tables
 from flow.headline.data import Coarse, Row, of_headline
 from flow.headline.formats import formats_relmse
-from flow.headline.plans import VARIANTS, HeadlinePlan, check_variants, clock_of, coarse_names, coarse_plan, find_plan, known_names
+from flow.headline.plans import VARIANTS, HeadlinePlan, check_variants, clock_of, coarse_names, coarse_plan, find_plan, known_names, why_rejected
 from flow.headline.rows import photon_bytes
 from flow.headline.verdict import judge_coarse
 from flow.shell import ROOT, Failure, field, read_toml
@@ -127,7 +127,7 @@ class Plans(unittest.TestCase):
                                ("[variant.block_ram_k1]", "[variant.sdram_k8]", "variant.sdram_k8 is the name of another plan too, expected each name once"),
                                ("[variant.block_ram_k1]", "[variant.sdram_k8_coarse]", "coarse.sdram_k8_coarse is the name of another plan too, "),
                                ('base = "sdram_k50"', 'base = "sdram_k51"', "rejected.sdram_k50_candidates2.base is sdram_k51, expected one of block_ram_k16, "),
-                               ("why = \"fewer queries in flight keep its SDRAM busy for less of the time; slower\"", 'why = ""',
+                               (f'why = "{why_rejected("sdram_k16_contexts16")}"', 'why = ""',
                                 "rejected.sdram_k16_contexts16.why is empty, expected why it"),
                                ("why = ", "because = ", "rejected.sdram_k16_contexts16.why is missing, expected why it"),
                                ("shows = ", "tells = ", "variant.block_ram_k1.shows is missing, expected what it shows"),
