@@ -100,7 +100,7 @@ struct SdramOfBoard {
   bool shared_nodes;
   int refreshes_ahead;
 };
-constexpr SdramOfBoard kSdramK8{110000, false, 0}, kSdramK16{100000, true, 255},
+constexpr SdramOfBoard kSdramK8{110000, true, 255}, kSdramK16{100000, true, 255},
     kSdramK50{110000, false, 255};
 
 // What the command line's plans are: a memory and a k each, with as many gatherers as nextpnr finds
@@ -116,8 +116,9 @@ constexpr SdramOfBoard kSdramK8{110000, false, 0}, kSdramK16{100000, true, 255},
 // queries it serves. A pool of 16 places less than its memories have words wastes none of them.
 // Where a query visits many leaves, 16 contexts hide what a leaf takes from there if leaves are
 // few and large. With k = 16, where the SDRAM binds, 32 contexts hide more of it, with node
-// memories that are shared to make room for them. The clock of the SDRAM is one that the routed
-// top reaches and, with that of its core, one PLL makes. Bins of 0: no reorder buffer.
+// memories that are shared to make room for them; at k = 8 that room is the pool's. The clock of
+// the SDRAM is one that the routed top reaches and, with that of its core, one PLL makes. Bins of
+// 0: no reorder buffer.
 struct PlanOfBoard {
   const char* name;
   PhotonMemory memory;
@@ -133,7 +134,7 @@ constexpr PlanOfBoard kPlans[] = {
      32, 1024},
     {"block_ram_k50", PhotonMemory::kBlockRam, 16384, 50, 4, 16, 1, 1, 1, 16, 4, 384, 0, 2032, 0,
      48, 32, 512},
-    {"sdram_k8", PhotonMemory::kSdram, 65536, 8, 3, 16, 1, 1, 1, 8, 4, 384, 256, 11248, 1024, 48,
+    {"sdram_k8", PhotonMemory::kSdram, 65536, 8, 3, 16, 1, 1, 1, 8, 4, 384, 256, 13296, 1024, 48,
      64, 512, kSdramK8},
     {"sdram_k16", PhotonMemory::kSdram, 65536, 16, 3, 32, 1, 1, 1, 8, 4, 384, 256, 11248, 512, 48,
      64, 512, kSdramK16},
