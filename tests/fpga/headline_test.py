@@ -91,7 +91,7 @@ class Folder(unittest.TestCase):
 class Simulations(Folder):
     def setUp(self) -> None:
         super().setUp()
-        self.scene = self.write("scene.xml", "a scene")
+        self.scene = self.write("scene.xml", "<scene/>")
         self.plan = HeadlinePlan("p", self.write("p.toml", PLAN))
         self.bench = Bench(self.work, self.scene, self.write("throughput", SIMULATION), self.write("core", CORE))
         for program in (self.bench.throughput, self.bench.core):
@@ -117,9 +117,9 @@ class Simulations(Folder):
         again("another clock", routed(placement(1, 99)))
         again("another netlist", routed(placement(1), digest="e"))
         again("another clock of the SDRAM", routed(placement(1, 100, 97)))
-        self.scene.write_text("another scene")
+        self.scene.write_text("<scene><!-- another --></scene>")
         again("another scene")
-        self.scene.write_text('<string name="filename" value="m.obj"/>')
+        self.scene.write_text('<scene><string value="m.obj" name="filename"/></scene>')
         (self.work / "m.obj").write_text("a mesh")
         again("a mesh")
         (self.work / "m.obj").write_text("another mesh")

@@ -289,15 +289,13 @@ TEST_CASE("beats wider together than in any routed top are no engine for a board
   plan.lut_ram_words = 64;
   CHECK(engine_misfit(plan, board) ==
         "needs beats of 1536 bits together, and no faster top with leaf caches with more than 1152 "
-        "was "
-        "routed");
+        "was routed");
   plan.cache_bytes = 0;
   CHECK(engine_misfit(plan, board) == "");
   plan.gatherers = 4;
   CHECK(engine_misfit(plan, board) ==
         "needs beats of 2048 bits together, and no faster top without leaf caches with more than "
-        "1920 was "
-        "routed");
+        "1920 was routed");
 }
 
 TEST_CASE("the limits of an engine's wires are those of the headline's widest of three or more") {

@@ -125,7 +125,6 @@ std::vector<BenchPlan> plans() {
     p.cache_bytes = 5 * p.line_bytes() * 4;
     p.cache_misses = 8;
   });
-  // Lists of whole keys beside several trees, whose ends meet at one sum with two reciprocals.
   // Lists without codes of many contexts: beats of which no pair is kept pass those that wait.
   add("many_behind", [](Plan& p) {
     p.k = 16;
@@ -133,6 +132,7 @@ std::vector<BenchPlan> plans() {
     p.lanes = p.bucket / 2;
     p.cache_bytes = 64 * p.line_bytes();
   });
+  // Lists of whole keys beside several trees, whose ends meet at one sum with two reciprocals.
   add("one_sum", [](Plan& p) {
     p.k = 8;
     p.contexts = 24;

@@ -5,16 +5,16 @@ build/headline/simulations/NAME-KEY has the rows of throughput_gather_cluster an
 made of everything that they come from: netlist, plan, scene and its meshes, both clocks, program and its options."""
 import hashlib
 import json
-import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypedDict
+from xml.etree import ElementTree
 
 from flow.headline.data import Cores, Rate
 from flow.headline.plans import HeadlinePlan
 from flow.results import Entry, core_clocks
-from flow.shell import ROOT, Failure, field, read_json, read_text, read_toml, run, say, warn, write_json
+from flow.shell import ROOT, Failure, field, read_json, read_toml, run, say, warn, write_json
 from flow.typed_json import checked_json
 
 CLOUDS = (".photons", ".queries")
@@ -56,8 +56,11 @@ def sha256(path: Path) -> str:
 
 def scene_sha256(path: Path) -> str:
     """Of a scene and of the files that it names."""
-    named = re.findall(r'name="filename"\s+value="([^"]*)"', read_text(path))
-    return hashlib.sha256("".join(map(sha256, [path, *(path.parent / name for name in named)])).encode()).hexdigest()
+    try:
+        named = [path.parent / text.get("value", "") for text in ElementTree.parse(path).iter("string") if text.get("name") == "filename"]
+    except (OSError, ElementTree.ParseError) as error:
+        raise Failure(f"{path}: cannot be read: {error}") from error
+    return hashlib.sha256("".join(map(sha256, [path, *named])).encode()).hexdigest()
 
 
 def sdram_mhz(entry: Entry) -> float | None:
