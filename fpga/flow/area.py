@@ -1,9 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """Whether the units grew: their size on the small plan fpga/area.toml, by synth_ecp5 of the Yosys on PATH, beside
-fpga/baseline.json, which has a section for each version of Yosys. The irradiance cache is of the same plan with a cache. Exit status 1 where a resource is more than 3 % over
-its baseline, 77 (skipped) where this version has none, unless it is the version that CI runs."""
+fpga/baseline.json, which has a section for each version of Yosys. The irradiance cache is of the same plan with a cache. A unit is
+mapped several times, and its size is the median: how many LUTs Yosys takes for the same netlist follows the numbers that it gives
+names, and any name more moves them. Exit status 1 where a resource is more than 3 % over its baseline, 77 (skipped) where this
+version has none, unless it is the version that CI runs."""
 import argparse
 import os
+import statistics
 import tempfile
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -13,6 +16,7 @@ from typing import Any
 from flow.arguments import check_names
 from flow.boards import FAMILIES
 from flow.goals import area_goals
+from flow.jobs import each
 from flow.package import PHOTONLOOM, UNITS, describe, set_options
 from flow.shell import ROOT, Failure, first_line, read_text, run, say, write_json
 from flow.synthesis import Counts, counts_of
@@ -39,16 +43,41 @@ def compare(unit: str, counts: Mapping[str, int], baseline: Mapping[str, int], l
     return grown, shrunk
 
 
-def measure(unit: str, yosys: str) -> Counts:
-    """Counts of one unit on the plan; of one that it lacks, on the plan with an irradiance cache."""
+def measure(unit: str, yosys: str, runs: int, jobs: int) -> list[Counts]:
+    """Counts of one unit on the plan, of each run; of a unit that it lacks, on the plan with an irradiance cache."""
     with tempfile.TemporaryDirectory() as folder:
         package = Path(folder, "hw")
         settings = [] if unit in describe(PLAN)["units"] else ["cache.present=true"]
         run([PHOTONLOOM, "generate", str(PLAN), *set_options(settings), "--unit", unit, "-o", str(package)])
         files = " ".join(read_text(package / "files.f").split())
-        run([yosys, "-q", "-p", f"read_verilog -sv {files}; synth_ecp5 -top {unit}; tee -q -o stat.json stat -json"],
-            cwd=package)
-        return counts_of(package / "stat.json", FAMILY, unit)
+
+        def one(names: int) -> Counts:
+            (package / f"names{names}.v").write_text(names_before(names))
+            said = f"stat{names}.json"
+            run([yosys, "-q", "-p", f"read_verilog -sv names{names}.v {files}; synth_ecp5 -top {unit}; tee -q -o {said} stat -json"],
+                cwd=package)
+            return counts_of(package / said, FAMILY, unit)
+
+        return each(jobs, one, range(runs))
+
+
+def names_before(names: int) -> str:
+    """A module that nothing uses, with so many names of its own, to be read before the unit: those of the unit get other numbers."""
+    return "module names_before;" + "".join(f" wire name_{n};" for n in range(names)) + " endmodule\n"
+
+
+def median_of(runs: Sequence[Counts]) -> Counts:
+    """Of each resource by itself, the lower one of two in the middle."""
+    return {name: statistics.median_low(counts[name] for counts in runs) for name in runs[0]}
+
+
+def ranges_of(runs: Sequence[Counts]) -> str:
+    """The median of each resource, and from where to where it went."""
+    said = []
+    for name, median in median_of(runs).items():
+        least, most = min(counts[name] for counts in runs), max(counts[name] for counts in runs)
+        said.append(f"{name} {median}" + (f" ({least} to {most})" if least != most else ""))
+    return ", ".join(said)
 
 
 @dataclass(frozen=True)
@@ -89,9 +118,9 @@ class Section:
 
 
 def counted(unit: str, yosys: str) -> Counts:
-    counts = measure(unit, yosys)
-    say(f"{unit}: " + ", ".join(f"{name} {number}" for name, number in counts.items()))
-    return counts
+    runs = measure(unit, yosys, area_goals().runs, len(os.sched_getaffinity(0)))
+    say(f"{unit}: {ranges_of(runs)}")
+    return median_of(runs)
 
 
 def main() -> int:

@@ -15,9 +15,11 @@ MEMORIES = ("block_ram", "sdram")  # board.photon_memory of a plan
 
 @dataclass(frozen=True)
 class AreaGoals:
-    """growth: share of its baseline by which a resource may grow. ci_yosys: the version that must have a baseline."""
+    """growth: share of its baseline by which a resource may grow. ci_yosys: the version that must have a baseline. runs: of Yosys, whose median
+    is a unit's size."""
     growth: float
     ci_yosys: str
+    runs: int
 
 
 @dataclass(frozen=True)
@@ -141,7 +143,8 @@ def planned_goals(path: Path = GOALS) -> PlannedGoals:
 def area_goals(path: Path = GOALS) -> AreaGoals:
     said = read_toml(path)
     return AreaGoals(field(said, path, "area.growth", (int, float), "a share"),
-                     field(said, path, "area.ci_yosys", str, "a version of Yosys"))
+                     field(said, path, "area.ci_yosys", str, "a version of Yosys"),
+                     count(said, path, "area.runs"))
 
 
 def gain_goals(said: dict[str, Any], path: Path) -> GainGoals:

@@ -2,7 +2,7 @@
 """When a unit counts as grown."""
 import unittest
 
-from flow.area import FAMILY, compare
+from flow.area import FAMILY, compare, median_of, names_before, ranges_of
 from flow.goals import area_goals
 
 
@@ -27,6 +27,18 @@ class AreaCheck(unittest.TestCase):
 
     def test_shrinking_is_told(self) -> None:
         self.assertEqual(self.check(DPR16X4=30), ([], ["unit: DPR16X4 40 -> 30 (-25.0 %)"]))
+
+    def test_the_size_is_the_median_of_each_resource(self) -> None:
+        runs = [{"LUT4": lut, "FF": ff} for lut, ff in ((9, 1), (7, 2), (8, 3), (70, 2), (6, 2))]
+        self.assertEqual(median_of(runs), {"LUT4": 8, "FF": 2})
+        self.assertEqual(median_of(runs[:2]), {"LUT4": 7, "FF": 1})  # a size that was measured
+
+    def test_how_far_the_runs_are_apart_is_told(self) -> None:
+        self.assertEqual(ranges_of([{"LUT4": 9, "FF": 2}, {"LUT4": 7, "FF": 2}, {"LUT4": 8, "FF": 2}]), "LUT4 8 (7 to 9), FF 2")
+
+    def test_names_that_nothing_uses(self) -> None:
+        self.assertEqual(names_before(0), "module names_before; endmodule\n")
+        self.assertEqual(names_before(2), "module names_before; wire name_0; wire name_1; endmodule\n")
 
 
 if __name__ == "__main__":
