@@ -1,9 +1,18 @@
 # SPDX-License-Identifier: Apache-2.0
 """When a unit counts as grown."""
+import tempfile
 import unittest
+from pathlib import Path
 
-from flow.area import FAMILY, compare, median_of, names_before, ranges_of
+from flow.area import FAMILY, compare, measure, median_of, names_before, ranges_of
 from flow.goals import area_goals
+
+# Yosys that counts a LUT for each wire of the file that it reads first.
+YOSYS = """#!/bin/sh
+first=$(printf '%s' "$3" | sed 's/read_verilog -sv \\([^ ]*\\) .*/\\1/')
+said=$(printf '%s' "$3" | sed 's/.*-o \\([^ ]*\\) stat.*/\\1/')
+printf '{"modules": {"%s": {"num_cells_by_type": {"LUT4": %d}}}}' '\\\\reorder_buffer' "$(grep -o wire "$first" | wc -l)" >"$said"
+"""
 
 
 class AreaCheck(unittest.TestCase):
@@ -39,6 +48,13 @@ class AreaCheck(unittest.TestCase):
     def test_names_that_nothing_uses(self) -> None:
         self.assertEqual(names_before(0), "module names_before; endmodule\n")
         self.assertEqual(names_before(2), "module names_before; wire name_0; wire name_1; endmodule\n")
+
+    def test_each_run_reads_other_names_before_the_unit(self) -> None:
+        with tempfile.TemporaryDirectory() as folder:
+            yosys = Path(folder, "yosys")
+            yosys.write_text(YOSYS)
+            yosys.chmod(0o755)
+            self.assertEqual([counts["LUT4"] for counts in measure("reorder_buffer", str(yosys), 4, 2)], [0, 1, 2, 3])
 
 
 if __name__ == "__main__":
