@@ -142,7 +142,10 @@ def planned_goals(path: Path = GOALS) -> PlannedGoals:
 
 def area_goals(path: Path = GOALS) -> AreaGoals:
     said = read_toml(path)
-    return AreaGoals(field(said, path, "area.growth", (int, float), "a share"),
+    growth: float = field(said, path, "area.growth", (int, float), "a share of at least 0, below 1")
+    if not 0 <= growth < 1:  # nor nan, beside which nothing would be more
+        raise Failure(f"{path}: area.growth is {growth}, expected a share of at least 0, below 1")
+    return AreaGoals(growth,
                      field(said, path, "area.ci_yosys", str, "a version of Yosys"),
                      count(said, path, "area.runs"))
 

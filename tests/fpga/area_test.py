@@ -6,6 +6,7 @@ from pathlib import Path
 
 from flow.area import FAMILY, compare, measure, median_of, names_before, ranges_of
 from flow.goals import area_goals
+from flow.shell import Failure
 
 # Yosys that counts a LUT for each wire of the file that it reads first.
 YOSYS = """#!/bin/sh
@@ -48,6 +49,14 @@ class AreaCheck(unittest.TestCase):
     def test_names_that_nothing_uses(self) -> None:
         self.assertEqual(names_before(0), "module names_before; endmodule\n")
         self.assertEqual(names_before(2), "module names_before; wire name_0; wire name_1; endmodule\n")
+
+    def test_a_growth_that_nothing_exceeds_is_refused(self) -> None:
+        with tempfile.TemporaryDirectory() as folder:
+            goals = Path(folder, "goals.toml")
+            for growth in ("nan", "inf", "1.0", "-0.01"):
+                goals.write_text(f'[area]\ngrowth = {growth}\nci_yosys = "0.23"\nruns = 5\n')
+                with self.assertRaisesRegex(Failure, f"^{goals}: area.growth is {growth}, expected a share of at least 0, below 1$"):
+                    area_goals(goals)
 
     def test_each_run_reads_other_names_before_the_unit(self) -> None:
         with tempfile.TemporaryDirectory() as folder:
